@@ -14,7 +14,11 @@ fn main() -> Result<(), Box<dyn Error>> {
     let surface = Surface::new(&Ggx, MaskingShadowing::Separable, 0.3, f0, [n, v]);
     let pixel = integrate(&light, &surface, TOLERANCE);
     for (term, radiance) in [("specular", pixel.specular), ("diffuse", pixel.diffuse)] {
-        println!("{term}: {:.6} within {:.1e}", radiance.value, radiance.error.max_element());
+        println!(
+            "{term}: {:.6} within {:.1e}",
+            radiance.value,
+            radiance.error.max_element()
+        );
     }
     Ok(())
 }

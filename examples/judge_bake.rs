@@ -1,4 +1,5 @@
-//! Judges the tables of a bake: `cargo run --example judge_bake -- MAP FILES...`; without arguments, its own bake.
+//! Judges the tables of a bake: `cargo run --example judge_bake -- MAP FILES...`; without
+//! arguments, its own bake.
 
 use splitsum::bakes::check::Judging;
 use splitsum::bakes::convention::Preset;
@@ -15,11 +16,21 @@ fn main() -> Result<(), Box<dyn Error>> {
     let folder = tempfile::tempdir()?;
     if files.is_empty() {
         files.push(folder.path().display().to_string());
-        make(&Making::new(Preset::listed("bevy"), &environment, 32), folder.path())?;
+        make(
+            &Making::new(Preset::listed("bevy"), &environment, 32),
+            folder.path(),
+        )?;
     }
     let bake = read(&files, Reading::default())?;
     let judged = Judging::stated(&bake.stated)?.judge(&environment, &bake, |_| ())?;
-    judged.levels.iter().enumerate().for_each(|(k, level)| println!("level {k}: {}", level.verdict));
-    judged.dfg.iter().for_each(|table| println!("DFG table: {}", table.verdict));
+    judged
+        .levels
+        .iter()
+        .enumerate()
+        .for_each(|(k, level)| println!("level {k}: {}", level.verdict));
+    judged
+        .dfg
+        .iter()
+        .for_each(|table| println!("DFG table: {}", table.verdict));
     Ok(())
 }

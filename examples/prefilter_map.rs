@@ -1,4 +1,5 @@
-//! Prefilters a map for an engine and saves it: `cargo run --example prefilter_map -- [MAP] [ENGINE] [FOLDER]`.
+//! Prefilters a map for an engine and saves it: `cargo run --example prefilter_map -- [MAP]
+//! [ENGINE] [FOLDER]`.
 
 use splitsum::bakes::convention::Preset;
 use splitsum::bakes::make::{Making, make};
@@ -20,6 +21,9 @@ fn main() -> Result<(), Box<dyn Error>> {
             level.name, level.side, level.alpha, level.relmse
         );
     }
-    baked.files.iter().for_each(|file| println!("{}", file.display()));
+    baked
+        .files
+        .iter()
+        .for_each(|file| println!("{}", file.display()));
     Ok(())
 }

@@ -1,4 +1,5 @@
-//! Looks up where the split sum should look: direction, level and weight of the taps of a GGX surface.
+//! Looks up where the split sum should look: direction, level and weight of the taps of a GGX
+//! surface.
 
 use splitsum::brdf::{Ggx, MaskingShadowing};
 use splitsum::precompute::dfg::reference::dfg;

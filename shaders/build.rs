@@ -1,4 +1,5 @@
-//! The build script. The feature `gpu` needs compiled shaders ([`compile`]); without it there is nothing to do.
+//! The build script. The feature `gpu` needs compiled shaders ([`compile`]); without it there is
+//! nothing to do.
 
 #[cfg(feature = "gpu")]
 mod compile;

@@ -1,6 +1,8 @@
-//! Compiles every shader to SPIR-V and writes the definitions shared with Rust (see `src/glsl/source.rs`) as GLSL.
+//! Compiles every shader to SPIR-V and writes the definitions shared with Rust (see
+//! `src/glsl/source.rs`) as GLSL.
 //!
-//! Entry points in `page/` are the report's and include the same libraries; the program writes them as GLSL ES 3.00.
+//! Entry points in `page/` are the report's and include the same libraries; the program writes them
+//! as GLSL ES 3.00.
 
 use source::{Choice, Language, PAGE_FOLDER, Sources, compile};
 use std::collections::BTreeMap;
@@ -11,18 +13,41 @@ use std::{env, fs, io};
 #[path = "../src/glsl/constants.rs"]
 mod constants;
 #[path = "../src/glsl/layout.rs"]
-#[allow(dead_code, reason = "the structs are for the crate; only their description is read here")]
+#[allow(
+    dead_code,
+    reason = "the structs are for the crate; only their description is read here"
+)]
 mod layout;
 #[path = "../src/glsl/source.rs"]
 #[allow(dead_code, reason = "methods in files need it, in the crate")]
 mod source;
 
-/// Files and folders of `src` that no device result depends on: processing of results, and the f64 twins. Tables and
-/// references on disk stay valid only if nothing else changes.
+/// Files and folders of `src` that no device result depends on: processing of results, and the f64
+/// twins. Tables and references on disk stay valid only if nothing else changes.
 const HOST_EXCLUDED: [&str; 23] = [
-    "bakes/check/judge.rs", "bakes/check/scores.rs", "main.rs", "cli", "cost", "ladder", "pipeline/frames.rs",
-    "pipeline/ladder.rs", "pipeline/shader_check.rs", "figure", "report", "study", "view", "experiment", "run",
-    "oracle", "metrics", "table", "tonemap", "shade/method", "shade/diffuse", "shade/twin.rs", "shade/reference.rs",
+    "bakes/check/judge.rs",
+    "bakes/check/scores.rs",
+    "main.rs",
+    "cli",
+    "cost",
+    "ladder",
+    "pipeline/frames.rs",
+    "pipeline/ladder.rs",
+    "pipeline/shader_check.rs",
+    "figure",
+    "report",
+    "study",
+    "view",
+    "experiment",
+    "run",
+    "oracle",
+    "metrics",
+    "table",
+    "tonemap",
+    "shade/method",
+    "shade/diffuse",
+    "shade/twin.rs",
+    "shade/reference.rs",
 ];
 
 pub fn main() {
@@ -42,24 +67,42 @@ fn build() -> Result<(), String> {
     let root = PathBuf::from("shaders");
     let out = PathBuf::from(env::var_os("OUT_DIR").ok_or("OUT_DIR is not set")?);
     let mut sources = Sources(shader_texts(&root)?);
-    let methods: Vec<_> = sources.0.iter().flat_map(|(path, text)| methods_of(path, text)).collect();
+    let methods: Vec<_> = sources
+        .0
+        .iter()
+        .flat_map(|(path, text)| methods_of(path, text))
+        .collect();
     sources.0.extend(methods);
-    sources.0.insert("generated/constants.glsl".into(), constants_text());
-    sources.0.insert("generated/layout.glsl".into(), layout_text());
+    sources
+        .0
+        .insert("generated/constants.glsl".into(), constants_text());
+    sources
+        .0
+        .insert("generated/layout.glsl".into(), layout_text());
 
     let mut table = String::from("pub static SHADERS: &[(&str, &[u8])] = &[\n");
-    for entry in sources.entries().filter(|entry| !entry.starts_with(PAGE_FOLDER)) {
+    for entry in sources
+        .entries()
+        .filter(|entry| !entry.starts_with(PAGE_FOLDER))
+    {
         for (name, choice) in sources.permutations(entry, &Choice::new())? {
             let text = sources.expand(entry, &choice, Language::Vulkan)?;
             let spirv = compile(entry, &text).map_err(|log| format!("{name}: {log}"))?;
             let file = out.join(format!("{}.spv", name.replace(['/', ':', '.'], "_")));
             let bytes: Vec<u8> = spirv.iter().flat_map(|word| word.to_ne_bytes()).collect();
             fs::write(&file, bytes).map_err(|e| format!("{}: {e}", file.display()))?;
-            writeln!(table, "    ({name:?}, include_bytes!({:?})),", file.display().to_string())
-                .expect("a String takes all");
+            writeln!(
+                table,
+                "    ({name:?}, include_bytes!({:?})),",
+                file.display().to_string()
+            )
+            .expect("a String takes all");
         }
     }
-    table.push_str("];\n/// The text of every shader by its path.\npub static SHADER_TEXTS: &[(&str, &str)] = &[\n");
+    table.push_str(
+        "];\n/// The text of every shader by its path.\npub static SHADER_TEXTS: \
+                    &[(&str, &str)] = &[\n",
+    );
     for (path, text) in sources.0.iter().filter(|(path, _)| !path.ends_with(".rs")) {
         writeln!(table, "    ({path:?}, {text:?}),").expect("a String takes all");
     }
@@ -68,32 +111,44 @@ fn build() -> Result<(), String> {
     fs::write(out.join("shaders.rs"), table).map_err(|e| format!("shaders.rs: {e}"))
 }
 
-/// Writes the names of the host's files around the shaders, and one hash of them and of the versions of all crates.
+/// Writes the names of the host's files around the shaders, and one hash of them and of the
+/// versions of all crates.
 fn host_text() -> Result<String, String> {
     let (mut found, mut open) = (Vec::new(), vec![PathBuf::from("src")]);
     while let Some(folder) = open.pop() {
         for path in files(&folder).map_err(|e| format!("{}: {e}", folder.display()))? {
-            let name = path.strip_prefix("src").map_err(|e| e.to_string())?.to_string_lossy().replace('\\', "/");
+            let name = path
+                .strip_prefix("src")
+                .map_err(|e| e.to_string())?
+                .to_string_lossy()
+                .replace('\\', "/");
             if HOST_EXCLUDED.contains(&name.as_str()) {
                 continue;
             } else if path.is_dir() {
                 open.push(path);
             } else {
                 println!("cargo::rerun-if-changed={}", path.display());
-                found.push((name, fs::read(&path).map_err(|e| format!("{}: {e}", path.display()))?));
+                found.push((
+                    name,
+                    fs::read(&path).map_err(|e| format!("{}: {e}", path.display()))?,
+                ));
             }
         }
     }
     found.sort();
     let names: Vec<&str> = found.iter().map(|(name, _)| name.as_str()).collect();
     let mut text = format!(
-        "/// Files of src that results of the device depend on.\npub static HOST_FILES: &[&str] = &{names:?};\n"
+        "/// Files of src that results of the device depend on.\npub static HOST_FILES: &[&str] = \
+         &{names:?};\n"
     );
     let lock = fs::read("Cargo.lock").unwrap_or_default();
     found.push(("Cargo.lock".into(), lock));
     let mut hasher = blake3::Hasher::new();
     for (name, bytes) in &found {
-        hasher.update(name.as_bytes()).update(&(bytes.len() as u64).to_le_bytes()).update(bytes);
+        hasher
+            .update(name.as_bytes())
+            .update(&(bytes.len() as u64).to_le_bytes())
+            .update(bytes);
     }
     writeln!(
         text,
@@ -136,7 +191,8 @@ fn shader_texts(root: &Path) -> Result<BTreeMap<String, String>, String> {
             if path.is_dir() {
                 open.push(path);
             } else if let Ok(name) = path.strip_prefix(root) {
-                let text = fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
+                let text =
+                    fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
                 found.insert(name.to_string_lossy().replace('\\', "/"), text);
             }
         }
@@ -144,9 +200,13 @@ fn shader_texts(root: &Path) -> Result<BTreeMap<String, String>, String> {
     Ok(found)
 }
 
-/// Makes a file of `shade/method/` for each method in a file's `#pragma methods` line: it defines the name in capitals.
+/// Makes a file of `shade/method/` for each method in a file's `#pragma methods` line: it defines
+/// the name in capitals.
 fn methods_of(path: &str, text: &str) -> Vec<(String, String)> {
-    let names = text.lines().filter_map(|line| line.strip_prefix("#pragma methods ")).flat_map(str::split_whitespace);
+    let names = text
+        .lines()
+        .filter_map(|line| line.strip_prefix("#pragma methods "))
+        .flat_map(str::split_whitespace);
     let stems = names.map(|name| name.replace('-', "_"));
     stems
         .map(|stem| {
@@ -157,5 +217,7 @@ fn methods_of(path: &str, text: &str) -> Vec<(String, String)> {
 }
 
 fn files(folder: &Path) -> io::Result<Vec<PathBuf>> {
-    fs::read_dir(folder)?.map(|entry| Ok(entry?.path())).collect()
+    fs::read_dir(folder)?
+        .map(|entry| Ok(entry?.path()))
+        .collect()
 }

@@ -7,25 +7,40 @@ pub const REC709_LUMINANCE: [f64; 3] = [0.2126, 0.7152, 0.0722];
 
 /// Luminance of linear Rec.709, in the unit of its channels.
 pub fn luminance(rgb: [f32; 3]) -> f64 {
-    rgb.iter().zip(REC709_LUMINANCE).map(|(&channel, weight)| f64::from(channel) * weight).sum()
+    rgb.iter()
+        .zip(REC709_LUMINANCE)
+        .map(|(&channel, weight)| f64::from(channel) * weight)
+        .sum()
 }
 
 /// Encodes linear [0, 1] as an sRGB signal [0, 1] \[Srgb99\]. Clamps; NaN gives 0.
 pub fn srgb_encode(linear: f32) -> f32 {
     // In f32 1.055 - 0.055 is not 1.
-    let linear = if linear.is_nan() { 0.0 } else { f64::from(linear.clamp(0.0, 1.0)) };
+    let linear = if linear.is_nan() {
+        0.0
+    } else {
+        f64::from(linear.clamp(0.0, 1.0))
+    };
     srgb_curve(linear) as f32
 }
 
 /// The curve of [`srgb_encode`], which goes on above 1.
 pub fn srgb_curve(linear: f64) -> f64 {
-    if linear <= 0.003_130_8 { 12.92 * linear } else { 1.055 * linear.powf(1.0 / 2.4) - 0.055 }
+    if linear <= 0.003_130_8 {
+        12.92 * linear
+    } else {
+        1.055 * linear.powf(1.0 / 2.4) - 0.055
+    }
 }
 
 /// Decodes an sRGB signal; inverse of [`srgb_encode`].
 pub fn srgb_decode(signal: f32) -> f32 {
     let signal = f64::from(signal);
-    let linear = if signal <= 0.040_45 { signal / 12.92 } else { ((signal + 0.055) / 1.055).powf(2.4) };
+    let linear = if signal <= 0.040_45 {
+        signal / 12.92
+    } else {
+        ((signal + 0.055) / 1.055).powf(2.4)
+    };
     linear as f32
 }
 
@@ -55,7 +70,8 @@ pub const RADIANCE: Chromaticities = Chromaticities {
 };
 
 impl Chromaticities {
-    /// Returns the matrix to CIE XYZ; white has Y = 1. `None` if the primaries span no triangle or the white is outside.
+    /// Returns the matrix to CIE XYZ; white has Y = 1. `None` if the primaries span no triangle or
+    /// the white is outside.
     pub fn to_xyz(&self) -> Option<DMat3> {
         let xyz = |xy: DVec2| DVec3::new(xy.x, xy.y, 1.0 - xy.x - xy.y);
         let primaries = DMat3::from_cols(xyz(self.red), xyz(self.green), xyz(self.blue));
@@ -65,7 +81,8 @@ impl Chromaticities {
         (amounts.min_element() > 0.0).then(|| primaries * DMat3::from_diagonal(amounts))
     }
 
-    /// Returns the matrix to linear Rec.709, white to white (Bradford adaptation \[Lam85\]); `None` as [`Chromaticities::to_xyz`].
+    /// Returns the matrix to linear Rec.709, white to white (Bradford adaptation \[Lam85\]); `None`
+    /// as [`Chromaticities::to_xyz`].
     pub fn to_rec709(&self) -> Option<DMat3> {
         let bradford = DMat3::from_cols_array_2d(&[
             [0.8951, -0.7502, 0.0389],
@@ -84,15 +101,22 @@ impl Chromaticities {
         let matrix = self.to_rec709();
         warnings.push(match matrix {
             Some(_) => format!("The colours were converted from the header's {name} to Rec.709."),
-            None => format!("The header's {name} span no colour space; the colours were taken as Rec.709."),
+            None => format!(
+                "The header's {name} span no colour space; the colours were taken as Rec.709."
+            ),
         });
         matrix
     }
 
     /// Whether no coordinate differs by more than 0.001, as files round.
     pub fn is_close_to(&self, other: &Self) -> bool {
-        [(self.red, other.red), (self.green, other.green), (self.blue, other.blue), (self.white, other.white)]
-            .iter()
-            .all(|(a, b)| (*a - *b).abs().max_element() <= 1e-3)
+        [
+            (self.red, other.red),
+            (self.green, other.green),
+            (self.blue, other.blue),
+            (self.white, other.white),
+        ]
+        .iter()
+        .all(|(a, b)| (*a - *b).abs().max_element() <= 1e-3)
     }
 }

@@ -30,8 +30,14 @@ pub fn read_text(path: &Path, most_bytes: u64) -> Result<String> {
 
 /// Reads a regular file, or a pipe that the shell opened: standard input or `<(command)`.
 pub fn read_given(path: &Path, most_bytes: u64) -> Result<Vec<u8>> {
-    let is_open = ["/dev/stdin", "/dev/fd", "/proc/self/fd"].iter().any(|place| path.starts_with(place));
-    if is_open { read_at_most(File::open(path)?, most_bytes) } else { read_regular(path, most_bytes) }
+    let is_open = ["/dev/stdin", "/dev/fd", "/proc/self/fd"]
+        .iter()
+        .any(|place| path.starts_with(place));
+    if is_open {
+        read_at_most(File::open(path)?, most_bytes)
+    } else {
+        read_regular(path, most_bytes)
+    }
 }
 
 fn read_at_most(file: File, most_bytes: u64) -> Result<Vec<u8>> {
@@ -43,28 +49,41 @@ fn read_at_most(file: File, most_bytes: u64) -> Result<Vec<u8>> {
     }
     let mut bytes = Vec::new();
     bytes.try_reserve_exact(length as usize).map_err(|_| {
-        Error::new(ErrorKind::OutOfMemory, format!("no memory for its {} MiB", length.div_ceil(1 << 20)))
+        Error::new(
+            ErrorKind::OutOfMemory,
+            format!("no memory for its {} MiB", length.div_ceil(1 << 20)),
+        )
     })?;
     file.take(most_bytes + 1).read_to_end(&mut bytes)?;
-    if bytes.len() as u64 > most_bytes { Err(too_large()) } else { Ok(bytes) }
+    if bytes.len() as u64 > most_bytes {
+        Err(too_large())
+    } else {
+        Ok(bytes)
+    }
 }
 
-/// Resolves a name that a file gives for another in its folder; a downloaded file must not reach files elsewhere.
+/// Resolves a name that a file gives for another in its folder; a downloaded file must not reach
+/// files elsewhere.
 pub fn inside(folder: &Path, name: &str) -> std::result::Result<PathBuf, String> {
     let slashes = name.replace('\\', "/");
-    let is_inside =
-        Path::new(&slashes).components().all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
+    let is_inside = Path::new(&slashes)
+        .components()
+        .all(|part| matches!(part, Component::Normal(_) | Component::CurDir));
     if is_inside {
         Ok(folder.join(name))
     } else {
-        Err(format!("{name:?} lies outside the file's folder; move it there"))
+        Err(format!(
+            "{name:?} lies outside the file's folder; move it there"
+        ))
     }
 }
 
 /// Lists the names in a folder, sorted; empty if it cannot be read.
 pub fn names_in(dir: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(dir).into_iter().flatten().flatten();
-    let mut names: Vec<String> = entries.map(|entry| entry.file_name().to_string_lossy().into_owned()).collect();
+    let mut names: Vec<String> = entries
+        .map(|entry| entry.file_name().to_string_lossy().into_owned())
+        .collect();
     names.sort();
     names
 }
@@ -78,15 +97,26 @@ pub fn holds(path: &Path, content: &[u8]) -> bool {
 /// Hashes a regular file, in hexadecimal.
 pub fn content_hash(path: &Path) -> Result<String> {
     let mut hasher = blake3::Hasher::new();
-    Ok(hasher.update_reader(open_regular(path)?)?.finalize().to_hex().to_string())
+    Ok(hasher
+        .update_reader(open_regular(path)?)?
+        .finalize()
+        .to_hex()
+        .to_string())
 }
 
-/// Returns the path `to` from the folder `from`, with `/` on every system; absolute if there is no relative path.
+/// Returns the path `to` from the folder `from`, with `/` on every system; absolute if there is no
+/// relative path.
 pub fn relative(from: &Path, to: &Path) -> String {
     let whole = |path: &Path| {
-        let path = if path.as_os_str().is_empty() { Path::new(".") } else { path };
+        let path = if path.as_os_str().is_empty() {
+            Path::new(".")
+        } else {
+            path
+        };
         // Missing files are reported when opened.
-        std::fs::canonicalize(path).or_else(|_| std::path::absolute(path)).unwrap_or_else(|_| path.to_owned())
+        std::fs::canonicalize(path)
+            .or_else(|_| std::path::absolute(path))
+            .unwrap_or_else(|_| path.to_owned())
     };
     // A link keeps its own place.
     let to = match (to.is_file(), to.parent(), to.file_name()) {
@@ -94,12 +124,23 @@ pub fn relative(from: &Path, to: &Path) -> String {
         _ => whole(to),
     };
     let from = whole(from);
-    let common = from.components().zip(to.components()).take_while(|(a, b)| a == b).count();
+    let common = from
+        .components()
+        .zip(to.components())
+        .take_while(|(a, b)| a == b)
+        .count();
     if common == 0 {
         return to.display().to_string();
     }
     let up = from.components().skip(common).map(|_| "..".to_owned());
-    let down = to.components().skip(common).map(|part| part.as_os_str().to_string_lossy().into_owned());
+    let down = to
+        .components()
+        .skip(common)
+        .map(|part| part.as_os_str().to_string_lossy().into_owned());
     let parts: Vec<String> = up.chain(down).collect();
-    if parts.is_empty() { ".".to_owned() } else { parts.join("/") }
+    if parts.is_empty() {
+        ".".to_owned()
+    } else {
+        parts.join("/")
+    }
 }

@@ -1,13 +1,16 @@
 //! splitsum measures how wrong the split-sum approximation of image-based lighting is.
 //!
-//! The modules follow the path of the data: environment, precompute, gbuffer, shade, tonemap, metrics, table.
+//! The modules follow the path of the data: environment, precompute, gbuffer, shade, tonemap,
+//! metrics, table.
 //!
 //! # Features
 //!
-//! Without features the crate computes on the CPU, in f64: [`environment`] loads a map, [`precompute`] prefilters it and makes tables,
-//! [`shade::reference`] integrates a pixel, [`bakes`] writes and judges the tables of engines, [`oracle`] answers tables of queries.
+//! Without features the crate computes on the CPU, in f64: [`environment`] loads a map,
+//! [`precompute`] prefilters it and makes tables, [`shade::reference`] integrates a pixel,
+//! [`bakes`] writes and judges the tables of engines, [`oracle`] answers tables of queries.
 //!
-//! - `gpu` (default) renders on a Vulkan device: scenes, passes, the pipeline. It builds glslang, which is C++, and implies `exr`.
+//! - `gpu` (default) renders on a Vulkan device: scenes, passes, the pipeline. It builds glslang,
+//!   which is C++, and implies `exr`.
 //! - `cli` (default) has experiments, runs, reports and the program `splitsum`. It implies `gpu`.
 //! - `exr` reads and writes OpenEXR; without it Radiance, KTX, KTX 2, DDS and PNG remain.
 //! - `view` has the window of `splitsum view`. It implies `cli`.

@@ -17,7 +17,12 @@ pub fn nearest<'n>(wrong: &str, names: &[&'n str]) -> Option<&'n str> {
         .iter()
         .take(NAMES_COMPARED)
         .filter(is_as_long)
-        .map(|name| (strsim::normalized_damerau_levenshtein(&wrong.to_lowercase(), name), *name))
+        .map(|name| {
+            (
+                strsim::normalized_damerau_levenshtein(&wrong.to_lowercase(), name),
+                *name,
+            )
+        })
         .filter(|(similarity, _)| *similarity >= 0.5)
         .max_by(|a, b| a.0.total_cmp(&b.0))
         .map(|(_, name)| name)
@@ -53,7 +58,8 @@ pub trait Listed: 'static {
     }
 }
 
-/// Implements [`Listed`] for slice entries with a field `name` (and their own `by_name`), or for an enum's variants.
+/// Implements [`Listed`] for slice entries with a field `name` (and their own `by_name`), or for an
+/// enum's variants.
 macro_rules! listed {
     ($entry:ty, $what:literal, $list:path $(, $($by_name:tt)+)?) => {
         impl crate::spelling::Listed for $entry {
@@ -91,7 +97,9 @@ pub(crate) use listed;
 
 pub fn capitalised(text: &str) -> String {
     let mut letters = text.chars();
-    letters.next().map_or_else(String::new, |first| first.to_uppercase().chain(letters).collect())
+    letters.next().map_or_else(String::new, |first| {
+        first.to_uppercase().chain(letters).collect()
+    })
 }
 
 /// Writes a name in words: `level_mapping` as "Level mapping".
@@ -101,13 +109,24 @@ pub fn in_words(name: &str) -> String {
 
 /// Writes "a camera", "an axis".
 pub fn with_article(what: &str) -> String {
-    format!("{} {what}", if what.starts_with(['a', 'e', 'i', 'o', 'u']) { "an" } else { "a" })
+    format!(
+        "{} {what}",
+        if what.starts_with(['a', 'e', 'i', 'o', 'u']) {
+            "an"
+        } else {
+            "a"
+        }
+    )
 }
 
 /// Reports an unlisted name with the nearest one, or with the expected names.
 pub fn not_one_of(what: &str, text: &str, names: &[&str], or: &str) -> String {
     let near = suggestion(text, names);
-    let hint = if near.is_empty() { format!("; expected {or}{}", expected(what, names)) } else { near };
+    let hint = if near.is_empty() {
+        format!("; expected {or}{}", expected(what, names))
+    } else {
+        near
+    };
     format!("{text:?} is not {}{hint}", with_article(what))
 }
 
@@ -134,20 +153,21 @@ pub fn suggestion(wrong: &str, names: &[&str]) -> String {
 
 /// Escapes control and bidirectional characters, which a terminal would obey.
 pub fn printable(text: &str) -> String {
-    text.chars().fold(String::with_capacity(text.len()), |mut shown, c| {
-        if c.is_control() || TURNS.contains(&c) {
-            shown.extend(c.escape_default())
-        } else {
-            shown.push(c)
-        }
-        shown
-    })
+    text.chars()
+        .fold(String::with_capacity(text.len()), |mut shown, c| {
+            if c.is_control() || TURNS.contains(&c) {
+                shown.extend(c.escape_default())
+            } else {
+                shown.push(c)
+            }
+            shown
+        })
 }
 
 /// Invisible characters that change the order of others (UAX 9, section 2).
 const TURNS: [char; 12] = [
-    '\u{061c}', '\u{200e}', '\u{200f}', '\u{202a}', '\u{202b}', '\u{202c}', '\u{202d}', '\u{202e}', '\u{2066}',
-    '\u{2067}', '\u{2068}', '\u{2069}',
+    '\u{061c}', '\u{200e}', '\u{200f}', '\u{202a}', '\u{202b}', '\u{202c}', '\u{202d}', '\u{202e}',
+    '\u{2066}', '\u{2067}', '\u{2068}', '\u{2069}',
 ];
 
 /// Printed digits of a value.
@@ -155,12 +175,20 @@ const DIGITS: usize = 4;
 
 /// Shortens a number: `0.223606797749979` to 0.2236. Other text is unchanged.
 pub fn short_number(text: &str) -> Cow<'_, str> {
-    let Some(number) = text.parse::<f64>().ok().filter(|number| number.is_finite()) else { return text.into() };
+    let Some(number) = text.parse::<f64>().ok().filter(|number| number.is_finite()) else {
+        return text.into();
+    };
     if text.parse::<i64>().is_ok() {
         return text.into();
     }
     // The exponent form counts significant digits.
-    let rounded: f64 = format!("{number:.*e}", DIGITS - 1).parse().unwrap_or(number);
+    let rounded: f64 = format!("{number:.*e}", DIGITS - 1)
+        .parse()
+        .unwrap_or(number);
     let short = rounded.to_string();
-    if short.len() < text.len() { short.into() } else { text.into() }
+    if short.len() < text.len() {
+        short.into()
+    } else {
+        text.into()
+    }
 }

@@ -1,6 +1,7 @@
 //! The native part of the Python package `splitsum`, whose interface is in `package/splitsum`.
 //!
-//! Arguments are checked there, except for the checks that the library makes. All work is done without the GIL.
+//! Arguments are checked there, except for the checks that the library makes. All work is done
+//! without the GIL.
 
 mod arrays;
 mod scores;

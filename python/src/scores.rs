@@ -25,7 +25,8 @@ pub fn kind_columns(kind: String) -> PyResult<Vec<&'static str>> {
     Ok([columns.required, columns.optional].concat())
 }
 
-/// Answers a table of queries in CSV; returns the names of the answer's columns and its numbers, a row each.
+/// Answers a table of queries in CSV; returns the names of the answer's columns and its numbers, a
+/// row each.
 #[pyfunction]
 pub fn integrate<'py>(
     py: Python<'py>,
@@ -44,7 +45,8 @@ pub fn integrate<'py>(
         let answers = queries.answer(Tolerance { relative: tolerance, ..TOLERANCE }, || ());
         match answers.not_finite.first() {
             Some(row) => {
-                Err(format!("the answer to row {} is not finite: a cosine or width too small for f64", row - 1))
+                Err(format!("the answer to row {} is not finite: a cosine or width too small for \
+                             f64", row - 1))
             }
             None => Ok(answers),
         }
@@ -81,7 +83,8 @@ pub fn check_bake(
     let environment = match source {
         Some(source) => source.environment(py)?,
         None if bake.specular.is_some() || bake.irradiance.is_some() || bake.sh.is_some() => {
-            return Err(value_error("environment: maps and SH need the map that they were baked from"));
+            return Err(value_error("environment: maps and SH need the map that they were baked \
+                                    from"));
         }
         // The light does not reach a DFG table.
         None => Environment::open("builtin:constant").map_err(value_error)?,

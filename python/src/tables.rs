@@ -56,7 +56,8 @@ pub fn level_alphas(mapping: String, levels: i64) -> PyResult<Vec<f64>> {
     Ok((0..levels).map(|level| mapping.alpha_from_mip(level.into(), levels)).collect())
 }
 
-/// Prefilters a map for several widths, each level half the size of the one before; faces are below each other.
+/// Prefilters a map for several widths, each level half the size of the one before; faces are below
+/// each other.
 #[pyfunction]
 pub fn prefilter<'py>(
     py: Python<'py>,
@@ -74,7 +75,8 @@ pub fn prefilter<'py>(
     if width.min(height) < least || texels > TEXELS_MAX || layout.is_square && width != height {
         let square = if layout.is_square { "square faces, " } else { "" };
         return Err(value_error(format!(
-            "size: {width}x{height}; expected {square}{least} or more texels a side and at most {TEXELS_MAX} in all"
+            "size: {width}x{height}; expected {square}{least} or more texels a side and at most \
+             {TEXELS_MAX} in all"
         )));
     }
     let environment = source.environment(py)?;
@@ -165,7 +167,8 @@ pub fn lookup_taps<'py>(
     let size = [width as u32, height as u32];
     let count = TapCount::ALL.into_iter().find(|count| TapTable::size(*count) == size && channels == 4);
     let count = count.ok_or_else(|| {
-        value_error(format!("table: its shape is ({height}, {width}, {channels}); expected a table of splitsum.taps"))
+        value_error(format!("table: its shape is ({height}, {width}, {channels}); expected a table \
+                             of splitsum.taps"))
     })?;
     let texels = table.as_array().iter().copied().collect::<Vec<f32>>();
     let table = TapTable { texels: Pixels::new(size[0], size[1], texels.as_chunks().0.to_vec()) };
@@ -178,7 +181,8 @@ pub fn lookup_taps<'py>(
     shaped(py, values, vec![views.len(), count as usize, 3])
 }
 
-/// Fits taps to the lobe of one view: place, level, alpha and weight of each, their objective and the textbook's.
+/// Fits taps to the lobe of one view: place, level, alpha and weight of each, their objective and
+/// the textbook's.
 #[pyfunction]
 pub fn fit_taps<'py>(
     py: Python<'py>,

@@ -1,5 +1,5 @@
-// Beckmann distribution with Walter's rational Smith masking. Every file in brdf/ defines the same functions.
-// Vectors are local (n is +z); alpha is the microfacet width in [ALPHA_MIN, 1].
+// Beckmann distribution with Walter's rational Smith masking. Every file in brdf/ defines the same
+// functions. Vectors are local (n is +z); alpha is the microfacet width in [ALPHA_MIN, 1].
 
 #include "lib/gaussian.glsl"
 #include "lib/sampling.glsl"
@@ -22,7 +22,8 @@ float g1_brdf(float n_dot_w, float alpha) {
     return g1_smith_rational(n_dot_w, alpha);
 }
 
-// The exact Smith masking: n_dot_w over the visible area. Relative error below 5e-7. [Walter07 eq. 26]
+// The exact Smith masking: n_dot_w over the visible area. Relative error below 5e-7. [Walter07 eq.
+// 26]
 float g1_exact_brdf(float n_dot_w, float alpha) {
     if (n_dot_w <= 0.0) {
         return 0.0;
@@ -78,8 +79,9 @@ VisibleNormals visible_normals_brdf(vec3 v_local, vec2 width) {
     return VisibleNormals(along, v_local.z, sin_theta, end, area, 1.0 - erfc_precise(end), exponent, width);
 }
 
-// Slopes along and across v: the first has density (cos - t sin) exp(-t^2) up to `end`, the other is Gaussian
-// [HeitzDeon14]. The first is inverted by Halley's method from the fit of [Jakob14]; three steps leave rounding.
+// Slopes along and across v: the first has density (cos - t sin) exp(-t^2) up to `end`, the other
+// is Gaussian [HeitzDeon14]. The first is inverted by Halley's method from the fit of [Jakob14];
+// three steps leave rounding.
 VisibleSample sample_visible_normal(VisibleNormals normals, vec4 point) {
     float cos_theta = normals.cos_theta;
     float sin_theta = normals.sin_theta;

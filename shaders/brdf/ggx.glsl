@@ -1,5 +1,5 @@
-// GGX (Trowbridge-Reitz) distribution with its exact Smith masking. Every file in brdf/ defines the same functions.
-// Vectors are local (n is +z); alpha is the microfacet width in [ALPHA_MIN, 1].
+// GGX (Trowbridge-Reitz) distribution with its exact Smith masking. Every file in brdf/ defines the
+// same functions. Vectors are local (n is +z); alpha is the microfacet width in [ALPHA_MIN, 1].
 
 #include "lib/bounded_cap.glsl"
 #include "lib/sampling.glsl"
@@ -20,7 +20,8 @@ float g1_exact_brdf(float n_dot_w, float alpha) {
     return g1_brdf(n_dot_w, alpha);
 }
 
-// Half vector with density D(h) n_dot_h: cos^2 = (1 - u) / (1 + (alpha^2 - 1) u). [Walter07 eq. 35, 36]
+// Half vector with density D(h) n_dot_h: cos^2 = (1 - u) / (1 + (alpha^2 - 1) u). [Walter07 eq. 35,
+// 36]
 LobeSample sample_lobe_brdf(vec4 point, float alpha) {
     float alpha2 = alpha * alpha;
     float k = 1.0 + (alpha2 - 1.0) * point.x;

@@ -1,5 +1,6 @@
-// Phong distribution, exponent = 2 / alpha^2 - 2, with Walter's rational Smith masking. Every file in brdf/ defines the
-// same functions. Vectors are local (n is +z); alpha is the microfacet width in [ALPHA_MIN, 1].
+// Phong distribution, exponent = 2 / alpha^2 - 2, with Walter's rational Smith masking. Every file
+// in brdf/ defines the same functions. Vectors are local (n is +z); alpha is the microfacet width
+// in [ALPHA_MIN, 1].
 
 #include "lib/bounded_cap.glsl"
 #include "lib/incomplete_beta.glsl"
@@ -7,7 +8,8 @@
 #include "lib/smith_rational.glsl"
 #include "lib/visible_ggx.glsl"
 
-// D(h), 1/sr: (exponent + 2) / 2 pi cos^exponent, written with alpha and ln(1 - sin^2). [Walter07 eq. 30]
+// D(h), 1/sr: (exponent + 2) / 2 pi cos^exponent, written with alpha and ln(1 - sin^2). [Walter07
+// eq. 30]
 float d_brdf(vec3 h_local, float alpha) {
     if (h_local.z <= 0.0) {
         return 0.0;
@@ -19,13 +21,15 @@ float d_brdf(vec3 h_local, float alpha) {
     return inv_alpha2 / PI * exp((inv_alpha2 - 1.0) * log_cos2);
 }
 
-// Smith masking G1 at cosine n_dot_w: sqrt(exponent / 2 + 1) is 1 / alpha. [Walter07 eq. 27, section 5.2]
+// Smith masking G1 at cosine n_dot_w: sqrt(exponent / 2 + 1) is 1 / alpha. [Walter07 eq. 27,
+// section 5.2]
 float g1_brdf(float n_dot_w, float alpha) {
     return g1_smith_rational(n_dot_w, alpha);
 }
 
 // The exact Smith masking of this distribution, derived in src/brdf/phong.rs: with N = 1 / alpha^2,
-// cos / (cos (1 - I / 2) + Gamma(N + 1/2) / (sqrt(pi) Gamma(N)) sin^2N / (2 N - 1)). Relative error below 1e-6.
+// cos / (cos (1 - I / 2) + Gamma(N + 1/2) / (sqrt(pi) Gamma(N)) sin^2N / (2 N - 1)). Relative error
+// below 1e-6.
 float g1_exact_brdf(float n_dot_w, float alpha) {
     if (n_dot_w <= 0.0) {
         return 0.0;
@@ -37,7 +41,8 @@ float g1_exact_brdf(float n_dot_w, float alpha) {
     return n_dot_w / (n_dot_w * (1.0 - 0.5 * incomplete_beta_half(alpha2, log_sin2)) + grazing);
 }
 
-// Half vector of density D(h) n_dot_h: cos = (1 - u)^(1 / (exponent + 2)) = exp(-alpha^2 w / 2). [Walter07 eq. 31, 32]
+// Half vector of density D(h) n_dot_h: cos = (1 - u)^(1 / (exponent + 2)) = exp(-alpha^2 w / 2).
+// [Walter07 eq. 31, 32]
 LobeSample sample_lobe_brdf(vec4 point, float alpha) {
     float alpha2 = alpha * alpha;
     float x = 0.5 * alpha2 * point.w;

@@ -1,7 +1,9 @@
-// The camera of src/scene/camera.rs from push constants. Camera space: x right, y up, z along the view, eye at 0.
+// The camera of src/scene/camera.rs from push constants. Camera space: x right, y up, z along the
+// view, eye at 0.
 #include "generated/layout.glsl"
 
-// World to camera space. The eye is subtracted first: far from the origin a 4x4 matrix would lose digits.
+// World to camera space. The eye is subtracted first: far from the origin a 4x4 matrix would lose
+// digits.
 vec3 camera_from_world(GbufferParams camera, vec3 position_world) {
     vec3 p = position_world - camera.eye.xyz;
     return vec3(dot(camera.right.xyz, p), dot(camera.up.xyz, p), dot(camera.forward.xyz, p));
@@ -18,7 +20,8 @@ vec4 clip_from_camera(GbufferParams camera, vec3 p) {
     return vec4(p.x / camera.right.w, -p.y / camera.up.w, camera.forward.w * p.z + camera.depth_offset, w);
 }
 
-// The ray through `pixel` (gl_FragCoord.xy, so centres end in .5) in camera space; the direction is not a unit vector.
+// The ray through `pixel` (gl_FragCoord.xy, so centres end in .5) in camera space; the direction is
+// not a unit vector.
 void camera_ray(GbufferParams camera, vec2 pixel, out vec3 origin, out vec3 direction) {
     vec2 size = vec2(camera.width, camera.height);
     // 2 pixel - size is exact in f32, so each coordinate is rounded twice only.

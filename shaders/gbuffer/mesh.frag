@@ -1,6 +1,6 @@
-// The g-buffer texels of one mesh, shaded on both sides. Set 0: binding 1 materials, 2 albedo map, 3 metallic map
-// (blue), 4 roughness map (green), 5 normal map (1x1 that changes nothing without one; trilinear). Push constants:
-// GbufferParams. Front faces are counter-clockwise.
+// The g-buffer texels of one mesh, shaded on both sides. Set 0: binding 1 materials, 2 albedo map,
+// 3 metallic map (blue), 4 roughness map (green), 5 normal map (1x1 that changes nothing without
+// one; trilinear). Push constants: GbufferParams. Front faces are counter-clockwise.
 #include "generated/constants.glsl"
 #include "gbuffer/surface.glsl"
 
@@ -21,8 +21,8 @@ layout(location = 1) out vec4 normal_alpha;
 layout(location = 2) out vec4 albedo_metallic;
 layout(location = 3) out vec4 f0_material;
 
-// Looks up a map at the level whose texels are as wide as the longer step to a neighbouring pixel. Drivers may round
-// their own levels; the twin cannot.
+// Looks up a map at the level whose texels are as wide as the longer step to a neighbouring pixel.
+// Drivers may round their own levels; the twin cannot.
 vec4 looked_up(sampler2D map, vec2 uv, vec2 across, vec2 down) {
     vec2 size = vec2(textureSize(map, 0));
     across *= size;
@@ -52,7 +52,8 @@ void main() {
         material.f0_alpha.a = material.tangent.z * strength;
     }
     vec3 n = normalize(from_tangent_frame(mapped, tangent, normal_world));
-    // Winding and normals agree (scene::Mesh): a back face is one whose normal points to the far side.
+    // Winding and normals agree (scene::Mesh): a back face is one whose normal points to the far
+    // side.
     GbufferTexels texels = gbuffer_texels(position_world, gl_FrontFacing ? n : -n, material, camera.material);
     position_mask = texels.position_mask;
     normal_alpha = texels.normal_alpha;

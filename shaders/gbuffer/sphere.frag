@@ -1,5 +1,5 @@
-// The g-buffer texels of one sphere if the ray through the pixel's centre hits it; misses are discarded.
-// Set 0: binding 0 spheres, binding 1 materials. Push constants: GbufferParams.
+// The g-buffer texels of one sphere if the ray through the pixel's centre hits it; misses are
+// discarded. Set 0: binding 0 spheres, binding 1 materials. Push constants: GbufferParams.
 #include "gbuffer/camera.glsl"
 #include "gbuffer/intersect.glsl"
 #include "gbuffer/surface.glsl"

@@ -22,7 +22,8 @@ void main() {
     }
     vec2 low = vec2(x[0], y[0]) / vec2(camera.right.w, camera.up.w);
     vec2 high = vec2(x[1], y[1]) / vec2(camera.right.w, camera.up.w);
-    // One pixel more on each side, so that rounding never cuts a rim pixel; never more than the image.
+    // One pixel more on each side, so that rounding never cuts a rim pixel; never more than the
+    // image.
     vec2 pixel = 2.0 / vec2(camera.width, camera.height);
     low = clamp(low - pixel, vec2(-1.0), vec2(1.0));
     high = clamp(high + pixel, vec2(-1.0), vec2(1.0));

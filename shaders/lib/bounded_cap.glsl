@@ -1,6 +1,8 @@
-// Visible normals of GGX within the cap that reflects above the horizon (sampled-vndf). [EtoTokuyoshi23]
+// Visible normals of GGX within the cap that reflects above the horizon (sampled-vndf).
+// [EtoTokuyoshi23]
 
-// The cap of the stretched sphere that holds every direction which leaves above the horizon. [EtoTokuyoshi23]
+// The cap of the stretched sphere that holds every direction which leaves above the horizon.
+// [EtoTokuyoshi23]
 struct BoundedCap {
     vec3 v_standard;
     float height;
@@ -10,7 +12,8 @@ struct BoundedCap {
     float pdf_over_d;
 };
 
-// It ends at z = -k v_standard.z; the density is D / (2 (k n_dot_v + length of stretched v)). [EtoTokuyoshi23 eq. 5, 8]
+// It ends at z = -k v_standard.z; the density is D / (2 (k n_dot_v + length of stretched v)).
+// [EtoTokuyoshi23 eq. 5, 8]
 BoundedCap bounded_cap(vec3 v_local, vec2 width) {
     vec3 stretched = vec3(width * v_local.xy, v_local.z);
     float length_v = length(stretched);

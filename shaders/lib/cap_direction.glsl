@@ -1,7 +1,8 @@
 // A direction of a lobe without a table; docs/paste.md prints this file.
 
-// The mirror direction about the mean visible normal; for alpha above 0.4 it goes over to Frostbite's direction. share: B / (f0 A + B),
-// the share of the lobe that every f0 reflects, which lies closer to r.
+// The mirror direction about the mean visible normal; for alpha above 0.4 it goes over to
+// Frostbite's direction. share: B / (f0 A + B), the share of the lobe that every f0 reflects, which
+// lies closer to r.
 vec3 cap_direction(vec3 n, vec3 v, float n_dot_v, float alpha, float share) {
     vec3 r = reflect(-v, n);
     vec3 tangential = v - n_dot_v * n;

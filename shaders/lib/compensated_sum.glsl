@@ -1,4 +1,5 @@
-// Sums of many floats with the error of one: the low part dropped by each addition is kept. [Knuth97 section 4.2.2]
+// Sums of many floats with the error of one: the low part dropped by each addition is kept.
+// [Knuth97 section 4.2.2]
 
 struct CompensatedSum {
     vec3 high;

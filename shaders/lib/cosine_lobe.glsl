@@ -1,4 +1,5 @@
-// Shared by the diffuse lobes of the reference, which sample the cosine. To be included below the struct `Lobe`.
+// Shared by the diffuse lobes of the reference, which sample the cosine. To be included below the
+// struct `Lobe`.
 
 #include "generated/constants.glsl"
 #include "lib/elementary.glsl"

@@ -4,9 +4,9 @@
 #include "lib/prefilter_mapping.glsl"
 #include "lib/surface.glsl"
 
-// Weights of irradiance over pi: the diffuse term, which gets the light that the specular one does not reflect, and the
-// multiple scattering of a compensation. The table's value at n_dot_v represents the whole lobe; Schlick at n_dot_v
-// would darken rough rims. [Kim22 "IBL", Kd]
+// Weights of irradiance over pi: the diffuse term, which gets the light that the specular one does
+// not reflect, and the multiple scattering of a compensation. The table's value at n_dot_v
+// represents the whole lobe; Schlick at n_dot_v would darken rough rims. [Kim22 "IBL", Kd]
 struct DiffuseWeights {
     vec3 transmitted;
     vec3 multiple;

@@ -1,24 +1,30 @@
-// The directional albedo f0 A + B of the specular lobe: the second factor of the split sum. [Karis13 eq. 8]
+// The directional albedo f0 A + B of the specular lobe: the second factor of the split sum.
+// [Karis13 eq. 8]
 //
-// A = integral of D G / (4 n.v) (1 - Fc) dl, B the same with Fc = (1 - v.h)^5. With dl = 4 (v.h) dh and h written by
+// A = integral of D G / (4 n.v) (1 - Fc) dl, B the same with Fc = (1 - v.h)^5. With dl = 4 (v.h) dh
+// and h written by
 //     r = alpha cos / sqrt(sin^2 + alpha^2 cos^2), for which D_ggx (n.h) dh = 2 r dr dphi / 2 pi,
-// the weight of a node is G (v.h) / ((n.v) (n.h)) D / D_ggx: bounded for all three models, whose tails are at most as
-// long as GGX's. l is above the horizon for every azimuth up to the polar angle pi/4 - theta_v/2 of h, for none from
-// pi/4 + theta_v/2 on, and in between up to cos phi = c0. Each range is integrated on its own by midpoints of x - sin(2
-// pi x) / 2 pi, which makes every integrand periodic and the midpoint rule converge fast; sampled points would have to
-// resolve the horizon (1e-3 at 1024 points).
+// the weight of a node is G (v.h) / ((n.v) (n.h)) D / D_ggx: bounded for all three models, whose
+// tails are at most as long as GGX's. l is above the horizon for every azimuth up to the polar
+// angle pi/4 - theta_v/2 of h, for none from pi/4 + theta_v/2 on, and in between up to cos phi =
+// c0. Each range is integrated on its own by midpoints of x - sin(2 pi x) / 2 pi, which makes every
+// integrand periodic and the midpoint rule converge fast; sampled points would have to resolve the
+// horizon (1e-3 at 1024 points).
 
 #include "lib/elementary.glsl"
 #include "lib/microfacet.glsl"
 #include "lib/prefilter_weight.glsl"
 
-// Nodes in azimuth over half a turn (the integrand is even). 16 leave 1.5e-5 with rational masking, which has a kink.
+// Nodes in azimuth over half a turn (the integrand is even). 16 leave 1.5e-5 with rational masking,
+// which has a kink.
 const uint ALBEDO_PHI_COUNT = 16;
 
-// Nodes for the rungs of the ladder, whose factors must be practically exact: twice as many as leave 3e-5.
+// Nodes for the rungs of the ladder, whose factors must be practically exact: twice as many as
+// leave 3e-5.
 const uint LADDER_NODES = 2048;
 
-// Node i of count of the periodising rule on [0, 1], and its weight. [Sidi93, the sin^2 transformation]
+// Node i of count of the periodising rule on [0, 1], and its weight. [Sidi93, the sin^2
+// transformation]
 vec2 periodic_node(uint i, uint count) {
     float x = (float(i) + 0.5) / float(count);
     vec2 sin_cos = sin_cos_turns(x);
@@ -30,14 +36,16 @@ float ggx_r(float sin2, float cos2, float alpha2) {
     return sqrt(alpha2 * cos2 / (sin2 + alpha2 * cos2));
 }
 
-// (A, B), and in zw the means of the weight w(l) and of Fc w(l) over h of density D (n.h): the normalisation of the
-// kernels D (n.h) w / (4 v.h) and Fc times it. 768 nodes leave at most 4e-5, for correlated masking below n_dot_v 0.004
-// 1e-4; 1024 nodes 4e-5. For n_dot_v >= COSINE_MIN and alpha >= ALPHA_MIN.
+// (A, B), and in zw the means of the weight w(l) and of Fc w(l) over h of density D (n.h): the
+// normalisation of the kernels D (n.h) w / (4 v.h) and Fc times it. 768 nodes leave at most 4e-5,
+// for correlated masking below n_dot_v 0.004 1e-4; 1024 nodes 4e-5. For n_dot_v >= COSINE_MIN and
+// alpha >= ALPHA_MIN.
 vec4 directional_albedo(float n_dot_v, float alpha, uint node_count, uint masking) {
     float alpha2 = alpha * alpha;
     float sin_v = sqrt(max(1.0 - n_dot_v * n_dot_v, 0.0));
     float g1_v = g1(n_dot_v, alpha, masking);
-    // sin^2 and cos^2 of pi/4 - theta_v/2 are (1 - sin_v)/2 and (1 + sin_v)/2; 1 - sin_v without its cancellation.
+    // sin^2 and cos^2 of pi/4 - theta_v/2 are (1 - sin_v)/2 and (1 + sin_v)/2; 1 - sin_v without
+    // its cancellation.
     float low2 = 0.5 * n_dot_v * n_dot_v / (1.0 + sin_v);
     float high2 = 0.5 * (1.0 + sin_v);
     vec3 r_ends = vec3(1.0, ggx_r(low2, high2, alpha2), ggx_r(high2, low2, alpha2));

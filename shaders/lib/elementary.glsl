@@ -1,5 +1,6 @@
-// Elementary functions in f32. Built-in ones are too coarse: some drivers have errors of 1e-4 in acos and sin, and exp
-// and log lose all relative precision next to 1. Polynomials: minimax fits by this project; errors are given.
+// Elementary functions in f32. Built-in ones are too coarse: some drivers have errors of 1e-4 in
+// acos and sin, and exp and log lose all relative precision next to 1. Polynomials: minimax fits by
+// this project; errors are given.
 
 #include "generated/constants.glsl"
 
@@ -28,7 +29,8 @@ float atan_octant(float x) {
     return x * (p * t + 0.999999336);
 }
 
-// The angle of (x, y) from +x in (-pi, pi], as atan(y, x); 0 at the origin. Absolute error below 3e-7.
+// The angle of (x, y) from +x in (-pi, pi], as atan(y, x); 0 at the origin. Absolute error below
+// 3e-7.
 float atan2_precise(float y, float x) {
     float ax = abs(x);
     float ay = abs(y);
@@ -52,12 +54,14 @@ vec2 sin_cos_turns(float turns) {
     return quadrant >= 2 ? -sin_cos : sin_cos;
 }
 
-// ln(1 - x) for 0 <= x < 1; relative error below 1e-6. Needed since alpha = 1e-3 puts all of a lobe at x < 1e-5.
+// ln(1 - x) for 0 <= x < 1; relative error below 1e-6. Needed since alpha = 1e-3 puts all of a lobe
+// at x < 1e-5.
 float log_one_minus(float x) {
     int exponent = 0;
     float m_minus_1 = -x;
     if (x > 0.25) {
-        // Mantissa in [1, 2) and exponent from the bits (GLSL ES has no frexp); 1 - x >= 2^-24 is never subnormal.
+        // Mantissa in [1, 2) and exponent from the bits (GLSL ES has no frexp); 1 - x >= 2^-24 is
+        // never subnormal.
         uint bits = floatBitsToUint(1.0 - x);
         exponent = int(bits >> 23) - 127;
         float m = uintBitsToFloat((bits & 0x007fffffu) | 0x3f800000u);

@@ -1,15 +1,19 @@
-// The environment as a light: exact bilinear radiance, and importance sampling proportional to its luminance above a
-// threshold, guided to the cells of a lobe, with its exact density. If the density is 0, only the lobe samples the
-// direction. The tables, their layout and the derivation: src/environment/distribution.rs.
+// The environment as a light: exact bilinear radiance, and importance sampling proportional to its
+// luminance above a threshold, guided to the cells of a lobe, with its exact density. If the
+// density is 0, only the lobe samples the direction. The tables, their layout and the derivation:
+// src/environment/distribution.rs.
 //
-// A texel of the environment holds radiance (rgb) and sampling weight (a). Directions are in the environment's frame.
+// A texel of the environment holds radiance (rgb) and sampling weight (a). Directions are in the
+// environment's frame.
 //
-// The filtering units of GPUs interpolate with weights of about 8 bits, which shows as steps on magnified suns: there
-// the four texels are fetched and weighted in f32. A driver that filters in f32 (EXACT_FILTER) needs one lookup.
+// The filtering units of GPUs interpolate with weights of about 8 bits, which shows as steps on
+// magnified suns: there the four texels are fetched and weighted in f32. A driver that filters in
+// f32 (EXACT_FILTER) needs one lookup.
 
 #include "lib/equirect.glsl"
 
-// The word at `index` of `EnvironmentDistribution::words`: the entry point that has the buffer defines it.
+// The word at `index` of `EnvironmentDistribution::words`: the entry point that has the buffer
+// defines it.
 uint environment_word(uint index);
 
 // 1 when the driver's bilinear filter computes in f32.
@@ -28,8 +32,8 @@ struct EnvironmentTables {
     uint blocks_base;
 };
 
-// The guide of this invocation: of each slot its weight, and the sum of mass times weight up to it and with it.
-// `environment_guide` must have been called for every slot, in order.
+// The guide of this invocation: of each slot its weight, and the sum of mass times weight up to it
+// and with it. `environment_guide` must have been called for every slot, in order.
 float environment_guide_weights[CELL_COUNT];
 float environment_guide_ends[CELL_COUNT];
 uint environment_guide_count = 0u;
@@ -48,7 +52,8 @@ float environment_guide_factor(uint slot) {
     return environment_guide_sum > 0.0 ? environment_guide_weights[slot] / environment_guide_sum : 0.0;
 }
 
-// Radiance from a direction and the density (1/sr) with which `environment_sample` returns that direction.
+// Radiance from a direction and the density (1/sr) with which `environment_sample` returns that
+// direction.
 struct EnvironmentSample {
     vec3 l;
     vec3 li;
@@ -67,7 +72,8 @@ uint environment_search_step(uint count) {
     return count > 1u ? 1u << findMSB(count - 1u) : 0u;
 }
 
-// Interval of the distribution over `count` intervals at `base` that holds `xi`; `fraction`: place in it, in (0, 1).
+// Interval of the distribution over `count` intervals at `base` that holds `xi`; `fraction`: place
+// in it, in (0, 1).
 uint environment_invert(uint base, uint count, uint xi, out float fraction) {
     // The largest value is the end of the last interval, which belongs to none.
     xi = min(xi, 0xfffffffeu);
@@ -99,7 +105,8 @@ uint environment_invert_guide(uint xi, out uint fraction) {
     return low;
 }
 
-// The four texels around the place right of `column` in `band`: (x0, y0), (x1, y0), (x0, y1), (x1, y1).
+// The four texels around the place right of `column` in `band`: (x0, y0), (x1, y0), (x0, y1), (x1,
+// y1).
 void environment_texels(sampler2D environment, EnvironmentTables tables, uint band, uint column, out vec4 texels[4]) {
     int x0 = int(column);
     int x1 = column + 1u == tables.width ? 0 : x0 + 1;
@@ -120,21 +127,24 @@ vec4 environment_bilinear(vec4 texels[4], vec2 t) {
     return mix(mix(texels[0], texels[1], t.x), mix(texels[2], texels[3], t.x), t.y);
 }
 
-// The x in [0, 1] at xi in (0, 1] of the distribution with density linear from `p0` to `p1` (each >= 0, any scale).
+// The x in [0, 1] at xi in (0, 1] of the distribution with density linear from `p0` to `p1` (each
+// >= 0, any scale).
 float environment_invert_linear(float p0, float p1, float xi) {
     float total = p0 + p1;
     // Both ends 0: the cell holds no light, any point will do.
     if (total <= 0.0) {
         return xi;
     }
-    // x = xi / (q0 + sqrt(mix(q0^2, q1^2, xi))) with q = p / total: the root of the quadratic that does not cancel.
+    // x = xi / (q0 + sqrt(mix(q0^2, q1^2, xi))) with q = p / total: the root of the quadratic that
+    // does not cancel.
     float q0 = p0 / total;
     float q1 = p1 / total;
     return xi / (q0 + sqrt(mix(q0 * q0, q1 * q1, xi)));
 }
 
-// Radiance from the unit direction `l` and the density of `environment_sample` there. `environment` is read by texel,
-// `environment_linear` is the same level through a bilinear sampler (u repeats, v clamps).
+// Radiance from the unit direction `l` and the density of `environment_sample` there. `environment`
+// is read by texel, `environment_linear` is the same level through a bilinear sampler (u repeats, v
+// clamps).
 EnvironmentSample environment_eval(sampler2D environment, sampler2D environment_linear, EnvironmentTables tables, vec3 l) {
     vec3 uv_sin_theta = uv_sin_theta_from_direction(l);
     vec2 texel = uv_sin_theta.xy * vec2(tables.width, tables.height) - 0.5;
@@ -155,8 +165,8 @@ EnvironmentSample environment_eval(sampler2D environment, sampler2D environment_
     return EnvironmentSample(l, light.rgb, factor * environment_pdf(light.a, band, uv_sin_theta.z));
 }
 
-// A direction from a fixed-point pair: y selects slot and band, x the column. Density 0 means that no light is above
-// the threshold anywhere: the sample must not be used.
+// A direction from a fixed-point pair: y selects slot and band, x the column. Density 0 means that
+// no light is above the threshold anywhere: the sample must not be used.
 EnvironmentSample environment_sample(sampler2D environment, EnvironmentTables tables, uvec2 xi) {
     uint fraction_in_slot;
     uint slot = environment_invert_guide(xi.y, fraction_in_slot);

@@ -1,6 +1,7 @@
 // Orthonormal frames. Local coordinates have the normal along +z.
 
-// Columns tangent, bitangent, n: `frame * local` is world. No branch, no singular direction. [Duff17 listing 3]
+// Columns tangent, bitangent, n: `frame * local` is world. No branch, no singular direction.
+// [Duff17 listing 3]
 mat3 frame_from_normal(vec3 n) {
     float s = n.z >= 0.0 ? 1.0 : -1.0;
     float a = -1.0 / (s + n.z);

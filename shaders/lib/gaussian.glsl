@@ -24,7 +24,8 @@ float erfc_precise(float x) {
     return x < 0.0 ? 2.0 - tail : tail;
 }
 
-// The x with erf(x) = y; `complement` is (1 - y) (1 + y) with all digits. Relative error below 4e-7. [Giles12, table 5]
+// The x with erf(x) = y; `complement` is (1 - y) (1 + y) with all digits. Relative error below
+// 4e-7. [Giles12, table 5]
 float erf_inverse(float y, float complement) {
     float w = -log(complement);
     if (w < 5.0) {
@@ -56,9 +57,9 @@ float visible_area_up_to(float slope, float cos_theta, float sin_theta) {
     return 0.5 * cos_theta * erfc_precise(-slope) + sin_theta * HALF_INV_SQRT_PI * exp(-slope * slope);
 }
 
-// The facet area of a Gaussian surface of alpha = 1 that a view sees, over surface area; `cos_theta` and `sin_theta` up
-// to a common factor, which the area has too. It is the integral of (cos - t sin) exp(-t^2) / sqrt(pi) over t up to cos
-// / sin. [HeitzDeon14]
+// The facet area of a Gaussian surface of alpha = 1 that a view sees, over surface area;
+// `cos_theta` and `sin_theta` up to a common factor, which the area has too. It is the integral of
+// (cos - t sin) exp(-t^2) / sqrt(pi) over t up to cos / sin. [HeitzDeon14]
 float visible_area(float cos_theta, float sin_theta) {
     float end = cos_theta < SLOPE_END * sin_theta ? cos_theta / sin_theta : SLOPE_END;
     float gauss = exp(-end * end);

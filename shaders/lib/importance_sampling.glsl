@@ -2,7 +2,8 @@
 //
 // m has density D(m) (n.m), l = reflect(-v, m), so p_l = D (n.m) / (4 v.m) and the weight is
 //     f (n.l) / p_l = F G (v.m) / ((n.v) (n.m)).
-// Directions below the horizon carry nothing but count in N. [Walter07 eq. 38, 41; Kim22 "IBL", corrected]
+// Directions below the horizon carry nothing but count in N. [Walter07 eq. 38, 41; Kim22 "IBL",
+// corrected]
 
 #include "lib/frame.glsl"
 #include "lib/masking.glsl"
@@ -13,7 +14,8 @@
 // Radiance from l for a sample of solid angle omega_s = 1 / (N p_l) (sr); each method defines it.
 vec3 sampled_radiance(vec3 l, float omega_s);
 
-// The contribution of the point_count points of this dispatch, of sample_count in all, to the specular radiance.
+// The contribution of the point_count points of this dispatch, of sample_count in all, to the
+// specular radiance.
 vec3 importance_sampled_radiance(Surface s, uint sample_count, uint point_count) {
     mat3 frame = frame_of_surface(s);
     vec3 v_local = s.v * frame;

@@ -1,4 +1,5 @@
-// The regularised incomplete beta function I_x(n, 1/2) for n = 1 / t, t in (0, 1]. Polynomials: our minimax fits.
+// The regularised incomplete beta function I_x(n, 1/2) for n = 1 / t, t in (0, 1]. Polynomials: our
+// minimax fits.
 
 #include "lib/gaussian.glsl"
 
@@ -17,8 +18,9 @@ float gamma_ratio_half(float t) {
 
 // I_x(n, 1/2) at the x in [6e-8, 1) with this logarithm; absolute error below 5e-7.
 //
-// With x = exp(-w^2) it is in proportion to the integral from w of exp(-(n - 1/4) u^2) S(u^2), S(y) = sqrt((y/2) /
-// sinh(y/2)). S(y) exp(0.475 y) is fitted by a polynomial, whose integrals follow from erfc by parts.
+// With x = exp(-w^2) it is in proportion to the integral from w of exp(-(n - 1/4) u^2) S(u^2), S(y)
+// = sqrt((y/2) / sinh(y/2)). S(y) exp(0.475 y) is fitted by a polynomial, whose integrals follow
+// from erfc by parts.
 float incomplete_beta_half(float t, float log_x) {
     // In units of the width of the Gaussian: z^2 = k w^2, k = n + 0.225.
     float inv_k = t / (1.0 + 0.225 * t);

@@ -1,5 +1,5 @@
-// Shared by the files of shade/lobe/. Each defines a struct `Lobe` with a member `frame` (columns are the axes of
-// local vectors), and
+// Shared by the files of shade/lobe/. Each defines a struct `Lobe` with a member `frame` (columns
+// are the axes of local vectors), and
 //     Lobe lobe_at(Surface, ShadeParams)     the lobe of a surface in the environment's frame,
 //     vec3 lobe_sample(Lobe, vec2 xi)        a local direction l,
 //     LobeValue lobe_eval(Lobe, vec3 l)      the kernel at l and the density of lobe_sample there,

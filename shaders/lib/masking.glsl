@@ -1,4 +1,5 @@
-// The masking-shadowing of a pipeline, one of MASKING_*; in GLSL ES, which has no such constants, a uniform.
+// The masking-shadowing of a pipeline, one of MASKING_*; in GLSL ES, which has no such constants, a
+// uniform.
 
 #ifdef GL_ES
 uniform uint MASKING;

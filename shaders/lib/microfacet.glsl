@@ -1,12 +1,14 @@
-// Shared by all microfacet models: Fresnel, masking-shadowing, evaluation. `masking` is one of MASKING_*.
-// Vectors are local (n is +z) and point away from the surface; eval never includes the cosine.
+// Shared by all microfacet models: Fresnel, masking-shadowing, evaluation. `masking` is one of
+// MASKING_*. Vectors are local (n is +z) and point away from the surface; eval never includes the
+// cosine.
 
 #include "generated/constants.glsl"
 #include "lib/fresnel.glsl"
 #include "lib/sampling.glsl"
 #include "selected/brdf.glsl"
 
-// Masking of one direction: the model's G1, Karis' fit with k = alpha / 2 [Karis13 eq. 4], or the exact Smith masking.
+// Masking of one direction: the model's G1, Karis' fit with k = alpha / 2 [Karis13 eq. 4], or the
+// exact Smith masking.
 float g1(float n_dot_w, float alpha, uint masking) {
     if (masking == MASKING_SCHLICK) {
         float k = 0.5 * alpha;
@@ -18,8 +20,8 @@ float g1(float n_dot_w, float alpha, uint masking) {
     return g1_brdf(n_dot_w, alpha);
 }
 
-// Masking-shadowing of v and l from their G1: product [Walter07 eq. 23], or 1 / (1 + Lambda(v) + Lambda(l)) with Lambda
-// = 1 / G1 - 1 [Heitz14 eq. 99].
+// Masking-shadowing of v and l from their G1: product [Walter07 eq. 23], or 1 / (1 + Lambda(v) +
+// Lambda(l)) with Lambda = 1 / G1 - 1 [Heitz14 eq. 99].
 float g2_from_g1(float g1_v, float g1_l, uint masking) {
     float product = g1_v * g1_l;
     if (masking == MASKING_CORRELATED) {
@@ -29,7 +31,8 @@ float g2_from_g1(float g1_v, float g1_l, uint masking) {
     return product;
 }
 
-// D, a half vector of density D n_dot_h and masking for two widths; Phong's has one and no stretched form.
+// D, a half vector of density D n_dot_h and masking for two widths; Phong's has one and no
+// stretched form.
 float d_brdf(vec3 h_local, vec2 width) {
     if (ANISOTROPY == ANISOTROPY_NONE) {
         return d_brdf(h_local, width.y);
@@ -51,7 +54,8 @@ float g1(vec3 w_local, vec2 width, uint masking) {
     return g1(w_local.z, width_along(w_local, width), masking);
 }
 
-// The specular BRDF, 1/sr; 0 below the horizon. h_local must be the half vector of v and l. [Walter07 eq. 20]
+// The specular BRDF, 1/sr; 0 below the horizon. h_local must be the half vector of v and l.
+// [Walter07 eq. 20]
 vec3 eval_brdf(vec3 v_local, vec3 l_local, vec3 h_local, vec2 width, vec3 f0, uint masking) {
     if (v_local.z <= 0.0 || l_local.z <= 0.0) {
         return vec3(0.0);

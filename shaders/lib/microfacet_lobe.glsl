@@ -46,7 +46,8 @@ LobeValue specular_kernel(Lobe lobe, vec3 l_local) {
         pdf_visible_l_brdf(lobe.v_local, h_local, lobe.width));
 }
 
-// The kernel D (n.h) / (4 v.h) w(l): no masking, the weight of prefiltered maps. At v = n it is theirs, D/4 w(l).
+// The kernel D (n.h) / (4 v.h) w(l): no masking, the weight of prefiltered maps. At v = n it is
+// theirs, D/4 w(l).
 LobeValue weighted_kernel(Lobe lobe, vec3 l_local) {
     vec3 h_local = normalize(lobe.v_local + l_local);
     float v_dot_h = dot(lobe.v_local, h_local);

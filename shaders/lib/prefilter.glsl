@@ -15,7 +15,8 @@ vec3 mirror_radiance(vec3 r, FILTERED_MAP environment, PrefilterParams params) {
     return map_radiance(environment, map_place(r), max(lod, 0.0));
 }
 
-// (sum L w, sum w) over the dispatch's points; h has density D(h) (n.h), l = reflect(-r, h), p_l = D / 4. [Karis13 eq. 7]
+// (sum L w, sum w) over the dispatch's points; h has density D(h) (n.h), l = reflect(-r, h), p_l =
+// D / 4. [Karis13 eq. 7]
 vec4 lobe_sum(vec3 r, FILTERED_MAP environment, PrefilterParams params) {
     mat3 frame = frame_from_normal(r);
     vec2 source_size = vec2(params.source_width, params.source_height);

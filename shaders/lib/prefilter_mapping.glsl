@@ -1,4 +1,5 @@
-// Maps alpha to levels of a prefiltered map, and n_dot_v and alpha to the DFG table, each with its inverse.
+// Maps alpha to levels of a prefiltered map, and n_dot_v and alpha to the DFG table, each with its
+// inverse.
 
 #include "generated/constants.glsl"
 
@@ -12,7 +13,8 @@ float perceptual_roughness_from_alpha(float alpha) {
     return alpha <= ALPHA_MIN ? 0.0 : sqrt(alpha);
 }
 
-// Bend b in [0, 1] of the level mapping (precompute/prefilter/level_mapping.rs); in GLSL ES a uniform.
+// Bend b in [0, 1] of the level mapping (precompute/prefilter/level_mapping.rs); in GLSL ES a
+// uniform.
 #ifdef GL_ES
 uniform float LEVEL_BEND;
 #else
@@ -54,7 +56,8 @@ vec2 dfg_parameters_from_texel(uvec2 texel, uvec2 size) {
     return square * square;
 }
 
-// The inverse, as texture coordinates: bilinear between texels, constant beyond the outermost ones (clamp to edge).
+// The inverse, as texture coordinates: bilinear between texels, constant beyond the outermost ones
+// (clamp to edge).
 vec2 dfg_uv(float n_dot_v, float alpha, vec2 size) {
     if (DFG_AXES == DFG_AXES_CENTRES) {
         return vec2(n_dot_v, perceptual_roughness_from_alpha(alpha));

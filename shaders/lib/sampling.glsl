@@ -1,7 +1,8 @@
 // Sample points, and the samples that BRDF samplers make of them.
 //
-// A sample point is vec4(u, cos phi, sin phi, w): u in [0, 1) drives the polar angle and is 0 at the lobe's centre, phi
-// is the azimuth, and w = -ln(1 - u) spares the shader a logarithm (and its error) for each sample.
+// A sample point is vec4(u, cos phi, sin phi, w): u in [0, 1) drives the polar angle and is 0 at
+// the lobe's centre, phi is the azimuth, and w = -ln(1 - u) spares the shader a logarithm (and its
+// error) for each sample.
 
 #include "lib/elementary.glsl"
 
@@ -11,7 +12,8 @@ struct LobeSample {
     float pdf_h;
 };
 
-// A half vector that a view sees; the density (1/sr) of the mirrored view, and D / (4 n_dot_v) over that density.
+// A half vector that a view sees; the density (1/sr) of the mirrored view, and D / (4 n_dot_v) over
+// that density.
 struct VisibleSample {
     vec3 h_local;
     float pdf_l;

@@ -1,4 +1,5 @@
-// Real spherical harmonics up to degree 2 in world axes: L00, L1-1, L10, L11, L2-2, L2-1, L20, L21, L22. [Kim22]
+// Real spherical harmonics up to degree 2 in world axes: L00, L1-1, L10, L11, L2-2, L2-1, L20, L21,
+// L22. [Kim22]
 
 #include "generated/constants.glsl"
 
@@ -9,12 +10,14 @@ float[SH9_COUNT] sh9_basis(vec3 d) {
                             1.09254843 * d.x * d.z, 0.546274215 * (d.x * d.x - d.y * d.y));
 }
 
-// A_l / pi of coefficient k, from radiance to irradiance over pi: 1, 2/3, 1/4. [Ramamoorthi01 eq. 8]
+// A_l / pi of coefficient k, from radiance to irradiance over pi: 1, 2/3, 1/4. [Ramamoorthi01 eq.
+// 8]
 float sh9_cosine_over_pi(uint k) {
     return k == 0u ? 1.0 : k < 4u ? 2.0 / 3.0 : 0.25;
 }
 
-// Irradiance over pi at normal n from nine radiance coefficients, not clamped. [Ramamoorthi01 eq. 7, over pi]
+// Irradiance over pi at normal n from nine radiance coefficients, not clamped. [Ramamoorthi01 eq.
+// 7, over pi]
 vec3 sh9_irradiance_over_pi(vec4 radiance_coefficients[SH9_COUNT], vec3 n) {
     float[SH9_COUNT] y = sh9_basis(n);
     vec3 sum = vec3(0.0);

@@ -1,6 +1,6 @@
-// Shared by the shading passes: the g-buffer in bindings 0 to 4 of set 0 (position.xyz, mask; normal.xyz, alpha;
-// albedo.rgb, metallic; f0.rgb, material index; tangent.xyz, strength of the anisotropy), the parameters, and the pixel
-// of an invocation.
+// Shared by the shading passes: the g-buffer in bindings 0 to 4 of set 0 (position.xyz, mask;
+// normal.xyz, alpha; albedo.rgb, metallic; f0.rgb, material index; tangent.xyz, strength of the
+// anisotropy), the parameters, and the pixel of an invocation.
 
 #include "lib/image_groups.glsl"
 #include "lib/surface.glsl"

@@ -7,8 +7,9 @@ float cosine_difference(float v0, float v1) {
     return 2.0 * sin_cos_turns(0.25 * (v0 + v1)).x * sin_cos_turns(0.25 * (v1 - v0)).x;
 }
 
-// Mean of the source texels under one texel of a map of `size`, each weighted by the solid angle of the overlap.
-// Overlaps are counted in units of 1 / (source size * size), where both grids have integer edges.
+// Mean of the source texels under one texel of a map of `size`, each weighted by the solid angle of
+// the overlap. Overlaps are counted in units of 1 / (source size * size), where both grids have
+// integer edges.
 vec4 solid_angle_mean(sampler2D source, uvec2 source_size, uvec2 texel, uvec2 size) {
     uvec2 low = texel * source_size;
     uvec2 high = low + source_size;

@@ -11,7 +11,8 @@ struct Surface {
     vec3 v;
     vec3 albedo;
     vec3 f0;
-    // Microfacet width in [ALPHA_MIN, 1]; the floor means a mirror. Of two widths, the mean for lookups that know one.
+    // Microfacet width in [ALPHA_MIN, 1]; the floor means a mirror. Of two widths, the mean for
+    // lookups that know one.
     float alpha;
     // Widths along t and across it; both alpha if lobes have one width.
     vec2 width;
@@ -22,8 +23,8 @@ struct Surface {
     float n_dot_v;
 };
 
-// The surface of four g-buffer texels: position and mask, normal and alpha, albedo and metallic, f0 and material index;
-// in world axes. False if nothing is hit; `s` is then not set.
+// The surface of four g-buffer texels: position and mask, normal and alpha, albedo and metallic, f0
+// and material index; in world axes. False if nothing is hit; `s` is then not set.
 bool surface_from_gbuffer(vec4 position, vec4 normal, vec4 albedo, vec4 f0, vec4 eye, out Surface s) {
     if (position.w == 0.0) {
         return false;

@@ -1,6 +1,7 @@
 // The tone curve and its 8-bit form.
 
-// c = (e L / (e L + 1))^(contrast / 2.2) for L >= 0, in [0, 1]. [Kim22 "Tone mapping and color space conversion"]
+// c = (e L / (e L + 1))^(contrast / 2.2) for L >= 0, in [0, 1]. [Kim22 "Tone mapping and color
+// space conversion"]
 vec3 tone_curve(vec3 radiance, float exposure, float contrast) {
     vec3 x = exposure * max(radiance, 0.0);
     vec3 compressed = x / (x + 1.0);

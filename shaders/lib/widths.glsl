@@ -1,12 +1,13 @@
 // Lobes of two widths, along a tangent and across it. Local vectors have the tangent along +x.
 //
-// Slopes stretched by (x, y) have the distribution of width 1 at the half vector (h.x / x, h.y / y, h.z) / q, q its length
-// before: D = D_1 / (x y q^4). Their masking has the one width along the azimuth of the direction. [Heitz14]
+// Slopes stretched by (x, y) have the distribution of width 1 at the half vector (h.x / x, h.y / y,
+// h.z) / q, q its length before: D = D_1 / (x y q^4). Their masking has the one width along the
+// azimuth of the direction. [Heitz14]
 
 #include "generated/constants.glsl"
 
-// One width, or two by one of ANISOTROPY_*; in GLSL ES a uniform. With one, both components are alpha, and the code is
-// that for alpha.
+// One width, or two by one of ANISOTROPY_*; in GLSL ES a uniform. With one, both components are
+// alpha, and the code is that for alpha.
 #ifdef GL_ES
 uniform uint ANISOTROPY;
 #else
@@ -29,7 +30,8 @@ vec2 widths_from_strength(float alpha, float s) {
     return clamp(width, ALPHA_MIN, 1.0);
 }
 
-// The one width of lookups that know no other, and of the table of albedos: the root of the mean square.
+// The one width of lookups that know no other, and of the table of albedos: the root of the mean
+// square.
 float mean_width(vec2 width) {
     return ANISOTROPY == ANISOTROPY_NONE ? width.y : sqrt(0.5 * dot(width, width));
 }

@@ -13,9 +13,9 @@ MapPlace map_place(vec3 d) {
     return MapPlace(d);
 }
 
-// Solid angle (sr) of a texel there: du dv / (1 + u^2 + v^2)^(3/2) on a face at distance 1, whose sides are 2. For unit
-// d the denominator is 1 / max(|x|, |y|, |z|)^3, whose mean over a sample of omega_s (sr) counts: at edges and corners
-// it is larger.
+// Solid angle (sr) of a texel there: du dv / (1 + u^2 + v^2)^(3/2) on a face at distance 1, whose
+// sides are 2. For unit d the denominator is 1 / max(|x|, |y|, |z|)^3, whose mean over a sample of
+// omega_s (sr) counts: at edges and corners it is larger.
 float texel_solid_angle(MapPlace place, vec2 size, float omega_s) {
     vec3 a = abs(place.d);
     float softness = EDGE_SOFTNESS * omega_s;

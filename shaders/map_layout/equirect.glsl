@@ -1,5 +1,6 @@
-// Map layout `equirect`: one image, filtered by the hardware (lib/equirect.glsl). Its texels shrink to slivers at the
-// poles, which no isotropic filter covers: a light at a pole loses a fifth of its energy.
+// Map layout `equirect`: one image, filtered by the hardware (lib/equirect.glsl). Its texels shrink
+// to slivers at the poles, which no isotropic filter covers: a light at a pole loses a fifth of its
+// energy.
 
 #include "lib/equirect.glsl"
 

@@ -1,5 +1,6 @@
-// Map layout `octahedral`: one square, every texel of the same solid angle. Its centre is +y, its corners are -y.
-// [ClarbergSquare08] No hardware filter knows which texels touch across its edges: a lookup fetches eight texels.
+// Map layout `octahedral`: one square, every texel of the same solid angle. Its centre is +y, its
+// corners are -y. [ClarbergSquare08] No hardware filter knows which texels touch across its edges:
+// a lookup fetches eight texels.
 
 #include "lib/elementary.glsl"
 

@@ -1,4 +1,5 @@
-// Linear radiance as a display colour, and errors in the project's colours: shared by all pictures of the page.
+// Linear radiance as a display colour, and errors in the project's colours: shared by all pictures
+// of the page.
 
 #include "lib/tone_curve.glsl"
 
@@ -12,7 +13,8 @@ uniform int tone;
 uniform float exposure;
 uniform float contrast;
 
-// Mean luminance of the light, which determines epsilon (metrics::Epsilon). Divided by first: its square may overflow.
+// Mean luminance of the light, which determines epsilon (metrics::Epsilon). Divided by first: its
+// square may overflow.
 uniform float light_mean;
 const float EPSILON_SHARE = 1e-2;
 
@@ -32,7 +34,8 @@ vec3 palette_color(float place, int row) {
                x - float(lower));
 }
 
-// The root of the term of relmse. Alpha is 0 if the error is above the range of the colours or not a number.
+// The root of the term of relmse. Alpha is 0 if the error is above the range of the colours or not
+// a number.
 vec4 error_color(vec3 t, vec3 r, bool is_signed) {
     vec3 share = r / light_mean;
     vec3 relative = (t - r) / light_mean / sqrt(share * share + EPSILON_SHARE);

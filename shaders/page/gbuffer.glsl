@@ -1,5 +1,6 @@
-// The g-buffer of the live view. As in the renderer, row 0 of every target is the image's top row. WebGL2 guarantees
-// four targets: tangents take the place of the albedo, which page/surface.glsl reads by the surface's index.
+// The g-buffer of the live view. As in the renderer, row 0 of every target is the image's top row.
+// WebGL2 guarantees four targets: tangents take the place of the albedo, which page/surface.glsl
+// reads by the surface's index.
 
 #include "gbuffer/camera.glsl"
 #include "gbuffer/surface.glsl"

@@ -1,4 +1,5 @@
-// One pixel of the comparison: the texel of viewer.frag under it. One read, so that flipping is quick in software too.
+// One pixel of the comparison: the texel of viewer.frag under it. One read, so that flipping is
+// quick in software too.
 uniform sampler2D left_image;
 uniform sampler2D right_image;
 uniform vec2 canvas_size;

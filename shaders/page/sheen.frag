@@ -1,5 +1,5 @@
-// Adds the params.point_count samples from first_sample on of the sheen's integral to the reference of one pixel of the
-// live view.
+// Adds the params.point_count samples from first_sample on of the sheen's integral to the reference
+// of one pixel of the live view.
 #include "page/layers.glsl"
 #include "page/sheen_integral.glsl"
 #include "selected/map_layout.glsl"

@@ -1,4 +1,5 @@
-// E of the sheen of each surface, for page/layers.glsl: a row a surface; column x is at √(n·v) = x over the last.
+// E of the sheen of each surface, for page/layers.glsl: a row a surface; column x is at √(n·v) = x
+// over the last.
 #include "page/sheen_integral.glsl"
 #include "lib/prefilter_mapping.glsl"
 #include "page/surface.glsl"

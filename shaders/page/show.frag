@@ -1,4 +1,5 @@
-// One pixel of the live view's canvas: a specular term, its error against the reference, or the linear value.
+// One pixel of the live view's canvas: a specular term, its error against the reference, or the
+// linear value.
 #include "page/display.glsl"
 
 uniform sampler2D gbuffer_position;

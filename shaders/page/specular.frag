@@ -1,6 +1,6 @@
-// Adds the params.point_count samples from first_sample on of a method to the specular term of one pixel of the live
-// view; a method without samples is one. The table may hold the points in any order: their sum is the same. The base is
-// the first layer of a pixel.
+// Adds the params.point_count samples from first_sample on of a method to the specular term of one
+// pixel of the live view; a method without samples is one. The table may hold the points in any
+// order: their sum is the same. The base is the first layer of a pixel.
 #include "page/layers.glsl"
 #include "selected/map_layout.glsl"
 

@@ -1,4 +1,5 @@
-// The g-buffer of one sphere if the pixel's ray hits it. Depth is the one of clip_from_camera, in [1/2, 1].
+// The g-buffer of one sphere if the pixel's ray hits it. Depth is the one of clip_from_camera, in
+// [1/2, 1].
 #include "page/gbuffer.glsl"
 #include "gbuffer/intersect.glsl"
 

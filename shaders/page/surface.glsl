@@ -7,8 +7,8 @@ uniform sampler2D gbuffer_position;
 uniform sampler2D gbuffer_normal;
 uniform sampler2D gbuffer_tangent;
 uniform sampler2D gbuffer_f0;
-// A row a surface. Columns: albedo and metallic; colour and perceptual roughness of the sheen; weight and perceptual
-// roughness of the coat.
+// A row a surface. Columns: albedo and metallic; colour and perceptual roughness of the sheen;
+// weight and perceptual roughness of the coat.
 uniform sampler2D surfaces;
 
 // A column of this pixel's row.

@@ -1,4 +1,5 @@
-// Shared by both methods of the live view: the diffuse term (`sh9`, or none), and the environment if nothing is hit.
+// Shared by both methods of the live view: the diffuse term (`sh9`, or none), and the environment
+// if nothing is hit.
 #include "lib/camera.glsl"
 #include "lib/diffuse.glsl"
 #include "selected/map_layout.glsl"

@@ -1,5 +1,6 @@
-// One texel of an image of the comparison: as display colour, or as error against its reference. Alpha is 0 if a
-// channel is clipped, or the error beyond the colours' range. The target has the image's size, row 0 on top.
+// One texel of an image of the comparison: as display colour, or as error against its reference.
+// Alpha is 0 if a channel is clipped, or the error beyond the colours' range. The target has the
+// image's size, row 0 on top.
 #include "page/display.glsl"
 
 uniform sampler2D image;

@@ -1,5 +1,6 @@
-// One invocation computes one texel (A, B, 0, 1) of the DFG table: the albedo of the specular lobe is f0 A + B, n_dot_v
-// along x, alpha along y. [Karis13 eq. 8] Set 0: 0 the table to write (rgba32f).
+// One invocation computes one texel (A, B, 0, 1) of the DFG table: the albedo of the specular lobe
+// is f0 A + B, n_dot_v along x, alpha along y. [Karis13 eq. 8] Set 0: 0 the table to write
+// (rgba32f).
 
 #include "lib/directional_albedo.glsl"
 #include "lib/masking.glsl"

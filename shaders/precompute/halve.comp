@@ -1,6 +1,7 @@
-// One invocation computes one texel of a level of a filtered map from the four below it, each weighted by its solid
-// angle in a: the integral of radiance over solid angle is the same on every level.
-// Set 0: 0 the finer level, as a view of one level; 1 the level to write (rgba32f). A layer a face.
+// One invocation computes one texel of a level of a filtered map from the four below it, each
+// weighted by its solid angle in a: the integral of radiance over solid angle is the same on every
+// level. Set 0: 0 the finer level, as a view of one level; 1 the level to write (rgba32f). A layer
+// a face.
 
 #include "lib/image_groups.glsl"
 

@@ -1,8 +1,9 @@
-// One invocation computes one texel of the irradiance map: irradiance over pi by the midpoint rule over the hemisphere,
+// One invocation computes one texel of the irradiance map: irradiance over pi by the midpoint rule
+// over the hemisphere,
 //     E / pi = sum L cos(theta) sin(theta) / sum cos(theta) sin(theta),
-// [source documents 1 and 4, bounds and normalisation corrected] each lookup from the level at which a texel covers the
-// sample's cell. Radiance 1 gives 1.
-// Set 0: 0 the environment's filtered levels; 1 the map to write (rgba32f), a layer a face.
+// [source documents 1 and 4, bounds and normalisation corrected] each lookup from the level at
+// which a texel covers the sample's cell. Radiance 1 gives 1. Set 0: 0 the environment's filtered
+// levels; 1 the map to write (rgba32f), a layer a face.
 
 #include "lib/image_groups.glsl"
 #include "lib/elementary.glsl"

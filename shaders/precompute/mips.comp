@@ -1,6 +1,6 @@
-// One invocation computes one texel of a level from the level above it: the mean over the texel's area on the sphere,
-// so that the integral of radiance over solid angle is the same on every level, for any size.
-// Set 0: 0 the level above, as a view of one level; 1 the level to write (rgba32f).
+// One invocation computes one texel of a level from the level above it: the mean over the texel's
+// area on the sphere, so that the integral of radiance over solid angle is the same on every level,
+// for any size. Set 0: 0 the level above, as a view of one level; 1 the level to write (rgba32f).
 
 #include "lib/image_groups.glsl"
 #include "lib/solid_angle_mean.glsl"

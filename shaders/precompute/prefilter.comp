@@ -1,10 +1,10 @@
-// One invocation computes one texel of one level of the prefiltered map: the mean radiance of the lobe for n = v = r,
+// One invocation computes one texel of one level of the prefiltered map: the mean radiance of the
+// lobe for n = v = r,
 //     sum L w / sum w, h with density D(h) (n.h), w = n.l by default [Karis13 eq. 7 and listing 2],
-// each lookup from the level at which a texel covers the sample's solid angle. Below ALPHA_MIN: the mirror, filtered to
-// the texel's size. A dispatch adds the samples of its points: until the last of them the texel holds sum L w and, in
-// a, sum w.
-// Set 0: 0 the environment's filtered levels; 1 the level (rgba32f), a layer a face; 2 sample points of this dispatch
-// (lib/sampling.glsl).
+// each lookup from the level at which a texel covers the sample's solid angle. Below ALPHA_MIN: the
+// mirror, filtered to the texel's size. A dispatch adds the samples of its points: until the last
+// of them the texel holds sum L w and, in a, sum w. Set 0: 0 the environment's filtered levels; 1
+// the level (rgba32f), a layer a face; 2 sample points of this dispatch (lib/sampling.glsl).
 
 #include "lib/prefilter.glsl"
 #include "lib/image_groups.glsl"

@@ -1,7 +1,8 @@
-// One invocation computes one texel of the finest level of a filtered map: the mean of the environment over the texel's
-// solid angle, by RESAMPLE_SIDE^2 cells, each weighted by its solid angle. Near a pole, where a cell spans many texels
-// of the source's row, it takes their mean. a holds the texel's solid angle (sr).
-// Set 0: 0 environment (level 0 is read); 1 the level to write (rgba32f), a layer a face.
+// One invocation computes one texel of the finest level of a filtered map: the mean of the
+// environment over the texel's solid angle, by RESAMPLE_SIDE^2 cells, each weighted by its solid
+// angle. Near a pole, where a cell spans many texels of the source's row, it takes their mean. a
+// holds the texel's solid angle (sr). Set 0: 0 environment (level 0 is read); 1 the level to write
+// (rgba32f), a layer a face.
 
 #include "lib/image_groups.glsl"
 #include "lib/equirect.glsl"

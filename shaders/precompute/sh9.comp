@@ -1,8 +1,9 @@
-// Projects an environment onto nine spherical harmonics: L_lm = sum over all texels of L Y_lm sin(theta) 2 pi^2 / (W
-// H). [Kim22 "Irradiance mapping"] One invocation sums every (64 * group_count)-th texel; each group leaves one partial
-// sum a coefficient; sh9_reduce.comp adds those. The order of every addition is fixed, so the result is the same bits
-// in every run.
-// Set 0: 0 environment (level 0 is read); 1 partial sums, SH9_COUNT vec4 a group. Dispatch: group_count groups.
+// Projects an environment onto nine spherical harmonics: L_lm = sum over all texels of L Y_lm
+// sin(theta) 2 pi^2 / (W H). [Kim22 "Irradiance mapping"] One invocation sums every (64 *
+// group_count)-th texel; each group leaves one partial sum a coefficient; sh9_reduce.comp adds
+// those. The order of every addition is fixed, so the result is the same bits in every run. Set 0:
+// 0 environment (level 0 is read); 1 partial sums, SH9_COUNT vec4 a group. Dispatch: group_count
+// groups.
 
 #include "generated/constants.glsl"
 #include "generated/layout.glsl"

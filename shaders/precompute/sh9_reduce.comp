@@ -1,5 +1,6 @@
-// One invocation adds the partial sums of one coefficient that sh9.comp left, in the order of the groups.
-// Set 0: 0 partial sums, SH9_COUNT vec4 a group; 1 the SH9_COUNT radiance coefficients (w = 0). Dispatch: one group.
+// One invocation adds the partial sums of one coefficient that sh9.comp left, in the order of the
+// groups. Set 0: 0 partial sums, SH9_COUNT vec4 a group; 1 the SH9_COUNT radiance coefficients (w =
+// 0). Dispatch: one group.
 
 #include "generated/constants.glsl"
 #include "generated/layout.glsl"

@@ -1,9 +1,10 @@
-// One invocation evaluates every function of the selected BRDF model and of lib/microfacet.glsl for one item.
-// In: (v_local, alpha), (h_local, n_dot_l), (u, xi.y, cos phi, sin phi), (f0, 0), (l_local, 0).
-// Out: (d(h), g1(v), g1(n_dot_l), g2), (sample_d(u, cos phi, sin phi), 0), (lobe of xi, pdf_h), (sample_visible(xi),
-// 0), (pdf_visible_l(v, h), pdf_visible_l of its own sample, pdf_l and d_over_pdf of the next), (f_schlick(v_dot_h,
-// f0), 0), (eval(v, l, h), 0), (sample_visible_normal(xi), 0). Specialization constant 0 is the masking-shadowing.
-// Set 0: 0 inputs, 5 vec4 an item; 1 outputs, 8 vec4 an item.
+// One invocation evaluates every function of the selected BRDF model and of lib/microfacet.glsl for
+// one item. In: (v_local, alpha), (h_local, n_dot_l), (u, xi.y, cos phi, sin phi), (f0, 0),
+// (l_local, 0). Out: (d(h), g1(v), g1(n_dot_l), g2), (sample_d(u, cos phi, sin phi), 0), (lobe of
+// xi, pdf_h), (sample_visible(xi), 0), (pdf_visible_l(v, h), pdf_visible_l of its own sample, pdf_l
+// and d_over_pdf of the next), (f_schlick(v_dot_h, f0), 0), (eval(v, l, h), 0),
+// (sample_visible_normal(xi), 0). Specialization constant 0 is the masking-shadowing. Set 0: 0
+// inputs, 5 vec4 an item; 1 outputs, 8 vec4 an item.
 
 #include "lib/masking.glsl"
 #include "lib/microfacet.glsl"

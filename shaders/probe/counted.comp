@@ -1,6 +1,6 @@
-// A shader of known size, for the test of the counter of instructions: so many products and lookups before a loop, so
-// many within it.
-// Set 0: 0 any map; 1 the result, a vec4 an invocation. Dispatch: any.
+// A shader of known size, for the test of the counter of instructions: so many products and lookups
+// before a loop, so many within it. Set 0: 0 any map; 1 the result, a vec4 an invocation. Dispatch:
+// any.
 
 layout(local_size_x = 64) in;
 

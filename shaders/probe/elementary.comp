@@ -1,7 +1,6 @@
-// One invocation evaluates lib/elementary.glsl for one item.
-// In: (turns, x of log_one_minus, x of one_minus_exp, x of asin_half_octant), (y, x of atan2_precise, x of atan_octant,
-// 0).
-// Out: (sin, cos of turns, log_one_minus, one_minus_exp), (asin_half_octant, atan2_precise, atan_octant, 0).
+// One invocation evaluates lib/elementary.glsl for one item. In: (turns, x of log_one_minus, x of
+// one_minus_exp, x of asin_half_octant), (y, x of atan2_precise, x of atan_octant, 0). Out: (sin,
+// cos of turns, log_one_minus, one_minus_exp), (asin_half_octant, atan2_precise, atan_octant, 0).
 // Set 0: 0 inputs, 2 vec4 an item; 1 outputs, 2 vec4 an item.
 
 #include "lib/elementary.glsl"

@@ -1,10 +1,9 @@
-// One invocation evaluates the functions of lib/environment_sampling.glsl for one item, on a map of the bound
-// environment's size.
-// In: (unit direction, count of slots), (xi.x high, low, xi.y high, low) with 16 bits a channel.
-// Out: (radiance from the direction, its density), (sampled direction, its density), (radiance from the sampled
-// direction, 0).
-// Set 0: 0 inputs, 2 vec4 an item; 1 outputs, 3 vec4 an item; 2 environment (sampler2D, level 0); 3 words of its
-// distribution; 4 the environment through a bilinear sampler; 5 the slots of its distribution. Specialization constant
+// One invocation evaluates the functions of lib/environment_sampling.glsl for one item, on a map of
+// the bound environment's size. In: (unit direction, count of slots), (xi.x high, low, xi.y high,
+// low) with 16 bits a channel. Out: (radiance from the direction, its density), (sampled direction,
+// its density), (radiance from the sampled direction, 0). Set 0: 0 inputs, 2 vec4 an item; 1
+// outputs, 3 vec4 an item; 2 environment (sampler2D, level 0); 3 words of its distribution; 4 the
+// environment through a bilinear sampler; 5 the slots of its distribution. Specialization constant
 // 1: EXACT_FILTER.
 
 #include "lib/environment_sampling.glsl"

@@ -1,5 +1,5 @@
-// Shared by all probes but `counted`: one invocation per item; inputs and outputs in bindings 0 and 1 of set 0, in
-// vec4. Dispatch: ceil(count / GROUP_LINEAR) groups.
+// Shared by all probes but `counted`: one invocation per item; inputs and outputs in bindings 0 and
+// 1 of set 0, in vec4. Dispatch: ceil(count / GROUP_LINEAR) groups.
 #include "generated/constants.glsl"
 #include "generated/layout.glsl"
 

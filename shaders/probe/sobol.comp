@@ -1,7 +1,6 @@
-// One invocation evaluates the functions of lib/sobol.glsl for one item.
-// In: (pixel x, pixel y, scramble, seed), (stream, index, 0, 0), as whole numbers below 2^24.
-// Out: the bits of both pairs' points, 16 a channel: (lobe x high, low, y high, low), (environment x high, low, y high,
-// low).
+// One invocation evaluates the functions of lib/sobol.glsl for one item. In: (pixel x, pixel y,
+// scramble, seed), (stream, index, 0, 0), as whole numbers below 2^24. Out: the bits of both pairs'
+// points, 16 a channel: (lobe x high, low, y high, low), (environment x high, low, y high, low).
 // Set 0: 0 inputs, 2 vec4 an item; 1 outputs, 2 vec4 an item.
 
 #include "lib/sobol.glsl"

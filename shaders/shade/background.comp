@@ -1,7 +1,7 @@
-// One invocation sets the radiance of one pixel with mask 0 to the environment behind it; pixels with mask 1 are left
-// alone.
-// Set 0: 0 position.xyz, mask; 1 normal.xyz, alpha; 2 albedo.rgb, metallic; 3 f0.rgb, material index; 5 environment
-// (level 0 is read); 6 radiance, a vec4 a pixel, row-major.
+// One invocation sets the radiance of one pixel with mask 0 to the environment behind it; pixels
+// with mask 1 are left alone. Set 0: 0 position.xyz, mask; 1 normal.xyz, alpha; 2 albedo.rgb,
+// metallic; 3 f0.rgb, material index; 5 environment (level 0 is read); 6 radiance, a vec4 a pixel,
+// row-major.
 
 #include "lib/image_groups.glsl"
 #include "lib/camera.glsl"

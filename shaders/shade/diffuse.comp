@@ -1,6 +1,6 @@
-// One invocation adds the diffuse image-based radiance of one pixel; pixels with mask 0 are left alone.
-// Set 0 after lib/shaded_pixel.glsl: 5 map of irradiance over pi; 6 DFG table; 7 SH9_COUNT radiance coefficients; 8
-// radiance, a vec4 a pixel.
+// One invocation adds the diffuse image-based radiance of one pixel; pixels with mask 0 are left
+// alone. Set 0 after lib/shaded_pixel.glsl: 5 map of irradiance over pi; 6 DFG table; 7 SH9_COUNT
+// radiance coefficients; 8 radiance, a vec4 a pixel.
 
 #include "lib/diffuse.glsl"
 #include "lib/shaded_pixel.glsl"

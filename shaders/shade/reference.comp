@@ -1,20 +1,21 @@
-// The reference: an unbiased estimate of the integral of a lobe (BRDF times cosine, or a rung of the ladder) and
-// environment radiance by multiple importance sampling. One dispatch takes `pair_count` further points of every
-// scramble's net and adds them to its sum.
+// The reference: an unbiased estimate of the integral of a lobe (BRDF times cosine, or a rung of
+// the ladder) and environment radiance by multiple importance sampling. One dispatch takes
+// `pair_count` further points of every scramble's net and adds them to its sum.
 //
-// One invocation computes one pixel. A pair is one sample from the lobe and one from the environment. With m pairs in
-// all, the balance heuristic [VeachGuibas95, eq. 10 with equal counts] makes every sample of either kind contribute
+// One invocation computes one pixel. A pair is one sample from the lobe and one from the
+// environment. With m pairs in all, the balance heuristic [VeachGuibas95, eq. 10 with equal counts]
+// makes every sample of either kind contribute
 //
 //     f(v, l) n.l L(l) / (m (p_lobe(l) + p_environment(l)))
 //
-// to its scramble's estimate X_k. X_1 .. X_K, K = SCRAMBLE_COUNT, are independent and each is unbiased.
-// shade/reference_resolve.comp makes mean and variance of them. A sum is kept with its low part, so that a net drawn in
-// parts has the bits of one drawn at once.
+// to its scramble's estimate X_k. X_1 .. X_K, K = SCRAMBLE_COUNT, are independent and each is
+// unbiased. shade/reference_resolve.comp makes mean and variance of them. A sum is kept with its
+// low part, so that a net drawn in parts has the bits of one drawn at once.
 //
 // Set 0 after lib/shaded_pixel.glsl: 5 environment (level 0 in f32); 6 tables of the environment
-// (lib/environment_sampling.glsl); 7 m X_k of each pixel and scramble, high part (rgb) and low part (rgb), which the
-// dispatch from pair 0 on overwrites; 8 as 5, through a bilinear sampler; 9 mean direction and mass of each slot of 6;
-// 10 DFG table.
+// (lib/environment_sampling.glsl); 7 m X_k of each pixel and scramble, high part (rgb) and low part
+// (rgb), which the dispatch from pair 0 on overwrites; 8 as 5, through a bilinear sampler; 9 mean
+// direction and mass of each slot of 6; 10 DFG table.
 
 #include "lib/compensated_sum.glsl"
 #include "lib/environment_sampling.glsl"

@@ -1,9 +1,11 @@
-// One invocation adds one term of the reference, specular or diffuse, and its squared standard error to one pixel;
-// pixels with mask 0 are left alone. The terms use independent points (LOBE_STREAM), so their squared errors add.
+// One invocation adds one term of the reference, specular or diffuse, and its squared standard
+// error to one pixel; pixels with mask 0 are left alone. The terms use independent points
+// (LOBE_STREAM), so their squared errors add.
 //
-// With K = SCRAMBLE_COUNT independent estimates X_k, m X_k / environment_scale in the sums as shade/reference.comp
-// leaves them (m = `pair_count`), and w the part of the term that does not depend on l (1 or the factor of a
-// compensation for the specular one, the diffuse albedo for the other):
+// With K = SCRAMBLE_COUNT independent estimates X_k, m X_k / environment_scale in the sums as
+// shade/reference.comp leaves them (m = `pair_count`), and w the part of the term that does not
+// depend on l (1 or the factor of a compensation for the specular one, the diffuse albedo for the
+// other):
 //
 //     radiance += w mean X_k,    squared error += w^2 sum (X_k - mean)^2 / (K (K - 1))
 //
@@ -11,8 +13,8 @@
 //
 // Each sum's high part becomes w X_k, for callers that read the scrambles.
 //
-// Set 0 after lib/shaded_pixel.glsl: 5 DFG table; 6 the sums; 7 radiance; 8 squared standard error; 7 and 8 a vec4 a
-// pixel.
+// Set 0 after lib/shaded_pixel.glsl: 5 DFG table; 6 the sums; 7 radiance; 8 squared standard error;
+// 7 and 8 a vec4 a pixel.
 
 #include "lib/compensation.glsl"
 #include "lib/shaded_pixel.glsl"

@@ -1,7 +1,7 @@
-// One invocation adds the specular image-based radiance of one pixel, or the part of this dispatch's points; pixels
-// with mask 0 are left alone.
-// Set 0 after lib/shaded_pixel.glsl: 5 environment with its mips; 6 its filtered levels; 7 prefiltered map with its
-// levels; 8 DFG table; 9 table of taps; 10 sample points of this dispatch (lib/sampling.glsl); 11 radiance, a vec4 a
+// One invocation adds the specular image-based radiance of one pixel, or the part of this
+// dispatch's points; pixels with mask 0 are left alone. Set 0 after lib/shaded_pixel.glsl: 5
+// environment with its mips; 6 its filtered levels; 7 prefiltered map with its levels; 8 DFG table;
+// 9 table of taps; 10 sample points of this dispatch (lib/sampling.glsl); 11 radiance, a vec4 a
 // pixel; 12 shifts of each pixel's points as fixed point.
 
 #include "lib/compensation.glsl"
@@ -43,7 +43,8 @@ vec4 sample_point(uint i) {
     return sample_point_from_xi(sobol_to_unit(owen_scrambled(points[i].xy, pixel_keys)));
 }
 
-// Outgoing specular radiance, for environment radiance as stored; the method reads the bindings above.
+// Outgoing specular radiance, for environment radiance as stored; the method reads the bindings
+// above.
 #include "selected/method.glsl"
 
 void main() {

@@ -9,8 +9,8 @@ use serde::Deserialize;
 use std::fmt;
 use std::sync::LazyLock;
 
-/// World axes in file axes: in `-z+y+x` the world's x is the file's -z. A file's own axes are the axes of a Vulkan cube
-/// map, or of our lat-long map ([`crate::math::equirect`]).
+/// World axes in file axes: in `-z+y+x` the world's x is the file's -z. A file's own axes are the
+/// axes of a Vulkan cube map, or of our lat-long map ([`crate::math::equirect`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Axes {
     /// File axis of each world axis, and whether it is negated.
@@ -18,22 +18,34 @@ pub struct Axes {
 }
 
 impl Axes {
-    pub const SAME: Self = Self { of: [(0, false), (1, false), (2, false)] };
+    pub const SAME: Self = Self {
+        of: [(0, false), (1, false), (2, false)],
+    };
 
     /// Parses a text such as `-z+y+x`.
     pub fn parse(text: &str) -> Result<Self, String> {
         Self::all().find(|axes| axes.to_string() == text).ok_or_else(|| {
             format!(
-                "{text:?} is not a list of axes; expected the file's axis for the world's x, y and z, such as +x+y+z or -z+y+x"
+                "{text:?} is not a list of axes; expected the file's axis for the world's x, y and \
+                 z, such as +x+y+z or -z+y+x"
             )
         })
     }
 
     /// Lists all 48 orientations, mirrors included.
     pub fn all() -> impl Iterator<Item = Self> {
-        let orders = [[0, 1, 2], [0, 2, 1], [1, 0, 2], [1, 2, 0], [2, 0, 1], [2, 1, 0]];
+        let orders = [
+            [0, 1, 2],
+            [0, 2, 1],
+            [1, 0, 2],
+            [1, 2, 0],
+            [2, 0, 1],
+            [2, 1, 0],
+        ];
         orders.into_iter().flat_map(|order| {
-            (0..8).map(move |signs| Self { of: std::array::from_fn(|i| (order[i], signs >> i & 1 == 1)) })
+            (0..8).map(move |signs| Self {
+                of: std::array::from_fn(|i| (order[i], signs >> i & 1 == 1)),
+            })
         })
     }
 
@@ -57,7 +69,12 @@ impl Axes {
 impl fmt::Display for Axes {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         self.of.iter().try_for_each(|(axis, is_turned)| {
-            write!(f, "{}{}", if *is_turned { '-' } else { '+' }, ["x", "y", "z"][*axis])
+            write!(
+                f,
+                "{}{}",
+                if *is_turned { '-' } else { '+' },
+                ["x", "y", "z"][*axis]
+            )
         })
     }
 }
@@ -65,7 +82,8 @@ impl fmt::Display for Axes {
 /// Directions of a DFG table's parameters.
 #[derive(Debug)]
 pub struct TableAxes {
-    /// Parameter to the right, then downwards: `n` for n·v, `r` for perceptual roughness, `-` if it falls.
+    /// Parameter to the right, then downwards: `n` for n·v, `r` for perceptual roughness, `-` if it
+    /// falls.
     pub name: &'static str,
 }
 
@@ -98,7 +116,11 @@ impl TableAxes {
     }
 
     fn swapped(&self, at: DVec2) -> DVec2 {
-        if self.name.starts_with('r') { DVec2::new(at.y, at.x) } else { at }
+        if self.name.starts_with('r') {
+            DVec2::new(at.y, at.x)
+        } else {
+            at
+        }
     }
 }
 
@@ -112,10 +134,19 @@ pub struct TableChannels {
 
 /// Every variant; the first is ours.
 pub static TABLE_CHANNELS: &[TableChannels] = &[
-    TableChannels { name: "scale-bias", pair: |texel| texel },
-    TableChannels { name: "bias-scale", pair: |texel| DVec2::new(texel.y, texel.x) },
+    TableChannels {
+        name: "scale-bias",
+        pair: |texel| texel,
+    },
+    TableChannels {
+        name: "bias-scale",
+        pair: |texel| DVec2::new(texel.y, texel.x),
+    },
     // Filament's table for several scatterings.
-    TableChannels { name: "bias-albedo", pair: |texel| DVec2::new(texel.y - texel.x, texel.x) },
+    TableChannels {
+        name: "bias-albedo",
+        pair: |texel| DVec2::new(texel.y - texel.x, texel.x),
+    },
 ];
 
 #[derive(Clone, Debug)]
@@ -177,7 +208,8 @@ impl Default for Preset {
 
 /// Every preset; the first is the default.
 pub static PRESETS: LazyLock<Vec<Preset>> = LazyLock::new(|| {
-    serde_json::from_str(include_str!("../../assets/bakes/presets.json")).expect("the file is part of the program")
+    serde_json::from_str(include_str!("../../assets/bakes/presets.json"))
+        .expect("the file is part of the program")
 });
 
 listed!(TableAxes, "order of table axes", TABLE_AXES);
@@ -188,26 +220,41 @@ listed!(
     PRESETS,
     /// Finds a preset by its name or its engine's.
     fn by_name(name: &str) -> Option<&'static Self> {
-        Self::all().find(|preset| preset.name == name || preset.has_product() && preset.product().engine == name)
+        Self::all().find(|preset| {
+            preset.name == name || preset.has_product() && preset.product().engine == name
+        })
     }
 );
 
 impl Preset {
     /// Reads a user's preset from JSON. Fails on an unknown field, name or number.
     pub fn from_json(text: String) -> Result<&'static Self, String> {
-        // The text is never freed, as listed presets are not. Its line and column are not the user's.
+        // The text is never freed, as listed presets are not. Its line and column are not the
+        // user's.
         let preset: Result<Self, _> = serde_json::from_str(text.leak());
-        let preset =
-            preset.map_err(|error| error.to_string().split(" at line ").next().unwrap_or_default().to_owned())?;
+        let preset = preset.map_err(|error| {
+            error
+                .to_string()
+                .split(" at line ")
+                .next()
+                .unwrap_or_default()
+                .to_owned()
+        })?;
         preset.parsed()?;
         if let Some(product) = &preset.product {
-            let given = [("alphas", preset.alphas.is_some()), ("scale", preset.scale != 1.0)];
+            let given = [
+                ("alphas", preset.alphas.is_some()),
+                ("scale", preset.scale != 1.0),
+            ];
             if let Some((name, _)) = given.iter().find(|(_, is_given)| *is_given) {
                 return Err(format!(
-                    "{name}: a preset with [product] writes radiance by a level_mapping; leave it out"
+                    "{name}: a preset with [product] writes radiance by a level_mapping; leave it \
+                     out"
                 ));
             }
-            product.check().map_err(|fault| format!("product.{fault}"))?;
+            product
+                .check()
+                .map_err(|fault| format!("product.{fault}"))?;
         }
         Ok(Box::leak(Box::new(preset)))
     }
@@ -226,9 +273,13 @@ impl Preset {
         self.product.as_ref().expect("the preset has files")
     }
 
-    /// Returns the default side of a face, texels: the last level that the engine reads has [`LAST_SIDE`].
+    /// Returns the default side of a face, texels: the last level that the engine reads has
+    /// [`LAST_SIDE`].
     pub fn side(&self) -> u32 {
-        let count = self.product().level_count.or(self.convention().mapping.engine_levels);
+        let count = self
+            .product()
+            .level_count
+            .or(self.convention().mapping.engine_levels);
         count.map_or(SIDE, |count| SIDE.max(LAST_SIDE << (count - 1)))
     }
 
@@ -237,15 +288,22 @@ impl Preset {
     }
 
     fn parsed(&self) -> Result<Convention, String> {
-        if let Some(bad) =
-            [self.scale, self.irradiance_scale].iter().find(|scale| !(scale.is_finite() && **scale > 0.0))
+        if let Some(bad) = [self.scale, self.irradiance_scale]
+            .iter()
+            .find(|scale| !(scale.is_finite() && **scale > 0.0))
         {
-            return Err(format!("a scale of {bad}; expected a finite number above 0"));
+            return Err(format!(
+                "a scale of {bad}; expected a finite number above 0"
+            ));
         }
-        if let Some(alphas) =
-            self.alphas.as_ref().filter(|all| !all.is_sorted() || all.iter().any(|x| !(0.0..=1.0).contains(x)))
+        if let Some(alphas) = self
+            .alphas
+            .as_ref()
+            .filter(|all| !all.is_sorted() || all.iter().any(|x| !(0.0..=1.0).contains(x)))
         {
-            return Err(format!("alphas: {alphas:?}; expected ascending widths from 0 to 1"));
+            return Err(format!(
+                "alphas: {alphas:?}; expected ascending widths from 0 to 1"
+            ));
         }
         Ok(Convention {
             axes: Axes::parse(self.axes)?,
@@ -265,13 +323,21 @@ impl Convention {
     pub fn alphas(&self, count: usize) -> Result<Vec<f64>, String> {
         match &self.alphas {
             Some(alphas) if alphas.len() == count && alphas.is_sorted() => Ok(alphas.clone()),
-            Some(alphas) if alphas.len() == count => Err("--alphas: expected ascending widths".to_owned()),
-            Some(all) => Err(format!("widths: {}, levels: {count}; --level-mapping tells what is missing", all.len())),
+            Some(alphas) if alphas.len() == count => {
+                Err("--alphas: expected ascending widths".to_owned())
+            }
+            Some(all) => Err(format!(
+                "widths: {}, levels: {count}; --level-mapping tells what is missing",
+                all.len()
+            )),
             None if count == 1 => Ok(vec![0.0]),
             None => {
                 let last = self.mapping_levels(count);
                 Ok((0..count as u32)
-                    .map(|level| self.mapping.alpha_from_mip(level.min(last - 1).into(), last))
+                    .map(|level| {
+                        self.mapping
+                            .alpha_from_mip(level.min(last - 1).into(), last)
+                    })
                     .collect())
             }
         }

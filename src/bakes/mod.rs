@@ -1,7 +1,9 @@
-//! Tables of the split sum from other programs: reading, conventions, errors, and baking by the same conventions.
+//! Tables of the split sum from other programs: reading, conventions, errors, and baking by the
+//! same conventions.
 //!
-//! [`container`] reads files, [`source`] finds the parts of a bake, [`convention`] defines directions, levels and
-//! channels, [`check`] scores parts against exact integrals, [`make`] bakes for engines, [`plain`] for any program.
+//! [`container`] reads files, [`source`] finds the parts of a bake, [`convention`] defines
+//! directions, levels and channels, [`check`] scores parts against exact integrals, [`make`] bakes
+//! for engines, [`plain`] for any program.
 
 pub mod check;
 pub mod container;

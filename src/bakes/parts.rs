@@ -13,28 +13,41 @@ pub struct Map {
 }
 
 impl Map {
-    /// Cuts the texels of the file again as if its levels and faces were in the other order: of a file by faces, and of one by levels.
+    /// Cuts the texels of the file again as if its levels and faces were in the other order: of a
+    /// file by faces, and of one by levels.
     pub fn reordered(&self) -> Vec<(&'static str, Self)> {
         let (levels, faces) = (0..self.levels.len(), 0..self.levels[0].len());
-        let by_face: Vec<[usize; 2]> =
-            faces.clone().flat_map(|face| levels.clone().map(move |level| [level, face])).collect();
-        let by_level: Vec<[usize; 2]> = levels.flat_map(|level| faces.clone().map(move |face| [level, face])).collect();
+        let by_face: Vec<[usize; 2]> = faces
+            .clone()
+            .flat_map(|face| levels.clone().map(move |level| [level, face]))
+            .collect();
+        let by_level: Vec<[usize; 2]> = levels
+            .flat_map(|level| faces.clone().map(move |face| [level, face]))
+            .collect();
         let cut = |words, from: &[[usize; 2]], to: &[[usize; 2]]| {
-            let mut texels = from.iter().flat_map(|[level, face]| &self.levels[*level][*face].data);
+            let mut texels = from
+                .iter()
+                .flat_map(|[level, face]| &self.levels[*level][*face].data);
             let mut levels = self.levels.clone();
             for [level, face] in to {
-                levels[*level][*face].data.iter_mut().zip(&mut texels).for_each(|(to, from)| *to = *from);
+                levels[*level][*face]
+                    .data
+                    .iter_mut()
+                    .zip(&mut texels)
+                    .for_each(|(to, from)| *to = *from);
             }
             (words, Self { levels, ..*self })
         };
         vec![
             cut(
-                "its data are level by level, as in KTX; a DDS file has all levels of a face before the next face",
+                "its data are level by level, as in KTX; a DDS file has all levels of a face \
+                 before the next face",
                 &by_face,
                 &by_level,
             ),
             cut(
-                "its data are face by face, as in DDS; a KTX file has all faces of a level before the next level",
+                "its data are face by face, as in DDS; a KTX file has all faces of a level before \
+                 the next level",
                 &by_level,
                 &by_face,
             ),
@@ -71,9 +84,17 @@ pub const KEY: &str = "splitsum.";
 impl Stated {
     /// Takes statements of a file's metadata that nothing stated before.
     pub(super) fn add(&mut self, keys: &[(String, String)]) {
-        let value =
-            |name: &str| keys.iter().find(|(key, _)| key.strip_prefix(KEY) == Some(name)).map(|(_, v)| v.clone());
-        let alphas = || value("alphas")?.split(',').map(|alpha| alpha.parse().ok()).collect();
+        let value = |name: &str| {
+            keys.iter()
+                .find(|(key, _)| key.strip_prefix(KEY) == Some(name))
+                .map(|(_, v)| v.clone())
+        };
+        let alphas = || {
+            value("alphas")?
+                .split(',')
+                .map(|alpha| alpha.parse().ok())
+                .collect()
+        };
         self.preset = self.preset.take().or_else(|| value("preset"));
         self.alphas = self.alphas.take().or_else(alphas);
         self.weight = self.weight.take().or_else(|| value("weight"));

@@ -39,7 +39,8 @@ pub struct Product {
 
 /// Default side of a face, texels.
 pub(super) const SIDE: u32 = 256;
-/// Side of the last level, texels. Fewer are too few for lookups at alpha 1; more leave too few levels below alpha 0.2 (docs/bakes.md).
+/// Side of the last level, texels. Fewer are too few for lookups at alpha 1; more leave too few
+/// levels below alpha 0.2 (docs/bakes.md).
 pub const LAST_SIDE: u32 = 8;
 
 impl Default for Product {
@@ -61,11 +62,24 @@ impl Default for Product {
 }
 
 impl Product {
-    /// Fails on a file name that is not a plain name of a form that is written, and on unknown formats.
+    /// Fails on a file name that is not a plain name of a form that is written, and on unknown
+    /// formats.
     pub fn check(&self) -> Result<(), String> {
-        let names = [Some(self.specular), self.irradiance, self.sh, Some(TAPS), Some(MANIFEST)];
-        let names: Vec<&str> = names.into_iter().flatten().chain(self.tables.iter().copied()).collect();
-        let is_plain = |name: &str| Path::new(name).file_name().is_some_and(|own| own == name) && !name.contains('\\');
+        let names = [
+            Some(self.specular),
+            self.irradiance,
+            self.sh,
+            Some(TAPS),
+            Some(MANIFEST),
+        ];
+        let names: Vec<&str> = names
+            .into_iter()
+            .flatten()
+            .chain(self.tables.iter().copied())
+            .collect();
+        let is_plain = |name: &str| {
+            Path::new(name).file_name().is_some_and(|own| own == name) && !name.contains('\\')
+        };
         for (index, name) in names.iter().enumerate() {
             if !is_plain(name) {
                 return Err(format!("{name:?}: expected a file name without a folder"));
@@ -75,27 +89,45 @@ impl Product {
             }
         }
         let ends = |key: &str, name: &str, known: &[&str]| {
-            let is_known = Path::new(name).extension().is_some_and(|end| known.iter().any(|known| end == *known));
+            let is_known = Path::new(name)
+                .extension()
+                .is_some_and(|end| known.iter().any(|known| end == *known));
             (!is_known).then(|| format!("{key}: {}", not_one_of("format", name, known, "")))
         };
-        let of_map = |key, name: &str| name.contains('.').then(|| ends(key, name, &["ktx2", "ktx", "dds"]))?;
-        let maps = of_map("specular", self.specular).or_else(|| of_map("irradiance", self.irradiance?));
-        let mut tables = self.tables.iter().filter_map(|name| ends("tables", name, &["exr", "ktx2", "dds", "png"]));
+        let of_map = |key, name: &str| {
+            name.contains('.')
+                .then(|| ends(key, name, &["ktx2", "ktx", "dds"]))?
+        };
+        let maps =
+            of_map("specular", self.specular).or_else(|| of_map("irradiance", self.irradiance?));
+        let mut tables = self
+            .tables
+            .iter()
+            .filter_map(|name| ends("tables", name, &["exr", "ktx2", "dds", "png"]));
         if let Some(fault) = maps.or_else(|| tables.next()) {
             return Err(fault);
         }
         Texel::parse(self.texel).map_err(|fault| format!("texel: {fault}"))?;
         if code(self.language, "split-sum-two").is_none() {
-            let fault = not_one_of("shading language", self.language, &["GLSL", "HLSL", "WGSL"], "");
+            let fault = not_one_of(
+                "shading language",
+                self.language,
+                &["GLSL", "HLSL", "WGSL"],
+                "",
+            );
             return Err(format!("language: {fault}"));
         }
         match (self.last_side, self.level_count) {
             (side @ 1..=1024, None | Some(2..=16)) if side.is_power_of_two() => Ok(()),
-            _ => Err("last_side, level_count: expected a power of 2 from 1 to 1024 and 2 to 16 levels".to_owned()),
+            _ => Err(
+                "last_side, level_count: expected a power of 2 from 1 to 1024 and 2 to 16 levels"
+                    .to_owned(),
+            ),
         }
     }
 
     pub fn levels(&self, side: u32) -> u32 {
-        self.level_count.unwrap_or_else(|| (side / self.last_side).max(2).ilog2() + 1)
+        self.level_count
+            .unwrap_or_else(|| (side / self.last_side).max(2).ilog2() + 1)
     }
 }

@@ -1,10 +1,12 @@
-//! Beckmann: `D = exp(-tan² θ_h / alpha²) / (π alpha² cos⁴ θ_h)` [Walter07, eq. 25], G1 by a rational fit [eq. 27].
+//! Beckmann: `D = exp(-tan² θ_h / alpha²) / (π alpha² cos⁴ θ_h)` [Walter07, eq. 25], G1 by a
+//! rational fit [eq. 27].
 //!
 //! # Sampling
 //!
-//! Beckmann's own visible normals \[HeitzDeon14\] have no closed form: Newton's method must invert their distribution. So `sample_visible`
-//! draws the visible normals of GGX of the same alpha. With `s = tan² θ_h / alpha²`, `D / D_ggx = exp(-s) (1 + s)²`, at most `4/e`, and the
-//! visible areas differ by at most `√π` (at a grazing view), so weights are at most 2.61.
+//! Beckmann's own visible normals \[HeitzDeon14\] have no closed form: Newton's method must invert
+//! their distribution. So `sample_visible` draws the visible normals of GGX of the same alpha. With
+//! `s = tan² θ_h / alpha²`, `D / D_ggx = exp(-s) (1 + s)²`, at most `4/e`, and the visible areas
+//! differ by at most `√π` (at a grazing view), so weights are at most 2.61.
 
 use super::{Brdf, Widths, g1_rational, sin2_cos2};
 use crate::glsl::constants::TILT_MIN;
@@ -20,14 +22,14 @@ const SLOPE_MAX: f64 = 6.5;
 #[derive(Debug)]
 pub struct Beckmann;
 
-/// Returns `∫ (cos θ - t sin θ) exp(-t²) dt / √π` over t from -∞ to `slope`: the area of the facets up to that slope
-/// that a view at polar angle θ sees, for alpha = 1 \[HeitzDeon14\].
+/// Returns `∫ (cos θ - t sin θ) exp(-t²) dt / √π` over t from -∞ to `slope`: the area of the facets
+/// up to that slope that a view at polar angle θ sees, for alpha = 1 \[HeitzDeon14\].
 fn visible_area_up_to(slope: f64, sin_theta: f64, cos_theta: f64) -> f64 {
     0.5 * (cos_theta * erfc(-slope) + sin_theta * (-slope * slope).exp() / PI.sqrt())
 }
 
-/// Returns the area of the microfacets that a view sees, per area of surface: `cos θ / G1`, G1 exact; `stretched` is the
-/// width times the sine.
+/// Returns the area of the microfacets that a view sees, per area of surface: `cos θ / G1`, G1
+/// exact; `stretched` is the width times the sine.
 fn projected_area(stretched: f64, cos_theta: f64) -> f64 {
     // At the normal the last visible slope is infinite, and erfc(-∞) = 2, exp(-∞) = 0.
     visible_area_up_to(cos_theta / stretched, stretched, cos_theta)
@@ -55,7 +57,8 @@ impl Brdf for Beckmann {
         g1_rational(n_dot_w, alpha)
     }
 
-    /// Computes `2 cos θ / (cos θ (1 + erf a) + alpha sin θ exp(-a²)/√π)`, `a = 1/(alpha tan θ)` [Walter07, eq. 26].
+    /// Computes `2 cos θ / (cos θ (1 + erf a) + alpha sin θ exp(-a²)/√π)`, `a = 1/(alpha tan θ)`
+    /// [Walter07, eq. 26].
     fn g1_exact(&self, n_dot_w: f64, alpha: f64) -> f64 {
         if n_dot_w <= 0.0 {
             return 0.0;
@@ -64,9 +67,10 @@ impl Brdf for Beckmann {
         n_dot_w / projected_area(alpha * sin_theta, n_dot_w)
     }
 
-    /// Samples the model's own visible normals. Of the slopes along and across `v`, in units of alpha, the first has
-    /// density `(cos θ - t sin θ) exp(-t²)/√π` up to `cot θ`, the other is Gaussian \[HeitzDeon14\]. Halley's method
-    /// inverts the first, starting from the fit of \[Jakob14\].
+    /// Samples the model's own visible normals. Of the slopes along and across `v`, in units of
+    /// alpha, the first has density `(cos θ - t sin θ) exp(-t²)/√π` up to `cot θ`, the other is
+    /// Gaussian \[HeitzDeon14\]. Halley's method inverts the first, starting from the fit of
+    /// \[Jakob14\].
     fn sample_vndf(&self, xi: DVec2, v_local: DVec3, widths: Widths) -> DVec3 {
         const STEPS: u32 = 6;
         let across = widths.stretched(v_local).truncate();
@@ -83,13 +87,19 @@ impl Brdf for Beckmann {
             if seen <= 0.0 {
                 break;
             }
-            let step = (visible_area_up_to(t, sin, cos) - xi.x * area) / (seen * (-t * t).exp() / PI.sqrt());
-            t = (t - step / (1.0 + 0.5 * (step * (2.0 * t + sin / seen)).clamp(-1.5, 1.5))).clamp(-SLOPE_MAX, end);
+            let step = (visible_area_up_to(t, sin, cos) - xi.x * area)
+                / (seen * (-t * t).exp() / PI.sqrt());
+            t = (t - step / (1.0 + 0.5 * (step * (2.0 * t + sin / seen)).clamp(-1.5, 1.5)))
+                .clamp(-SLOPE_MAX, end);
         }
         // Infinite at 2/3, which no net of points contains; most contain 0.
         let turn = (xi.y + 1.0 / 3.0).fract();
         let y = erf_inverse(2.0 * turn - 1.0, (4.0 * turn * (1.0 - turn)).max(1e-13));
-        let along = if v_local.truncate().length() > f64::from(TILT_MIN) { across / sin } else { DVec2::X };
+        let along = if v_local.truncate().length() > f64::from(TILT_MIN) {
+            across / sin
+        } else {
+            DVec2::X
+        };
         let slope = widths.0 * (t * along + y * along.perp());
         DVec3::new(-slope.x, -slope.y, 1.0).normalize()
     }
@@ -98,7 +108,11 @@ impl Brdf for Beckmann {
     fn pdf_vndf_l(&self, v_local: DVec3, h_local: DVec3, widths: Widths) -> f64 {
         let visible = v_local.dot(h_local) > 0.0;
         let area = projected_area(widths.stretched(v_local).truncate().length(), v_local.z);
-        if visible { widths.d(self, h_local) / (4.0 * area) } else { 0.0 }
+        if visible {
+            widths.d(self, h_local) / (4.0 * area)
+        } else {
+            0.0
+        }
     }
 
     /// Samples `tan² θ = -alpha² ln(1 - u)` [Walter07, eq. 28].

@@ -1,7 +1,8 @@
-//! Compensation of the light that single scattering loses between facets, in `shaders/lib/compensation.glsl`.
+//! Compensation of the light that single scattering loses between facets, in
+//! `shaders/lib/compensation.glsl`.
 //!
-//! Let (A, B) be the DFG pair at n·v, `E = A + B` the albedo for F = 1, `E_avg = 2 ∫ E μ dμ` its mean, and `F_avg = f0
-//! + (1 - f0)/21` Schlick's mean. The specular term of albedo `f0 A + B` gets
+//! Let (A, B) be the DFG pair at n·v, `E = A + B` the albedo for F = 1, `E_avg = 2 ∫ E μ dμ` its
+//! mean, and `F_avg = f0 + (1 - f0)/21` Schlick's mean. The specular term of albedo `f0 A + B` gets
 //!
 //! | | what | source |
 //! |---|---|---|

@@ -45,11 +45,16 @@ impl Brdf for Ggx {
     fn sample_d(&self, xi: DVec2, alpha: f64) -> DVec3 {
         let alpha2 = alpha * alpha;
         let denominator = (1.0 - xi.x) + alpha2 * xi.x;
-        direction_from_polar((alpha2 * xi.x / denominator).sqrt(), ((1.0 - xi.x) / denominator).sqrt(), xi.y)
+        direction_from_polar(
+            (alpha2 * xi.x / denominator).sqrt(),
+            ((1.0 - xi.x) / denominator).sqrt(),
+            xi.y,
+        )
     }
 }
 
-/// The cap of the stretched sphere with all directions that leave above the horizon \[EtoTokuyoshi23\].
+/// The cap of the stretched sphere with all directions that leave above the horizon
+/// \[EtoTokuyoshi23\].
 struct BoundedCap {
     v_standard: DVec3,
     /// Length of the stretched `v`.
@@ -66,8 +71,16 @@ impl BoundedCap {
         let (length, alpha2) = (stretched.length(), widths.0.min_element().powi(2));
         let s2 = (1.0 + v_local.x.hypot(v_local.y)).powi(2);
         let denominator = s2 + alpha2 * v_local.z * v_local.z;
-        let (k, rest) = ((1.0 - alpha2) * s2 / denominator, alpha2 * (s2 + v_local.z * v_local.z) / denominator);
-        Self { v_standard: stretched / length, length, k, rest }
+        let (k, rest) = (
+            (1.0 - alpha2) * s2 / denominator,
+            alpha2 * (s2 + v_local.z * v_local.z) / denominator,
+        );
+        Self {
+            v_standard: stretched / length,
+            length,
+            k,
+            rest,
+        }
     }
 
     fn height(&self) -> f64 {
@@ -75,8 +88,9 @@ impl BoundedCap {
     }
 }
 
-/// Samples visible normals by the half vectors of a spherical cap \[Dupuy23\], smaller by [EtoTokuyoshi23, listing 1] so that
-/// fewer samples leave below the horizon. `xi.x = 0` is the cap's centre.
+/// Samples visible normals by the half vectors of a spherical cap \[Dupuy23\], smaller by
+/// [EtoTokuyoshi23, listing 1] so that fewer samples leave below the horizon. `xi.x = 0` is the
+/// cap's centre.
 pub(super) fn sample_bounded(xi: DVec2, v_local: DVec3, widths: Widths) -> DVec3 {
     let cap = BoundedCap::new(v_local, widths);
     let depth = xi.x * cap.height();
@@ -87,10 +101,13 @@ pub(super) fn sample_bounded(xi: DVec2, v_local: DVec3, widths: Widths) -> DVec3
     widths.stretched(across.truncate().extend(z)).normalize()
 }
 
-/// Computes `D / (2 (k n_dot_v + t))`, t the length of the stretched `v` [EtoTokuyoshi23, eq. 8]; 0 outside the cap.
+/// Computes `D / (2 (k n_dot_v + t))`, t the length of the stretched `v` [EtoTokuyoshi23, eq. 8]; 0
+/// outside the cap.
 pub(super) fn pdf_bounded_l(v_local: DVec3, h_local: DVec3, widths: Widths) -> f64 {
     let cap = BoundedCap::new(v_local, widths);
-    let h = (h_local.truncate() / widths.0).extend(h_local.z).normalize();
+    let h = (h_local.truncate() / widths.0)
+        .extend(h_local.z)
+        .normalize();
     let v_dot_h = cap.v_standard.dot(h);
     if v_dot_h <= 0.0 || 2.0 * v_dot_h * h.z - cap.v_standard.z < -cap.k * cap.v_standard.z {
         return 0.0;

@@ -1,16 +1,19 @@
-//! Phong: `D = (exponent + 2)/(2π) cos^exponent θ_h` [Walter07, eq. 30] with `exponent = 2/alpha² - 2`, which matches
-//! the width of Beckmann at small alpha [Walter07, section 5.2]; G1 by the rational fit.
+//! Phong: `D = (exponent + 2)/(2π) cos^exponent θ_h` [Walter07, eq. 30] with `exponent = 2/alpha² -
+//! 2`, which matches the width of Beckmann at small alpha [Walter07, section 5.2]; G1 by the
+//! rational fit.
 //!
-//! The fit is not the Smith masking of this distribution: at large alpha and grazing views energy is created
-//! (directional albedo up to 1.14 at alpha 1, n_dot_v 0.1).
+//! The fit is not the Smith masking of this distribution: at large alpha and grazing views energy
+//! is created (directional albedo up to 1.14 at alpha 1, n_dot_v 0.1).
 //!
-//! docs/conventions.md ("Models") derives its exact Smith masking, `G1 = cos θ / (cos θ (1 - I_x(N, 1/2)/2) + C sin^(2N) θ / (2N - 1))`.
+//! docs/conventions.md ("Models") derives its exact Smith masking, `G1 = cos θ / (cos θ (1 - I_x(N,
+//! 1/2)/2) + C sin^(2N) θ / (2N - 1))`.
 //!
 //! # Sampling
 //!
-//! Phong's visible normals have no known sampler in closed form. `sample_visible` draws GGX's of the same alpha:
-//! with `k = 1/alpha² - 1` and `s = sin² θ_h`, `D / D_ggx = (1 - s)^k (1 + k s)²`, at most `4/e` (near `k s = 1`), so
-//! weights are bounded. Samples of D itself would hit only a few of the facets that a grazing view sees.
+//! Phong's visible normals have no known sampler in closed form. `sample_visible` draws GGX's of
+//! the same alpha: with `k = 1/alpha² - 1` and `s = sin² θ_h`, `D / D_ggx = (1 - s)^k (1 + k s)²`,
+//! at most `4/e` (near `k s = 1`), so weights are bounded. Samples of D itself would hit only a few
+//! of the facets that a grazing view sees.
 
 use super::{Brdf, g1_rational, sin2_cos2};
 use crate::math::incomplete_beta::{gamma_ratio_half, incomplete_beta_half};
@@ -36,7 +39,8 @@ impl Brdf for Phong {
     }
 
     fn about(&self) -> &'static str {
-        "microfacets of a power of the cosine; its masking is Walter's rational fit, made for Beckmann"
+        "microfacets of a power of the cosine; its masking is Walter's rational fit, made for \
+         Beckmann"
     }
 
     fn d(&self, h_local: DVec3, alpha: f64) -> f64 {
@@ -45,8 +49,13 @@ impl Brdf for Phong {
         }
         let exponent = exponent_from_alpha(alpha);
         let (sin2, _) = sin2_cos2(h_local);
-        // Near the normal ln_1p keeps the digits that cos θ = 1 - ε has lost; near the horizon cos θ has them.
-        let ln_cos = if sin2 < 0.5 { 0.5 * (-sin2).ln_1p() } else { h_local.z.ln() };
+        // Near the normal ln_1p keeps the digits that cos θ = 1 - ε has lost; near the horizon cos
+        // θ has them.
+        let ln_cos = if sin2 < 0.5 {
+            0.5 * (-sin2).ln_1p()
+        } else {
+            h_local.z.ln()
+        };
         (exponent + 2.0) / TAU * (exponent * ln_cos).exp()
     }
 

@@ -13,8 +13,10 @@ use std::path::{Path, PathBuf};
 /// Answer the questions of finished runs again, from their tables.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "Needs neither a device nor the run's inputs. Answers, summary and report in the folder of a finished run are replaced.\n\n\
-    Examples:\n  splitsum answers runs/break-even\n  splitsum answers runs/break-even --metric flip\n  \
+    after_help = "Needs neither a device nor the run's inputs. Answers, summary and report in the \
+                  folder of a finished run are replaced.\n\n\
+    Examples:\n  splitsum answers runs/break-even\n  splitsum answers runs/break-even --metric \
+    flip\n  \
     splitsum answers runs/* --publish results"
 )]
 pub struct Arguments {
@@ -40,11 +42,21 @@ impl From<PublishError> for Failure {
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     // Publish all of several runs or none.
     if let Some(into) = &arguments.publish {
-        let faults: Vec<PublishError> =
-            arguments.dirs.iter().filter_map(|dir| check(dir, into, arguments.replace).err()).collect();
+        let faults: Vec<PublishError> = arguments
+            .dirs
+            .iter()
+            .filter_map(|dir| check(dir, into, arguments.replace).err())
+            .collect();
         if !faults.is_empty() {
-            let text = faults.iter().map(PublishError::to_string).collect::<Vec<_>>().join("\n");
-            return Err(Failure::of(faults.iter().all(PublishError::is_misuse), text));
+            let text = faults
+                .iter()
+                .map(PublishError::to_string)
+                .collect::<Vec<_>>()
+                .join("\n");
+            return Err(Failure::of(
+                faults.iter().all(PublishError::is_misuse),
+                text,
+            ));
         }
     }
     let mut published = BTreeMap::new();
@@ -53,20 +65,41 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         let (run, answers) = arguments.answers.answered(dir)?;
         let written = Written::new(&run, &answers).map_err(Failure::failed)?;
         let is_new = written.write().map_err(Failure::failed)?;
-        print(&format!("{}: {}\n", dir.display(), written.record.headline()))?;
+        print(&format!(
+            "{}: {}\n",
+            dir.display(),
+            written.record.headline()
+        ))?;
         // All files of a run use one metric.
-        let options = PageOptions { metric: arguments.answers.metric.clone(), ..PageOptions::in_folder(dir) };
+        let options = PageOptions {
+            metric: arguments.answers.metric.clone(),
+            ..PageOptions::in_folder(dir)
+        };
         if is_new && is_page(&options.out) {
-            print(&line(&write(&options, &PageRun::of_runs(&[(run, answers)]))?))?;
+            print(&line(&write(
+                &options,
+                &PageRun::of_runs(&[(run, answers)]),
+            )?))?;
         }
         if let Some(into) = &arguments.publish {
-            publish_one(&written.record.name, dir, into, arguments.replace, &mut published)?;
+            publish_one(
+                &written.record.name,
+                dir,
+                into,
+                arguments.replace,
+                &mut published,
+            )?;
         }
     }
-    let Some(into) = &arguments.publish else { return Ok(()) };
+    let Some(into) = &arguments.publish else {
+        return Ok(());
+    };
     let pages = [vec![write_page(into)?], fill_pages(into)?].concat();
     let names = pages.iter().map(|path| path.display().to_string());
-    print(&format!("Written {}\n", names.collect::<Vec<_>>().join(", ")))
+    print(&format!(
+        "Written {}\n",
+        names.collect::<Vec<_>>().join(", ")
+    ))
 }
 
 fn publish_one<'a>(
@@ -82,5 +115,7 @@ fn publish_one<'a>(
             "{dir}: {name} is already published from {other}; expected runs of different names"
         )));
     }
-    publish(dir, into, replace)?.iter().try_for_each(|note| print(&format!("{note}\n")))
+    publish(dir, into, replace)?
+        .iter()
+        .try_for_each(|note| print(&format!("{note}\n")))
 }

@@ -10,8 +10,8 @@ use splitsum::bakes::plain::{Baking, SETTINGS};
 use splitsum::brdf::MODELS;
 use splitsum::environment::Environment;
 use splitsum::experiment::axis::{
-    AXES, BRDF, DFG_SIZE, IRRADIANCE_SIZE, MASKING, PREFILTER_LEVEL_COUNT, PREFILTER_SIZE, PREFILTER_WEIGHT, Point,
-    Settings,
+    AXES, BRDF, DFG_SIZE, IRRADIANCE_SIZE, MASKING, PREFILTER_LEVEL_COUNT, PREFILTER_SIZE,
+    PREFILTER_WEIGHT, Point, Settings,
 };
 use splitsum::experiment::value::Value;
 use splitsum::spelling::{Listed, not_one_of};
@@ -23,7 +23,8 @@ use std::path::PathBuf;
     allow_negative_numbers = true,
     after_help = "bake.json states the mapping, axes and units of every file.\n\n\
     Examples:\n  splitsum bake builtin:sky --out baked\n  \
-    splitsum bake studio.hdr --out baked --set prefilter_size=256x256 --set prefilter_level_count=6 --set brdf=ggx\n  \
+    splitsum bake studio.hdr --out baked --set prefilter_size=256x256 --set \
+    prefilter_level_count=6 --set brdf=ggx\n  \
     splitsum bake studio.hdr --for bevy --out assets/studio"
 )]
 pub struct Arguments {
@@ -46,16 +47,25 @@ pub struct Arguments {
 }
 
 fn parse_engine(text: &str) -> Result<&'static Preset, String> {
-    let engines: Vec<&str> = Preset::engines().map(|preset| preset.product().engine).collect();
-    let found = if text.ends_with(".toml") { Some(preset(text)?) } else { Preset::by_name(text) };
-    found.filter(|preset| preset.has_product()).ok_or_else(|| match text.ends_with(".toml") {
-        true => "it has no [product]".to_owned(),
-        false => not_one_of("engine", text, &engines, ""),
-    })
+    let engines: Vec<&str> = Preset::engines()
+        .map(|preset| preset.product().engine)
+        .collect();
+    let found = if text.ends_with(".toml") {
+        Some(preset(text)?)
+    } else {
+        Preset::by_name(text)
+    };
+    found
+        .filter(|preset| preset.has_product())
+        .ok_or_else(|| match text.ends_with(".toml") {
+            true => "it has no [product]".to_owned(),
+            false => not_one_of("engine", text, &engines, ""),
+        })
 }
 
 fn engines_help() -> String {
-    let line = |preset: &Preset| format!("  {}: {}", preset.product().engine, preset.product().about);
+    let line =
+        |preset: &Preset| format!("  {}: {}", preset.product().engine, preset.product().about);
     let lines: Vec<String> = Preset::engines().map(line).collect();
     format!("Write an engine's files instead:\n{}", lines.join("\n"))
 }
@@ -65,8 +75,14 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let environment = arguments.inputs.environment(&arguments.environment)?;
     let mut point = Point::default();
     for (index, (axis, value)) in arguments.settings.iter().enumerate() {
-        if arguments.settings[..index].iter().any(|(earlier, _)| earlier == axis) {
-            return Err(Failure::input(format!("--set {}: is set twice; expected one value", AXES[*axis].name)));
+        if arguments.settings[..index]
+            .iter()
+            .any(|(earlier, _)| earlier == axis)
+        {
+            return Err(Failure::input(format!(
+                "--set {}: is set twice; expected one value",
+                AXES[*axis].name
+            )));
         }
         point[*axis] = value.clone();
     }
@@ -78,7 +94,11 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let baking = Baking {
         environment: &environment,
         settings: settings.shading.precompute,
-        brdfs: if has_model { &[settings.shading.brdf] } else { MODELS },
+        brdfs: if has_model {
+            &[settings.shading.brdf]
+        } else {
+            MODELS
+        },
         masking: settings.shading.masking_shadowing,
     };
     baking.check().map_err(Failure::input)?;
@@ -97,26 +117,51 @@ fn execute_for(
 ) -> Result<(), Failure> {
     let (product, convention) = (preset.product(), preset.convention());
     let engine = product.engine;
-    let known = [BRDF, MASKING, PREFILTER_WEIGHT, PREFILTER_SIZE, PREFILTER_LEVEL_COUNT, IRRADIANCE_SIZE, DFG_SIZE];
-    if let Some((axis, _)) = arguments.settings.iter().find(|(axis, _)| !known.contains(axis)) {
+    let known = [
+        BRDF,
+        MASKING,
+        PREFILTER_WEIGHT,
+        PREFILTER_SIZE,
+        PREFILTER_LEVEL_COUNT,
+        IRRADIANCE_SIZE,
+        DFG_SIZE,
+    ];
+    if let Some((axis, _)) = arguments
+        .settings
+        .iter()
+        .find(|(axis, _)| !known.contains(axis))
+    {
         let names: Vec<&str> = known.iter().map(|axis| AXES[*axis].name).collect();
         let (name, names) = (AXES[*axis].name, names.join(", "));
-        return Err(Failure::input(format!("--set {name}: --for {engine} determines it; expected {names}")));
+        return Err(Failure::input(format!(
+            "--set {name}: --for {engine} determines it; expected {names}"
+        )));
     }
-    let value = |axis: usize| arguments.settings.iter().find(|(set, _)| *set == axis).map(|(_, value)| value);
+    let value = |axis: usize| {
+        arguments
+            .settings
+            .iter()
+            .find(|(set, _)| *set == axis)
+            .map(|(_, value)| value)
+    };
     let square = |axis: usize, default: u32| match value(axis).map(Value::pair) {
         None => Ok(default),
         Some([width, height]) if width == height => Ok(width),
-        Some([width, height]) => {
-            Err(Failure::input(format!("--set {}={width}x{height}: faces are square", AXES[axis].name)))
-        }
+        Some([width, height]) => Err(Failure::input(format!(
+            "--set {}={width}x{height}: faces are square",
+            AXES[axis].name
+        ))),
     };
     let side = square(PREFILTER_SIZE, preset.side())?;
     let making = Making {
         brdf: settings.shading.brdf,
         masking: value(MASKING).map_or(convention.masking, |_| settings.shading.masking_shadowing),
-        weight: value(PREFILTER_WEIGHT).map_or(convention.weight, |_| settings.shading.precompute.prefilter_weight),
-        texel: arguments.format.unwrap_or_else(|| Texel::listed(product.texel)),
+        weight: value(PREFILTER_WEIGHT).map_or(convention.weight, |_| {
+            settings.shading.precompute.prefilter_weight
+        }),
+        texel: arguments
+            .format
+            .unwrap_or_else(|| Texel::listed(product.texel)),
         irradiance_side: square(IRRADIANCE_SIZE, make::IRRADIANCE_SIDE)?,
         table_side: value(DFG_SIZE).map_or(make::TABLE_SIDE, Value::count),
         level_count: value(PREFILTER_LEVEL_COUNT).map_or(product.levels(side), Value::count),
@@ -130,26 +175,40 @@ fn execute_for(
     }
     for level in &baked.levels {
         if let Some(why) = &level.why {
-            super::warn(&format!("level {}", level.name), &format!("relmse {:.1e}: {why}", level.relmse));
+            super::warn(
+                &format!("level {}", level.name),
+                &format!("relmse {:.1e}: {why}", level.relmse),
+            );
         }
     }
     let (between, why) = &baked.last_between;
     if let Some(why) = why {
-        super::warn("last level", &format!("relmse {between:.1e} between its texels: {why}"));
+        super::warn(
+            "last level",
+            &format!("relmse {between:.1e} between its texels: {why}"),
+        );
     }
-    let worst = baked.levels.iter().map(|level| level.relmse).fold(0.0, f64::max);
+    let worst = baked
+        .levels
+        .iter()
+        .map(|level| level.relmse)
+        .fold(0.0, f64::max);
     let table = match baked.table_error {
         None => String::new(),
         Some(0.0) => ", the table is exact".to_owned(),
         Some(error) => format!(", the table is within {error:.0e}"),
     };
     let last = format!("lookups between the texels of the last level are within {between:.1e}");
-    print(&format!("As written, every level is within relmse {worst:.1e} of its integral; {last}{table}.\n"))
+    print(&format!(
+        "As written, every level is within relmse {worst:.1e} of its integral; {last}{table}.\n"
+    ))
 }
 
 /// Parses `name=value` of an axis that changes the tables.
 fn setting(text: &str) -> Result<(usize, Value), String> {
-    let (name, value) = text.split_once('=').ok_or_else(|| format!("{text:?} is not NAME=VALUE"))?;
+    let (name, value) = text
+        .split_once('=')
+        .ok_or_else(|| format!("{text:?} is not NAME=VALUE"))?;
     let axis = AXES.iter().position(|axis| axis.name == name);
     let axis = axis.ok_or_else(|| not_one_of("setting of a bake", name, SETTINGS, ""))?;
     if !SETTINGS.contains(&name) {

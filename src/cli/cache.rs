@@ -21,24 +21,34 @@ pub struct CacheArguments {
 }
 
 fn parse_mib(text: &str) -> Result<u64, String> {
-    text.parse().map_err(|_| format!("{text:?} is not a whole number of MiB, such as 2048"))
+    text.parse()
+        .map_err(|_| format!("{text:?} is not a whole number of MiB, such as 2048"))
 }
 
 impl CacheArguments {
     fn dir(&self) -> Option<PathBuf> {
-        self.cache.clone().or_else(default_dir).filter(|_| !self.no_cache)
+        self.cache
+            .clone()
+            .or_else(default_dir)
+            .filter(|_| !self.no_cache)
     }
 
     /// Opens the cache, if any. Failure is an error only for a folder that the user chose.
     pub fn open(&self) -> Result<Option<DiskCache>, RenderFault> {
-        let Some(dir) = self.dir() else { return Ok(None) };
+        let Some(dir) = self.dir() else {
+            return Ok(None);
+        };
         match DiskCache::open(&dir, self.cache_limit << 20) {
             Ok(cache) => Ok(Some(cache)),
-            Err(error) if self.cache.is_some() => {
-                Err(RenderFault { message: format!("--cache: {error}"), device_lost: false, is_input: true })
-            }
+            Err(error) if self.cache.is_some() => Err(RenderFault {
+                message: format!("--cache: {error}"),
+                device_lost: false,
+                is_input: true,
+            }),
             Err(error) => {
-                log(&format!("warning: cache: {error}; nothing is kept for later runs"));
+                log(&format!(
+                    "warning: cache: {error}; nothing is kept for later runs"
+                ));
                 Ok(None)
             }
         }
@@ -46,8 +56,14 @@ impl CacheArguments {
 }
 
 fn default_dir() -> Option<PathBuf> {
-    let folder = |name: &str| env::var_os(name).filter(|value| !value.is_empty()).map(PathBuf::from);
+    let folder = |name: &str| {
+        env::var_os(name)
+            .filter(|value| !value.is_empty())
+            .map(PathBuf::from)
+    };
     let base = folder("XDG_CACHE_HOME").filter(|path| path.is_absolute());
-    let base = base.or_else(|| folder("LOCALAPPDATA")).or_else(|| Some(folder("HOME")?.join(".cache")))?;
+    let base = base
+        .or_else(|| folder("LOCALAPPDATA"))
+        .or_else(|| Some(folder("HOME")?.join(".cache")))?;
     Some(base.join("splitsum"))
 }

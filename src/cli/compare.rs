@@ -17,7 +17,8 @@ use std::path::{Path, PathBuf};
 #[command(
     allow_negative_numbers = true,
     after_help = "Example:\n  splitsum render --method split-sum --out ball.exr\n  \
-    splitsum render --method reference --out reference.exr\n  splitsum compare ball.exr reference.exr --json"
+    splitsum render --method reference --out reference.exr\n  splitsum compare ball.exr \
+    reference.exr --json"
 )]
 pub struct Arguments {
     /// Score this image.
@@ -42,7 +43,9 @@ pub struct Arguments {
 }
 
 fn mean(text: &str) -> Result<f64, String> {
-    Kind::Number(Range::above(0.0, 1e30)).parse_text(text).map(|value| value.number())
+    Kind::Number(Range::above(0.0, 1e30))
+        .parse_text(text)
+        .map(|value| value.number())
 }
 
 fn number(axis: usize, text: &str) -> Result<f64, String> {
@@ -57,30 +60,58 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let [width, height] = [test.rgb.width, test.rgb.height];
     if u64::from(width) * u64::from(height) > COMPARED_PIXELS_MAX {
         return Err(Failure::input(format!(
-            "{}: {width}x{height} pixels need {} MiB of memory; expected at most {COMPARED_PIXELS_MAX} pixels, such as 3840x2160",
+            "{}: {width}x{height} pixels need {} MiB of memory; expected at most \
+             {COMPARED_PIXELS_MAX} pixels, such as 3840x2160",
             arguments.test.display(),
             (u64::from(width) * u64::from(height) * 180) >> 20
         )));
     }
     let reference = read(&arguments.reference)?;
     let (mask, mask_source) = match (&arguments.mask, &reference.alpha) {
-        (Some(path), _) => (read(path)?.rgb.map(|texel| texel[0]), format!("--mask {}", path.display())),
-        (None, Some(alpha)) => (alpha.clone(), format!("the alpha channel of {}", arguments.reference.display())),
-        (None, None) => (GrayImage::filled(reference.rgb.width, reference.rgb.height, 1.0), "all pixels".to_owned()),
+        (Some(path), _) => (
+            read(path)?.rgb.map(|texel| texel[0]),
+            format!("--mask {}", path.display()),
+        ),
+        (None, Some(alpha)) => (
+            alpha.clone(),
+            format!("the alpha channel of {}", arguments.reference.display()),
+        ),
+        (None, None) => (
+            GrayImage::filled(reference.rgb.width, reference.rgb.height, 1.0),
+            "all pixels".to_owned(),
+        ),
     };
-    let curve = ToneCurve { exposure: arguments.exposure as f32, contrast: arguments.contrast as f32 };
+    let curve = ToneCurve {
+        exposure: arguments.exposure as f32,
+        contrast: arguments.contrast as f32,
+    };
     let epsilon = Epsilon::of_light(arguments.environment_mean);
-    let comparison = Comparison::new(&test.rgb, &reference.rgb, &mask, curve, epsilon).map_err(|error| {
-        let (test, reference) = (arguments.test.display(), arguments.reference.display());
-        Failure::input(format!("{test} against {reference}, masked by {mask_source}: {error}"))
-    })?;
-    log(&format!("relative metrics: mean luminance {}, epsilon {:e}", epsilon.mean(), epsilon.beside_square()));
+    let comparison =
+        Comparison::new(&test.rgb, &reference.rgb, &mask, curve, epsilon).map_err(|error| {
+            let (test, reference) = (arguments.test.display(), arguments.reference.display());
+            Failure::input(format!(
+                "{test} against {reference}, masked by {mask_source}: {error}"
+            ))
+        })?;
+    log(&format!(
+        "relative metrics: mean luminance {}, epsilon {:e}",
+        epsilon.mean(),
+        epsilon.beside_square()
+    ));
     let scores = comparison.evaluate_all();
     if arguments.json {
         // JSON has no infinity: the bias of a black reference is the text "inf".
-        let value = |x: f64| if x.is_finite() { json!(x) } else { json!(x.to_string()) };
-        let scores: serde_json::Map<String, Value> =
-            scores.iter().map(|(name, x)| ((*name).to_owned(), value(*x))).collect();
+        let value = |x: f64| {
+            if x.is_finite() {
+                json!(x)
+            } else {
+                json!(x.to_string())
+            }
+        };
+        let scores: serde_json::Map<String, Value> = scores
+            .iter()
+            .map(|(name, x)| ((*name).to_owned(), value(*x)))
+            .collect();
         return print_data(&format!("{:#}\n", Value::Object(scores)));
     }
     let mut table = MarkdownTable::new(&[
@@ -90,7 +121,12 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         ("values", Align::Left),
     ]);
     for ((name, value), metric) in scores.iter().zip(METRICS) {
-        table.row(&[*name, &significant(*value, 4), metric.better.name(), metric.space.name()]);
+        table.row(&[
+            *name,
+            &significant(*value, 4),
+            metric.better.name(),
+            metric.space.name(),
+        ]);
     }
     print(&table.to_string())
 }

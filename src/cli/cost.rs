@@ -17,8 +17,17 @@ use splitsum::spelling::Listed;
 use std::path::PathBuf;
 
 const ALL: &str = "all";
-const AXES_OF_CODE: [&str; 9] =
-    ["method", "brdf", "layout", "masking", "compensation", "pixel_points", "level_mapping", "dfg", "bend"];
+const AXES_OF_CODE: [&str; 9] = [
+    "method",
+    "brdf",
+    "layout",
+    "masking",
+    "compensation",
+    "pixel_points",
+    "level_mapping",
+    "dfg",
+    "bend",
+];
 /// A sampled method, and the split sums with the fewest and the most lookups.
 const LEADING: [&str; 3] = ["sampled", "split-sum", "split-sum-four"];
 
@@ -43,12 +52,22 @@ struct Asked(Option<&'static Family>);
 /// Hides the flags of axes that change no code.
 fn shown(arg: Arg) -> Arg {
     let is_other = |name: &str| Named::find(name).is_some() && !AXES_OF_CODE.contains(&name);
-    if is_other(arg.get_id().as_str()) { arg.hide(true) } else { arg }
+    if is_other(arg.get_id().as_str()) {
+        arg.hide(true)
+    } else {
+        arg
+    }
 }
 
 /// Lets the flag of the method take several of them.
 fn several(arg: Arg) -> Arg {
-    let parse = |text: &str| if text == ALL { Ok(Value::from(ALL)) } else { AXES[METHOD].kind.parse_text(text) };
+    let parse = |text: &str| {
+        if text == ALL {
+            Ok(Value::from(ALL))
+        } else {
+            AXES[METHOD].kind.parse_text(text)
+        }
+    };
     arg.help("Methods after commas, or all (`splitsum list methods`)")
         .action(ArgAction::Append)
         .value_delimiter(',')
@@ -57,12 +76,20 @@ fn several(arg: Arg) -> Arg {
 }
 
 fn after_help() -> String {
-    let families =
-        FAMILIES.iter().map(|Family { name, generation, card, .. }| format!("  {name:8} {generation}, {card}\n"));
+    let families = FAMILIES.iter().map(
+        |Family {
+             name,
+             generation,
+             card,
+             ..
+         }| format!("  {name:8} {generation}, {card}\n"),
+    );
     format!(
         "\
-Mesa's RADV compiles the program's own shaders for GPUs that this machine does not have (Debian: apt-get install mesa-vulkan-drivers). \
-The command counts their instructions inside and outside the loop over samples. Nothing is executed or timed.
+Mesa's RADV compiles the program's own shaders for GPUs that this machine does not have (Debian: \
+apt-get install mesa-vulkan-drivers). \
+The command counts their instructions inside and outside the loop over samples. Nothing is \
+executed or timed.
 
 Families, each with one of its cards:
 {}
@@ -95,13 +122,26 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
 
 fn points(arguments: &Arguments) -> Result<Vec<Point>, Failure> {
     let axes = &arguments.axes;
-    if let Some(given) = axes.iter().find(|given| !AXES_OF_CODE.contains(&AXES[given.axis].name)) {
-        return Err(Failure::input(format!("--{}: changes no code; leave it out", given.flag)));
+    if let Some(given) = axes
+        .iter()
+        .find(|given| !AXES_OF_CODE.contains(&AXES[given.axis].name))
+    {
+        return Err(Failure::input(format!(
+            "--{}: changes no code; leave it out",
+            given.flag
+        )));
     }
-    let mut methods: Vec<Value> =
-        axes.iter().filter(|given| given.axis == METHOD).map(|given| given.value.clone()).collect();
+    let mut methods: Vec<Value> = axes
+        .iter()
+        .filter(|given| given.axis == METHOD)
+        .map(|given| given.value.clone())
+        .collect();
     if methods.contains(&Value::from(ALL)) {
-        methods = METHODS.iter().filter(|method| method.has_pass()).map(|method| Value::from(method.name)).collect();
+        methods = METHODS
+            .iter()
+            .filter(|method| method.has_pass())
+            .map(|method| Value::from(method.name))
+            .collect();
     }
     let point = |method: Value| {
         own_method(method.text())?;
@@ -111,7 +151,9 @@ fn points(arguments: &Arguments) -> Result<Vec<Point>, Failure> {
             true => Ok(point),
             false => {
                 let name = point.method().name;
-                Err(Failure::input(format!("--method {name}: has no shading pass to compile; leave it out")))
+                Err(Failure::input(format!(
+                    "--method {name}: has no shading pass to compile; leave it out"
+                )))
             }
         }
     };
@@ -123,16 +165,32 @@ fn compiled(arguments: &Arguments) -> Result<Vec<Shaded>, Failure> {
     let program = std::env::current_exe().map_err(Failure::failed)?;
     super::progress::doing("compiling shaders");
     let found = available(&program).map_err(failure)?;
-    let jobs: Vec<Job> = points.iter().map(|point| point.collapsed().settings().specular_job()).collect();
-    let options = arguments.axes.iter().filter(|given| ![METHOD, BRDF].contains(&given.axis));
-    let options: Vec<String> = options.map(|given| format!("{}={}", AXES[given.axis].name, given.value)).collect();
+    let jobs: Vec<Job> = points
+        .iter()
+        .map(|point| point.collapsed().settings().specular_job())
+        .collect();
+    let options = arguments
+        .axes
+        .iter()
+        .filter(|given| ![METHOD, BRDF].contains(&given.axis));
+    let options: Vec<String> = options
+        .map(|given| format!("{}={}", AXES[given.axis].name, given.value))
+        .collect();
     let mut shaded = Vec::new();
     for (family, compiler) in families(&arguments.family, found)? {
-        for ((point, job), pass) in points.iter().zip(&jobs).zip(passes(&program, family, &jobs).map_err(failure)?) {
+        for ((point, job), pass) in points
+            .iter()
+            .zip(&jobs)
+            .zip(passes(&program, family, &jobs).map_err(failure)?)
+        {
             let method = point.method();
-            let fault = |text: String| Failure::failed(format!("{}: '{}': {text}", family.name, job.shader));
+            let fault = |text: String| {
+                Failure::failed(format!("{}: '{}': {text}", family.name, job.shader))
+            };
             if method.uses_samples && pass.counts.inside == Counts::default() {
-                return Err(fault("no loop over samples found in its assembly".to_owned()));
+                return Err(fault(
+                    "no loop over samples found in its assembly".to_owned(),
+                ));
             }
             if pass.counts.other_loops > 0 {
                 log(&format!(
@@ -165,14 +223,24 @@ fn families(
 ) -> Result<Vec<(&'static Family, Compiler)>, Failure> {
     let driver = found[0].1.driver.clone();
     let names: Vec<&str> = found.iter().map(|(family, _)| family.name).collect();
-    if let Some(lacking) = asked.iter().filter_map(|asked| asked.0).find(|family| !names.contains(&family.name)) {
+    if let Some(lacking) = asked
+        .iter()
+        .filter_map(|asked| asked.0)
+        .find(|family| !names.contains(&family.name))
+    {
         let (lacking, names) = (lacking.name, names.join(", "));
-        return Err(Failure::input(format!("--family {lacking}: {driver} does not compile for it; it has {names}")));
+        return Err(Failure::input(format!(
+            "--family {lacking}: {driver} does not compile for it; it has {names}"
+        )));
     }
     if asked.is_empty() {
         return Ok(found.pop().into_iter().collect());
     }
-    found.retain(|(family, _)| asked.iter().any(|asked| asked.0.is_none_or(|asked| asked.name == family.name)));
+    found.retain(|(family, _)| {
+        asked
+            .iter()
+            .any(|asked| asked.0.is_none_or(|asked| asked.name == family.name))
+    });
     Ok(found)
 }
 

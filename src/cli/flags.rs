@@ -48,11 +48,21 @@ impl SeenFlags {
 
     /// Refuses flags that have no effect on the scene.
     pub fn check(&self, scene: &Scene) -> Result<(), Failure> {
-        let of_design = [(self.background, "background"), (self.orbit.is_some(), "orbit")];
-        let idle = of_design.iter().filter(|(is_set, _)| *is_set && scene.is_design);
-        let faults: Vec<String> =
-            idle.map(|(_, flag)| format!("--{flag}: has no effect on the scene design; leave it out")).collect();
-        if faults.is_empty() { Ok(()) } else { Err(Failure::input(faults.join("\n"))) }
+        let of_design = [
+            (self.background, "background"),
+            (self.orbit.is_some(), "orbit"),
+        ];
+        let idle = of_design
+            .iter()
+            .filter(|(is_set, _)| *is_set && scene.is_design);
+        let faults: Vec<String> = idle
+            .map(|(_, flag)| format!("--{flag}: has no effect on the scene design; leave it out"))
+            .collect();
+        if faults.is_empty() {
+            Ok(())
+        } else {
+            Err(Failure::input(faults.join("\n")))
+        }
     }
 }
 
@@ -60,12 +70,19 @@ impl SeenFlags {
 pub fn coordinates(text: &str) -> Result<[f32; 3], String> {
     // A colour may be one number, a place may not.
     let is_whole = text.split(',').count() == 3;
-    let numbers = Kind::Color(COORDINATE).parse_text(text).ok().filter(|_| is_whole);
-    numbers.map(|numbers| numbers.color()).ok_or_else(|| format!("{text:?} is not x,y,z"))
+    let numbers = Kind::Color(COORDINATE)
+        .parse_text(text)
+        .ok()
+        .filter(|_| is_whole);
+    numbers
+        .map(|numbers| numbers.color())
+        .ok_or_else(|| format!("{text:?} is not x,y,z"))
 }
 
 fn parse_orbit(text: &str) -> Result<Orbit, String> {
-    coordinates(text).map_err(|_| format!("{text:?} is not yaw,pitch,distance, such as 30,10,1")).and_then(Orbit::new)
+    coordinates(text)
+        .map_err(|_| format!("{text:?} is not yaw,pitch,distance, such as 30,10,1"))
+        .and_then(Orbit::new)
 }
 
 #[derive(Clone, Debug, Default)]
@@ -83,12 +100,17 @@ impl AxisFlags {
     /// Returns the point; axes without a flag have their defaults.
     pub fn point(&self) -> Point {
         let mut point = Point::default();
-        self.0.iter().for_each(|given| point[given.axis] = given.value.clone());
+        self.0
+            .iter()
+            .for_each(|given| point[given.axis] = given.value.clone());
         point
     }
 
     pub fn get(&self, axis: usize) -> Option<&Value> {
-        self.0.iter().find(|given| given.axis == axis).map(|given| &given.value)
+        self.0
+            .iter()
+            .find(|given| given.axis == axis)
+            .map(|given| &given.value)
     }
 
     pub fn iter(&self) -> impl Iterator<Item = &Given> {
@@ -99,11 +121,30 @@ impl AxisFlags {
 /// Writes one line of help: phrase, values, default.
 fn help(named: Named) -> String {
     let about = capitalised(named.about());
-    let default = if named.is_second() { Value::Unset } else { (named.entry().default)() };
-    let values = if matches!(named.kind(), Kind::Input) { String::new() } else { named.kind().describe() };
-    let default = if default == Value::Unset { String::new() } else { format!("default: {default}") };
-    let facts: Vec<String> = [values, default].into_iter().filter(|text| !text.is_empty()).collect();
-    if facts.is_empty() { about } else { format!("{about} [{}]", facts.join("; ")) }
+    let default = if named.is_second() {
+        Value::Unset
+    } else {
+        (named.entry().default)()
+    };
+    let values = if matches!(named.kind(), Kind::Input) {
+        String::new()
+    } else {
+        named.kind().describe()
+    };
+    let default = if default == Value::Unset {
+        String::new()
+    } else {
+        format!("default: {default}")
+    };
+    let facts: Vec<String> = [values, default]
+        .into_iter()
+        .filter(|text| !text.is_empty())
+        .collect();
+    if facts.is_empty() {
+        about
+    } else {
+        format!("{about} [{}]", facts.join("; "))
+    }
 }
 
 fn flag(named: Named) -> Arg {
@@ -112,16 +153,26 @@ fn flag(named: Named) -> Arg {
         .value_name(named.kind().value_name())
         .help(help(named))
         .help_heading(named.entry().part.heading())
-        .allow_hyphen_values(named.kind().has_negative() || matches!(named.kind(), Kind::Pair { .. }))
+        .allow_hyphen_values(
+            named.kind().has_negative() || matches!(named.kind(), Kind::Pair { .. }),
+        )
         .value_parser(ValueParser::new(move |text: &str| named.parse_text(text)));
-    if named.is_second() { arg.conflicts_with(AXES[named.axis].name) } else { arg }
+    if named.is_second() {
+        arg.conflicts_with(AXES[named.axis].name)
+    } else {
+        arg
+    }
 }
 
 impl Args for AxisFlags {
     fn augment_args(command: Command) -> Command {
         let hints = ambiguous().map(|name| {
-            let refuse = move |_: &str| Err::<Value, _>(hint(name, &[]).trim_start_matches("; ").to_owned());
-            Arg::new(name).long(name).hide(true).value_parser(ValueParser::new(refuse))
+            let refuse =
+                move |_: &str| Err::<Value, _>(hint(name, &[]).trim_start_matches("; ").to_owned());
+            Arg::new(name)
+                .long(name)
+                .hide(true)
+                .value_parser(ValueParser::new(refuse))
         });
         command.args(Named::all().map(flag)).args(hints)
     }
@@ -139,8 +190,15 @@ impl FromArgMatches for AxisFlags {
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
         let given = |named: Named| {
-            let values = matches.get_many::<Value>(named.name()).into_iter().flatten();
-            values.map(move |value| Given { flag: named.flag(), axis: named.axis, value: value.clone() })
+            let values = matches
+                .get_many::<Value>(named.name())
+                .into_iter()
+                .flatten();
+            values.map(move |value| Given {
+                flag: named.flag(),
+                axis: named.axis,
+                value: value.clone(),
+            })
         };
         self.0 = Named::all().flat_map(given).collect();
         Ok(())

@@ -9,7 +9,8 @@ use std::path::PathBuf;
 /// Write a static site of published runs.
 #[derive(Args, Debug)]
 #[command(
-    after_help = "The site needs no server and no network, and takes at most 30 MB. Copy it to any static host, or open its index.html.\n\n\
+    after_help = "The site needs no server and no network, and takes at most 30 MB. Copy it to any \
+                  static host, or open its index.html.\n\n\
     Examples:\n  splitsum gallery --out site\n  splitsum gallery runs/quick runs/coat --out site"
 )]
 pub struct Arguments {
@@ -26,8 +27,16 @@ pub struct Arguments {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     progress::doing("writing the site");
-    let runs = arguments.dirs.iter().map(|dir| AnswerFlags::default().answered(dir)).collect::<Result<Vec<_>, _>>()?;
+    let runs = arguments
+        .dirs
+        .iter()
+        .map(|dir| AnswerFlags::default().answered(dir))
+        .collect::<Result<Vec<_>, _>>()?;
     let (bytes, notes) = write(&arguments.results, &runs, &arguments.out)?;
     let notes: String = notes.iter().map(|note| format!("{note}\n")).collect();
-    print(&format!("{notes}Site: {} ({:.1} MB)\n", arguments.out.join(INDEX_FILE).display(), bytes as f64 / 1e6))
+    print(&format!(
+        "{notes}Site: {} ({:.1} MB)\n",
+        arguments.out.join(INDEX_FILE).display(),
+        bytes as f64 / 1e6
+    ))
 }

@@ -33,9 +33,18 @@ pub struct Arguments {
 
 /// Lists the columns of each kind and the names in their cells.
 fn after_help() -> String {
-    let [models, maskings, weights] = [<dyn Brdf>::names(), MaskingShadowing::names(), Weight::names()].map(either);
-    let [layerings, visibilities, laws] =
-        [CoatLayering::names(), SheenVisibility::names(), WidthLaw::names()].map(either);
+    let [models, maskings, weights] = [
+        <dyn Brdf>::names(),
+        MaskingShadowing::names(),
+        Weight::names(),
+    ]
+    .map(either);
+    let [layerings, visibilities, laws] = [
+        CoatLayering::names(),
+        SheenVisibility::names(),
+        WidthLaw::names(),
+    ]
+    .map(either);
     format!(
         "\
 QUERIES.csv has a header and one query per line. The answer adds columns: each number and a bound
@@ -74,7 +83,8 @@ Radiance is in the units of the map, looked up bilinearly.
 Examples:
   printf 'environment,brdf,alpha,f0,nx,ny,nz,vx,vy,vz\\nbuiltin:sky,ggx,0.25,0.04,0,0.6,0.8,0,0,1\\n' > queries.csv
   splitsum integrate queries.csv
-  printf 'brdf,masking,alpha,n_dot_v\\nphong,separable,1,0.1\\nphong,smith-exact,1,0.1\\n' > albedo.csv
+  printf 'brdf,masking,alpha,n_dot_v\\nphong,separable,1,0.1\\nphong,smith-exact,1,0.1\\n' > \
+  albedo.csv
   splitsum integrate albedo.csv --kind dfg --out answers.csv"
     )
 }
@@ -90,20 +100,33 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(out) = &arguments.out {
         check_out("--out", out, &["csv"], [arguments.queries.clone()])?;
     }
-    let queries =
-        Queries::read(&arguments.queries, arguments.kind, &arguments.inputs.options()).map_err(Failure::input)?;
-    queries.warnings().for_each(|(name, warning)| super::warn(name, warning));
+    let queries = Queries::read(
+        &arguments.queries,
+        arguments.kind,
+        &arguments.inputs.options(),
+    )
+    .map_err(Failure::input)?;
+    queries
+        .warnings()
+        .for_each(|(name, warning)| super::warn(name, warning));
     if queries.is_empty() {
-        return Err(Failure::nothing_to_do(format!("{}: no query below the header", arguments.queries.display())));
+        return Err(Failure::nothing_to_do(format!(
+            "{}: no query below the header",
+            arguments.queries.display()
+        )));
     }
     progress::counting("integrating", queries.len());
-    let tolerance = Tolerance { relative: arguments.tolerance, ..TOLERANCE };
+    let tolerance = Tolerance {
+        relative: arguments.tolerance,
+        ..TOLERANCE
+    };
     let answers = queries.answer(tolerance, progress::one_more);
     progress::end();
     if let Some(row) = answers.not_finite.first() {
         let (path, count) = (arguments.queries.display(), answers.not_finite.len());
         return Err(Failure::failed(format!(
-            "{path}: the answer to query {row} is not finite ({count} in all): a cosine or width too small for f64"
+            "{path}: the answer to query {row} is not finite ({count} in all): a cosine or width \
+             too small for f64"
         )));
     }
     match &arguments.out {
@@ -112,13 +135,21 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     if answers.unmet > 0 {
         let (unmet, all) = (answers.unmet, queries.len());
-        log(&format!("warning: {unmet} of {all} answers did not reach the tolerance; see their error columns"));
+        log(&format!(
+            "warning: {unmet} of {all} answers did not reach the tolerance; see their error columns"
+        ));
     }
     Ok(())
 }
 
 fn tolerance(text: &str) -> Result<f64, String> {
-    let number: f64 = text.parse().map_err(|_| format!("{text:?} is not a number"))?;
+    let number: f64 = text
+        .parse()
+        .map_err(|_| format!("{text:?} is not a number"))?;
     // Below 1e-9 rounding dominates; above 0.1 a bound is useless.
-    if (1e-9..=0.1).contains(&number) { Ok(number) } else { Err(format!("{text} is outside [1e-9, 0.1]")) }
+    if (1e-9..=0.1).contains(&number) {
+        Ok(number)
+    } else {
+        Err(format!("{text} is outside [1e-9, 0.1]"))
+    }
 }

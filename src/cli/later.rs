@@ -11,6 +11,7 @@ pub struct Arguments {
 
 pub fn execute(name: &str) -> Result<(), Failure> {
     Err(Failure::input(format!(
-        "splitsum {name}: built without the `{name}` feature; build with `cargo build --release --features {name}`"
+        "splitsum {name}: built without the `{name}` feature; build with `cargo build --release \
+         --features {name}`"
     )))
 }

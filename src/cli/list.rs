@@ -59,10 +59,15 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     match arguments.what {
         Some(What::Columns) => print_data(&columns::page()),
         Some(what) => print(&listing(what)),
-        None => What::value_variants().iter().filter(|what| !matches!(what, What::Columns)).try_for_each(|what| {
-            let name = what.to_possible_value().map_or_else(String::new, |value| value.get_name().to_owned());
-            print(&format!("# {name}\n\n{}\n", listing(*what)))
-        }),
+        None => What::value_variants()
+            .iter()
+            .filter(|what| !matches!(what, What::Columns))
+            .try_for_each(|what| {
+                let name = what
+                    .to_possible_value()
+                    .map_or_else(String::new, |value| value.get_name().to_owned());
+                print(&format!("# {name}\n\n{}\n", listing(*what)))
+            }),
     }
 }
 
@@ -70,48 +75,107 @@ fn listing(what: What) -> String {
     let mut table = MarkdownTable::new(&[("name", Align::Left), ("what it is", Align::Left)]);
     let mut add = |name: &str, about: &str| table.row(&[name, about]);
     match what {
-        What::Methods => shade::METHODS.iter().for_each(|method| add(method.name, method.about)),
-        What::Diffuse => shade::DIFFUSE.iter().for_each(|diffuse| add(diffuse.name, diffuse.about)),
-        What::Layouts => LAYOUTS.iter().for_each(|layout| add(layout.name, layout.about)),
-        What::Models => brdf::MODELS.iter().for_each(|model| add(model.name(), model.about())),
+        What::Methods => shade::METHODS
+            .iter()
+            .for_each(|method| add(method.name, method.about)),
+        What::Diffuse => shade::DIFFUSE
+            .iter()
+            .for_each(|diffuse| add(diffuse.name, diffuse.about)),
+        What::Layouts => LAYOUTS
+            .iter()
+            .for_each(|layout| add(layout.name, layout.about)),
+        What::Models => brdf::MODELS
+            .iter()
+            .for_each(|model| add(model.name(), model.about())),
         What::Environments => {
             for builtin in BUILTINS {
                 add(&format!("builtin:{}", builtin.name), builtin.about);
                 for p in builtin.parameters {
-                    let range = format!("{} (default {}, in [{}, {}])", p.about, p.default, p.min, p.max);
+                    let range = format!(
+                        "{} (default {}, in [{}, {}])",
+                        p.about, p.default, p.min, p.max
+                    );
                     add(&format!("builtin:{}:{}=", builtin.name, p.name), &range);
                 }
             }
-            FORMATS.iter().for_each(|format| add(&format!("FILE.{}", format.extension), format.about));
+            FORMATS
+                .iter()
+                .for_each(|format| add(&format!("FILE.{}", format.extension), format.about));
         }
         What::Scenes => {
-            scene::SCENES.iter().for_each(|entry| add(entry.name, entry.description));
-            scene::SCENE_FORMATS.iter().for_each(|format| add(&format!("FILE.{}", format.extension), format.about));
+            scene::SCENES
+                .iter()
+                .for_each(|entry| add(entry.name, entry.description));
+            scene::SCENE_FORMATS
+                .iter()
+                .for_each(|format| add(&format!("FILE.{}", format.extension), format.about));
         }
         What::Metrics => {
             for metric in metrics::METRICS {
                 let (space, better) = (metric.space.name(), metric.better.name());
-                add(metric.name, &format!("{}; {space} values, {better} is better", metric.formula));
+                add(
+                    metric.name,
+                    &format!("{}; {space} values, {better} is better", metric.formula),
+                );
             }
         }
         What::Bends => BENDS.iter().for_each(|bend| add(bend.name, bend.about)),
-        What::CoatRenderers => COAT_RENDERERS.iter().for_each(|renderer| add(renderer.name, renderer.about)),
-        What::SheenLookups => SHEEN_LOOKUPS.iter().for_each(|lookup| add(lookup.name, lookup.about)),
-        What::Questions => QUESTIONS.iter().for_each(|question| add(question.name, question.asks)),
+        What::CoatRenderers => COAT_RENDERERS
+            .iter()
+            .for_each(|renderer| add(renderer.name, renderer.about)),
+        What::SheenLookups => SHEEN_LOOKUPS
+            .iter()
+            .for_each(|lookup| add(lookup.name, lookup.about)),
+        What::Questions => QUESTIONS
+            .iter()
+            .for_each(|question| add(question.name, question.asks)),
         What::Columns => {}
-        What::Sequences => SEQUENCES.iter().for_each(|sequence| add(sequence.name, sequence.about)),
-        What::LevelMappings => LEVEL_MAPPINGS.iter().for_each(|mapping| add(mapping.name, mapping.about)),
-        What::PrefilterWeights => WEIGHTS.iter().for_each(|weight| add(weight.name, weight.about)),
+        What::Sequences => SEQUENCES
+            .iter()
+            .for_each(|sequence| add(sequence.name, sequence.about)),
+        What::LevelMappings => LEVEL_MAPPINGS
+            .iter()
+            .for_each(|mapping| add(mapping.name, mapping.about)),
+        What::PrefilterWeights => WEIGHTS
+            .iter()
+            .for_each(|weight| add(weight.name, weight.about)),
         What::LevelBiases => {
-            LEVEL_BIASES.iter().for_each(|bias| add(bias.name, &format!("{:.4} levels: {}", bias.levels, bias.about)));
+            LEVEL_BIASES.iter().for_each(|bias| {
+                add(
+                    bias.name,
+                    &format!("{:.4} levels: {}", bias.levels, bias.about),
+                )
+            });
         }
         What::Axes => {
             for named in Named::all() {
-                let default = if named.is_second() { String::new() } else { (named.entry().default)().to_string() };
-                let unset = if named.about().contains("[default") { "" } else { "; default the scene's own" };
-                let default = if default.is_empty() { unset.to_owned() } else { format!("; default {default}") };
-                let form = named.kind().set_form().map_or_else(String::new, |form| format!("; with --set {form}"));
-                add(named.name(), &format!("{}; {}{form}{default}", named.about(), named.kind().describe()));
+                let default = if named.is_second() {
+                    String::new()
+                } else {
+                    (named.entry().default)().to_string()
+                };
+                let unset = if named.about().contains("[default") {
+                    ""
+                } else {
+                    "; default the scene's own"
+                };
+                let default = if default.is_empty() {
+                    unset.to_owned()
+                } else {
+                    format!("; default {default}")
+                };
+                let form = named
+                    .kind()
+                    .set_form()
+                    .map_or_else(String::new, |form| format!("; with --set {form}"));
+                add(
+                    named.name(),
+                    &format!(
+                        "{}; {}{form}{default}",
+                        named.about(),
+                        named.kind().describe()
+                    ),
+                );
             }
         }
     }

@@ -8,7 +8,8 @@ use std::path::PathBuf;
 /// Write man pages and shell completions.
 #[derive(Args, Debug)]
 #[command(after_help = "For bash, elvish, fish, PowerShell and zsh.\n\n\
-    Examples:\n  splitsum manual --out manual\n  man manual/splitsum-run.1\n  source manual/splitsum.bash")]
+    Examples:\n  splitsum manual --out manual\n  man manual/splitsum-run.1\n  source \
+    manual/splitsum.bash")]
 pub struct Arguments {
     /// Write to DIR.
     #[arg(long, value_name = "DIR")]
@@ -24,6 +25,8 @@ pub fn execute(arguments: &Arguments, mut command: Command) -> Result<(), Failur
         }
         clap_mangen::generate_to(command, out)
     };
-    write().map_err(|error: std::io::Error| Failure::input(format!("--out: {}: {error}", out.display())))?;
+    write().map_err(|error: std::io::Error| {
+        Failure::input(format!("--out: {}: {error}", out.display()))
+    })?;
     print(&format!("Written to {}\n", out.display()))
 }

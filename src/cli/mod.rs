@@ -41,10 +41,13 @@ use std::process::ExitCode;
 #[command(
     version,
     about,
-    after_help = "Exit codes: 0 done, now or before; 1 failed or stopped; 2 bad usage or bad input; 3 nothing to do: the experiment has no \
-    cell, or the table no query; 4 finished but some cells failed; 75 temporary failure, run the command again: the device was lost, or \
+    after_help = "Exit codes: 0 done, now or before; 1 failed or stopped; 2 bad usage or bad \
+                  input; 3 nothing to do: the experiment has no \
+    cell, or the table no query; 4 finished but some cells failed; 75 temporary failure, run the \
+    command again: the device was lost, or \
     another run uses the folder.\n\n\
-    Examples:\n  splitsum run experiments/quick.toml\n  splitsum render --method split-sum --alpha 0.25 --out ball.png\n  \
+    Examples:\n  splitsum run experiments/quick.toml\n  splitsum render --method split-sum --alpha \
+    0.25 --out ball.png\n  \
     splitsum list methods"
 )]
 struct Cli {
@@ -90,40 +93,71 @@ struct Failure {
 
 impl Failure {
     fn failed(text: impl ToString) -> Self {
-        Self { code: 1, text: text.to_string() }
+        Self {
+            code: 1,
+            text: text.to_string(),
+        }
     }
 
     /// The user's input is wrong.
     fn input(text: impl ToString) -> Self {
-        Self { code: 2, text: text.to_string() }
+        Self {
+            code: 2,
+            text: text.to_string(),
+        }
     }
 
     fn of(is_misuse: bool, text: impl ToString) -> Self {
-        if is_misuse { Self::input(text) } else { Self::failed(text) }
+        if is_misuse {
+            Self::input(text)
+        } else {
+            Self::failed(text)
+        }
     }
 
     fn nothing_to_do(text: impl ToString) -> Self {
-        Self { code: 3, text: text.to_string() }
+        Self {
+            code: 3,
+            text: text.to_string(),
+        }
     }
 
     fn cells_failed(text: impl ToString) -> Self {
-        Self { code: 4, text: text.to_string() }
+        Self {
+            code: 4,
+            text: text.to_string(),
+        }
     }
 
     /// Temporary; the same command may succeed later.
     fn passing(text: impl ToString) -> Self {
-        Self { code: 75, text: text.to_string() }
+        Self {
+            code: 75,
+            text: text.to_string(),
+        }
     }
 
     /// Opening the device failed: the host lacks something, unless the device was lost.
     fn opening(fault: RenderFault) -> Self {
-        if fault.device_lost { Self::passing(fault.message) } else { Self::input(fault.message) }
+        if fault.device_lost {
+            Self::passing(fault.message)
+        } else {
+            Self::input(fault.message)
+        }
     }
 
     fn rendering(fault: RenderFault) -> Self {
         match fault {
-            RenderFault { device_lost: true, message, .. } => Self::passing(message),
-            RenderFault { is_input: true, message, .. } => Self::input(message),
+            RenderFault {
+                device_lost: true,
+                message,
+                ..
+            } => Self::passing(message),
+            RenderFault {
+                is_input: true,
+                message,
+                ..
+            } => Self::input(message),
             RenderFault { message, .. } => Self::failed(message),
         }
     }
@@ -145,7 +179,10 @@ impl From<RunError> for Failure {
 pub fn main() -> ExitCode {
     let command = match Cli::try_parse() {
         Ok(Cli { command }) => command,
-        Err(error) if error.use_stderr() && error.kind() != ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand => {
+        Err(error)
+            if error.use_stderr()
+                && error.kind() != ErrorKind::DisplayHelpOnMissingArgumentOrSubcommand =>
+        {
             log(&usage_fault(&error));
             return ExitCode::from(2);
         }
@@ -169,7 +206,9 @@ pub fn main() -> ExitCode {
         Command::Report(arguments) => report::execute(&arguments),
         Command::Answers(arguments) => answers::execute(&arguments),
         Command::Gallery(arguments) => gallery::execute(&arguments),
-        Command::Manual(arguments) => manual::execute(&arguments, Cli::command().disable_help_subcommand(true)),
+        Command::Manual(arguments) => {
+            manual::execute(&arguments, Cli::command().disable_help_subcommand(true))
+        }
         #[cfg(feature = "view")]
         Command::View(arguments) => view::execute(&arguments),
         #[cfg(not(feature = "view"))]
@@ -191,12 +230,20 @@ fn usage_fault(error: &clap::Error) -> String {
         Some(ContextValue::Strings(words)) => words.join(", "),
         found => found.map(ToString::to_string).unwrap_or_default(),
     };
-    let name = |kind| text(kind).replace(['<', '>', '[', ']'], "").replace("...", "");
+    let name = |kind| {
+        text(kind)
+            .replace(['<', '>', '[', ']'], "")
+            .replace("...", "")
+    };
     let argument = name(ContextKind::InvalidArg);
     let flag = argument.split(' ').next().unwrap_or_default();
     let value = text(ContextKind::InvalidValue) + &text(ContextKind::InvalidSubcommand);
     let cli = Cli::command();
-    let commands: Vec<&str> = cli.get_subcommands().filter(|c| !c.is_hide_set()).map(|c| c.get_name()).collect();
+    let commands: Vec<&str> = cli
+        .get_subcommands()
+        .filter(|c| !c.is_hide_set())
+        .map(|c| c.get_name())
+        .collect();
     let fault = match (error.kind(), error.source()) {
         (ErrorKind::ValueValidation, Some(source)) => match source.to_string() {
             _ if source.is::<ParseIntError>() => {
@@ -207,19 +254,41 @@ fn usage_fault(error: &clap::Error) -> String {
         },
         (ErrorKind::InvalidSubcommand, _) => return not_one_of("command", &value, &commands, ""),
         (ErrorKind::InvalidValue, _) if !value.is_empty() => {
-            return not_one_of("name", &value, &text(ContextKind::ValidValue).split(", ").collect::<Vec<_>>(), "");
+            return not_one_of(
+                "name",
+                &value,
+                &text(ContextKind::ValidValue)
+                    .split(", ")
+                    .collect::<Vec<_>>(),
+                "",
+            );
         }
-        (ErrorKind::InvalidValue | ErrorKind::MissingRequiredArgument, _) => format!("{argument} is missing"),
+        (ErrorKind::InvalidValue | ErrorKind::MissingRequiredArgument, _) => {
+            format!("{argument} is missing")
+        }
         (ErrorKind::TooManyValues, _) => format!("{flag} takes no value"),
-        (ErrorKind::ArgumentConflict, _) => format!("{argument} cannot be used with {}", name(ContextKind::PriorArg)),
+        (ErrorKind::ArgumentConflict, _) => format!(
+            "{argument} cannot be used with {}",
+            name(ContextKind::PriorArg)
+        ),
         (ErrorKind::UnknownArgument, _) => match text(ContextKind::SuggestedArg) {
             near if near.is_empty() => format!("{argument} is unknown"),
             near => return format!("{argument} is unknown; did you mean {near}?"),
         },
-        _ => error.to_string().lines().next().unwrap_or_default().replace("error: ", ""),
+        _ => error
+            .to_string()
+            .lines()
+            .next()
+            .unwrap_or_default()
+            .replace("error: ", ""),
     };
-    let command = std::env::args().nth(1).filter(|word| commands.contains(&word.as_str()));
-    format!("{fault}; see `splitsum{} --help`", command.map_or_else(String::new, |name| format!(" {name}")))
+    let command = std::env::args()
+        .nth(1)
+        .filter(|word| commands.contains(&word.as_str()));
+    format!(
+        "{fault}; see `splitsum{} --help`",
+        command.map_or_else(String::new, |name| format!(" {name}"))
+    )
 }
 
 /// Writes to standard output for people, with control characters escaped.
@@ -249,13 +318,19 @@ fn print_data(text: &str) -> Result<(), Failure> {
 fn without_numbers(text: &str) -> String {
     let mut parts = text.split(" (os error ");
     let first = parts.next().unwrap_or_default().to_owned();
-    parts.fold(first, |kept, part| kept + part.split_once(')').map_or(part, |(_, rest)| rest))
+    parts.fold(first, |kept, part| {
+        kept + part.split_once(')').map_or(part, |(_, rest)| rest)
+    })
 }
 
-/// Writes lines to standard error, with control characters escaped. Ignores errors, where `eprintln!` would panic.
+/// Writes lines to standard error, with control characters escaped. Ignores errors, where
+/// `eprintln!` would panic.
 fn log(text: &str) {
     use std::io::Write;
-    let lines: Vec<String> = text.lines().map(|line| printable(&without_numbers(line))).collect();
+    let lines: Vec<String> = text
+        .lines()
+        .map(|line| printable(&without_numbers(line)))
+        .collect();
     let _ = progress::beside(|| writeln!(std::io::stderr(), "{}", lines.join("\n")));
 }
 

@@ -22,7 +22,8 @@ use std::path::Path;
 #[command(
     allow_negative_numbers = true,
     after_help = "The predicted time assumes a software driver on two cores.\n\n\
-    Examples:\n  splitsum plan experiments/quick.toml\n  splitsum plan experiments/quick.toml --json | jq '.cells | length'"
+    Examples:\n  splitsum plan experiments/quick.toml\n  splitsum plan experiments/quick.toml \
+    --json | jq '.cells | length'"
 )]
 pub struct Arguments {
     #[command(flatten)]
@@ -56,18 +57,35 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let dir = arguments.subject.dir(&plan);
     let store = Store::at(&dir);
     store.check_identity(&plan).map_err(Failure::input)?;
-    let states =
-        plan.cells.iter().map(|cell| state(&store, cell)).collect::<Result<Vec<_>, _>>().map_err(RunError::from)?;
-    let open: Vec<&Cell> =
-        plan.cells.iter().zip(&states).filter(|(_, state)| **state != DONE).map(|(c, _)| c).collect();
+    let states = plan
+        .cells
+        .iter()
+        .map(|cell| state(&store, cell))
+        .collect::<Result<Vec<_>, _>>()
+        .map_err(RunError::from)?;
+    let open: Vec<&Cell> = plan
+        .cells
+        .iter()
+        .zip(&states)
+        .filter(|(_, state)| **state != DONE)
+        .map(|(c, _)| c)
+        .collect();
     let jobs = timing::jobs(&plan);
     // A block with a missing record is timed again as a whole.
     let blocks = jobs.chunk_by(|a, b| a.block == b.block);
-    let left: Vec<_> =
-        blocks.filter(|block| !block.iter().all(|job| store.has_timing(&job.id))).flatten().cloned().collect();
+    let left: Vec<_> = blocks
+        .filter(|block| !block.iter().all(|job| store.has_timing(&job.id)))
+        .flatten()
+        .cloned()
+        .collect();
     let seconds = forecast(&plan, &open, &left, arguments)?.ahead(0.0).seconds;
     let timings = [jobs.len(), jobs.len() - left.len()];
-    let shown = Shown { plan: &plan, states: &states, timings, seconds };
+    let shown = Shown {
+        plan: &plan,
+        states: &states,
+        timings,
+        seconds,
+    };
     match arguments.json {
         true => shown.write_json()?,
         false => print(&shown.as_text(&dir))?,
@@ -78,7 +96,12 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
-fn forecast(plan: &Plan, open: &[&Cell], jobs: &[TimingJob], arguments: &Arguments) -> Result<Forecast, Failure> {
+fn forecast(
+    plan: &Plan,
+    open: &[&Cell],
+    jobs: &[TimingJob],
+    arguments: &Arguments,
+) -> Result<Forecast, Failure> {
     let device = match chosen_device(arguments.device.choice()) {
         Ok(device) => Some(device),
         Err(error) if arguments.device.device.is_some() => return Err(Failure::input(error)),
@@ -92,8 +115,14 @@ fn forecast(plan: &Plan, open: &[&Cell], jobs: &[TimingJob], arguments: &Argumen
         let request = plan.reference_request(&plan.reference_point(&cell.point));
         cache.as_ref().is_some_and(|cache| is_kept(cache, &request))
     };
-    let first_of_each: BTreeMap<&str, &Cell> = open.iter().map(|cell| (cell.reference.as_str(), *cell)).collect();
-    let kept = first_of_each.iter().filter(|(_, cell)| is_kept(cell)).map(|(id, _)| id.to_string());
+    let first_of_each: BTreeMap<&str, &Cell> = open
+        .iter()
+        .map(|cell| (cell.reference.as_str(), *cell))
+        .collect();
+    let kept = first_of_each
+        .iter()
+        .filter(|(_, cell)| is_kept(cell))
+        .map(|(id, _)| id.to_string());
     Ok(Forecast::new(plan, open, jobs, kept))
 }
 
@@ -111,7 +140,13 @@ impl Shown<'_> {
     fn excluded(&self) -> impl Iterator<Item = (usize, &str, String)> {
         let lines = Lines::new(&self.plan.config.text);
         let exclusions = self.plan.config.exclusions.iter().zip(&self.plan.excluded);
-        exclusions.map(move |(e, count)| (*count, e.why.as_str(), e.place.words(&self.plan.config.path, &lines)))
+        exclusions.map(move |(e, count)| {
+            (
+                *count,
+                e.why.as_str(),
+                e.place.words(&self.plan.config.path, &lines),
+            )
+        })
     }
 
     fn as_text(&self, dir: &Path) -> String {
@@ -119,21 +154,37 @@ impl Shown<'_> {
         let groups = plan.groups();
         let radiances: usize = groups.iter().map(|group| group.radiances.len()).sum();
         let count = |state: &str| self.states.iter().filter(|s| **s == state).count();
-        let states = [DONE, "failed", "open"].map(|state| format!("{} {state}", count(state))).join(", ");
+        let states = [DONE, "failed", "open"]
+            .map(|state| format!("{} {state}", count(state)))
+            .join(", ");
         let (cells, references) = (plan.cells.len(), groups.len());
         let mut lines = vec![
             format!("{}: {}", plan.config.name, plan.config.question),
-            format!("{cells} cells from {radiances} images and {references} references; {states} in {dir}"),
+            format!(
+                "{cells} cells from {radiances} images and {references} references; {states} in \
+                 {dir}"
+            ),
         ];
-        lines.extend(self.excluded().map(|(count, why, place)| format!("excluded {count} by {place}: {why}")));
+        lines.extend(
+            self.excluded()
+                .map(|(count, why, place)| format!("excluded {count} by {place}: {why}")),
+        );
         let collapsed = plan.collapsed;
-        lines.extend((collapsed > 0).then(|| format!("collapsed {collapsed}: they differ only in unused parameters")));
+        lines.extend(
+            (collapsed > 0)
+                .then(|| format!("collapsed {collapsed}: they differ only in unused parameters")),
+        );
         let [timed, done] = self.timings;
         lines.extend((timed > 0).then(|| format!("{timed} configurations are timed; {done} done")));
         let seconds = std::time::Duration::from_secs_f64(self.seconds);
-        lines.push(format!("about {}, assuming a software driver on 2 cores", indicatif::HumanDuration(seconds)));
+        lines.push(format!(
+            "about {}, assuming a software driver on 2 cores",
+            indicatif::HumanDuration(seconds)
+        ));
         let states = plan.cells.iter().zip(self.states);
-        lines.extend(states.map(|(cell, state)| format!("{} {state:6} {}", cell.id, plan.label(cell))));
+        lines.extend(
+            states.map(|(cell, state)| format!("{} {state:6} {}", cell.id, plan.label(cell))),
+        );
         lines.join("\n") + "\n"
     }
 
@@ -143,7 +194,8 @@ impl Shown<'_> {
         print_data("{\n  \"cells\": [")?;
         for (place, (cell, state)) in plan.cells.iter().zip(self.states).enumerate() {
             let names = |axis: usize| columns(axis).zip(fields(axis, &cell.point[axis]));
-            let axes: BTreeMap<&str, String> = plan.columns.iter().flat_map(|axis| names(*axis)).collect();
+            let axes: BTreeMap<&str, String> =
+                plan.columns.iter().flat_map(|axis| names(*axis)).collect();
             let line = json!({ "id": cell.id, "radiance": cell.radiance, "reference": cell.reference, "state": state, "axes": axes });
             let comma = if place == 0 { "" } else { "," };
             print_data(&format!("{comma}\n    {line}"))?;
@@ -154,8 +206,9 @@ impl Shown<'_> {
 
     fn rest(&self) -> serde_json::Value {
         let plan = self.plan;
-        let exclusions =
-            self.excluded().map(|(count, why, place)| json!({ "why": why, "count": count, "place": place }));
+        let exclusions = self
+            .excluded()
+            .map(|(count, why, place)| json!({ "why": why, "count": count, "place": place }));
         json!({
             "name": plan.config.name,
             "plan_hash": plan.hash,

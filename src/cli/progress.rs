@@ -54,16 +54,31 @@ pub fn phase(words: impl Into<String>) {
         _ => {}
     }
     doing(words);
-    shown().iter_mut().for_each(|shown| shown.silent = SILENT_PHASES);
+    shown()
+        .iter_mut()
+        .for_each(|shown| shown.silent = SILENT_PHASES);
 }
 
 /// Starts work of `total` steps of about equal length; [`one_more`] ends each.
 pub fn counting(words: impl Into<String>, total: usize) {
-    follow(words.into(), Some(Steps { total, done: 0, ahead: Ahead::default(), updated: Instant::now() }));
+    follow(
+        words.into(),
+        Some(Steps {
+            total,
+            done: 0,
+            ahead: Ahead::default(),
+            updated: Instant::now(),
+        }),
+    );
 }
 
 pub fn one_more() {
-    if let Some(Shown { steps: Some(steps), began, .. }) = &mut *shown() {
+    if let Some(Shown {
+        steps: Some(steps),
+        began,
+        ..
+    }) = &mut *shown()
+    {
         let (done, left) = (steps.done + 1, steps.total.saturating_sub(steps.done + 1));
         let seconds = began.elapsed().as_secs_f64() * left as f64 / done as f64;
         let share = done as f64 / steps.total.max(1) as f64;
@@ -89,7 +104,14 @@ fn follow(words: String, steps: Option<Steps>) {
     static THREAD: Once = Once::new();
     end();
     let now = Instant::now();
-    *shown() = Some(Shown { words, began: now, silent: SILENT, said: now, steps, bar: None });
+    *shown() = Some(Shown {
+        words,
+        began: now,
+        silent: SILENT,
+        said: now,
+        steps,
+        bar: None,
+    });
     THREAD.call_once(|| {
         std::thread::spawn(|| {
             loop {
@@ -104,7 +126,11 @@ impl Shown {
     fn tick(&mut self) {
         let elapsed = self.began.elapsed();
         // A run predicts its time from the first second.
-        let is_due = elapsed >= self.silent || self.steps.as_ref().is_some_and(|steps| steps.ahead.seconds > 0.0);
+        let is_due = elapsed >= self.silent
+            || self
+                .steps
+                .as_ref()
+                .is_some_and(|steps| steps.ahead.seconds > 0.0);
         if !std::io::stderr().is_terminal() {
             let apart = LINES_APART.max(elapsed / 100);
             let last = self.said.elapsed();
@@ -114,9 +140,14 @@ impl Shown {
         } else if is_due {
             let message = self.message();
             let bar = self.bar.get_or_insert_with(|| {
-                let template = if self.steps.is_some() { "{bar:30} {wide_msg}" } else { "{spinner} {wide_msg}" };
-                ProgressBar::new(BAR_LENGTH)
-                    .with_style(ProgressStyle::with_template(template).expect("the template is well-formed"))
+                let template = if self.steps.is_some() {
+                    "{bar:30} {wide_msg}"
+                } else {
+                    "{spinner} {wide_msg}"
+                };
+                ProgressBar::new(BAR_LENGTH).with_style(
+                    ProgressStyle::with_template(template).expect("the template is well-formed"),
+                )
             });
             if let Some(steps) = &self.steps {
                 bar.set_position((steps.ahead.share * BAR_LENGTH as f64) as u64);
@@ -136,14 +167,23 @@ impl Shown {
         let gone = self.began.elapsed();
         match &self.steps {
             None => format!("{}: {}", self.words, HumanDuration(gone)),
-            Some(Steps { total, done, ahead, updated }) => {
+            Some(Steps {
+                total,
+                done,
+                ahead,
+                updated,
+            }) => {
                 // A step that overruns takes no time from the steps behind it.
                 let open = total.saturating_sub(*done).max(1) as f64;
                 let behind = ahead.seconds * (open - 1.0) / open;
                 let seconds = (ahead.seconds - updated.elapsed().as_secs_f64()).max(behind);
                 let left = Duration::from_secs_f64(seconds.clamp(0.0, 1e9));
                 let percent = 100.0 * ahead.share;
-                format!("[{done}/{total}] {percent:.0} %, about {} left: {}", HumanDuration(left), self.words)
+                format!(
+                    "[{done}/{total}] {percent:.0} %, about {} left: {}",
+                    HumanDuration(left),
+                    self.words
+                )
             }
         }
     }
@@ -158,7 +198,15 @@ impl Progress for Terminal {
             super::log(&format!("{done} of {total} steps are done already"));
         }
         match done < total {
-            true => follow("starting".to_owned(), Some(Steps { total, done, ahead, updated: Instant::now() })),
+            true => follow(
+                "starting".to_owned(),
+                Some(Steps {
+                    total,
+                    done,
+                    ahead,
+                    updated: Instant::now(),
+                }),
+            ),
             false => doing(END),
         }
     }
@@ -169,7 +217,9 @@ impl Progress for Terminal {
             let Some(followed) = &mut *shown else { return };
             let is_first = followed.words == "starting";
             label.clone_into(&mut followed.words);
-            let Some(steps) = &mut followed.steps else { return };
+            let Some(steps) = &mut followed.steps else {
+                return;
+            };
             (steps.done, steps.ahead, steps.updated) = (steps.done + 1, ahead, Instant::now());
             let is_over = steps.done >= steps.total;
             if (is_first || is_over) && failure.is_none() && !std::io::stderr().is_terminal() {

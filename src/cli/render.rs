@@ -6,7 +6,9 @@ use super::{Failure, log, print, progress};
 use clap::Args;
 use splitsum::bakes::given;
 use splitsum::environment::Environment;
-use splitsum::experiment::axis::{AXES, BLUR, METHOD, Point, Reference, SAMPLES, View, is_blurred, motion_fault};
+use splitsum::experiment::axis::{
+    AXES, BLUR, METHOD, Point, Reference, SAMPLES, View, is_blurred, motion_fault,
+};
 use splitsum::experiment::value::{Kind, Range, Value};
 use splitsum::pixels::png;
 use splitsum::run::{RenderFault, write_radiance};
@@ -19,9 +21,12 @@ use std::sync::Arc;
 #[command(
     allow_negative_numbers = true,
     after_help = "A reference draws 4096 samples per pixel by default.\n\n\
-    Examples:\n  splitsum render --method split-sum --alpha 0.25 --f0 1,1,1 --albedo 0,0,0 --out split-sum.exr\n  \
-    splitsum render --method reference --samples 4096 --alpha 0.25 --f0 1,1,1 --albedo 0,0,0 --out reference.exr\n  \
-    splitsum render --environment studio.hdr --scene teapot.obj --camera perspective --background --size 800x600 --out teapot.png"
+    Examples:\n  splitsum render --method split-sum --alpha 0.25 --f0 1,1,1 --albedo 0,0,0 --out \
+    split-sum.exr\n  \
+    splitsum render --method reference --samples 4096 --alpha 0.25 --f0 1,1,1 --albedo 0,0,0 --out \
+    reference.exr\n  \
+    splitsum render --environment studio.hdr --scene teapot.obj --camera perspective --background \
+    --size 800x600 --out teapot.png"
 )]
 pub struct Arguments {
     /// Write the image to FILE, .exr or .png.
@@ -41,11 +46,18 @@ pub struct Arguments {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     check_out("--out", &arguments.out, &["exr", "png"], inputs(arguments))?;
-    let is_linear = arguments.out.extension().is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
+    let is_linear = arguments
+        .out
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("exr"));
     let point = point(arguments)?;
     check_used(arguments, &point, is_linear)?;
     let settings = point.settings();
-    settings.shading.precompute.validate().map_err(Failure::input)?;
+    settings
+        .shading
+        .precompute
+        .validate()
+        .map_err(Failure::input)?;
     let seen = &arguments.seen;
     let here = Path::new("");
     let environment = Environment::load(&settings.environment, here, &seen.inputs.options());
@@ -54,11 +66,16 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         (Ok(environment), Ok(scene)) => (Arc::new(environment), scene),
         (environment, scene) => {
             let faults = [environment.err().map(|e| e.to_string()), scene.err()];
-            return Err(Failure::input(faults.into_iter().flatten().collect::<Vec<_>>().join("\n")));
+            return Err(Failure::input(
+                faults.into_iter().flatten().collect::<Vec<_>>().join("\n"),
+            ));
         }
     };
     seen.check(&scene)?;
-    for (name, warnings) in [(&environment.name, &environment.warnings), (&scene.name, &scene.warnings)] {
+    for (name, warnings) in [
+        (&environment.name, &environment.warnings),
+        (&scene.name, &scene.warnings),
+    ] {
         super::warn_all(name, warnings);
     }
     let view = View {
@@ -68,13 +85,20 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         ..seen.view()
     };
     let curve = settings.curve;
-    let given = given::Given::load(&settings.prefiltered, &settings.dfg, here).map_err(Failure::input)?;
+    let given =
+        given::Given::load(&settings.prefiltered, &settings.dfg, here).map_err(Failure::input)?;
     let request = settings.request(&environment, &scene, &view, given);
     progress::doing("rendering");
     let mut pipeline = seen.device.open().map_err(Failure::opening)?;
-    let frame = pipeline.render(&request).map_err(|error| Failure::rendering(RenderFault::from(error)))?;
+    let frame = pipeline
+        .render(&request)
+        .map_err(|error| Failure::rendering(RenderFault::from(error)))?;
     for term in &frame.convergences {
-        let met = if term.is_met { "" } else { ", above --relative-error" };
+        let met = if term.is_met {
+            ""
+        } else {
+            ", above --relative-error"
+        };
         log(&format!(
             "{}: {} samples per pixel, relative standard error {:.3e}{met}",
             term.term, term.sample_count, term.relative_error
@@ -98,7 +122,8 @@ fn inputs(arguments: &Arguments) -> impl Iterator<Item = PathBuf> {
     })
 }
 
-/// Builds the point and compiles a method in a file. The reference has its own default sample count.
+/// Builds the point and compiles a method in a file. The reference has its own default sample
+/// count.
 fn point(arguments: &Arguments) -> Result<Point, Failure> {
     let mut point = arguments.axes.point();
     own_method(point[METHOD].text())?;
@@ -118,11 +143,16 @@ fn check_used(arguments: &Arguments, point: &Point, is_linear: bool) -> Result<(
         let is_reference_count = *axis == SAMPLES && has_reference_term;
         if collapsed[*axis] == Value::Unset && !is_reference_count {
             let without = format!("with method {method} and diffuse {diffuse}");
-            let is_absent = |value: &Value| [Value::Unset, Value::Count(1)].contains(value) || value.is_zero();
+            let is_absent =
+                |value: &Value| [Value::Unset, Value::Count(1)].contains(value) || value.is_zero();
             let why = match AXES[*axis].layer() {
-                Some("frames") if is_absent(collapsed.get("frames")) => "without --frames of at least 2".to_owned(),
+                Some("frames") if is_absent(collapsed.get("frames")) => {
+                    "without --frames of at least 2".to_owned()
+                }
                 Some("frames") => "with the other options of frames (docs/frames.md)".to_owned(),
-                Some(layer) if is_absent(collapsed.get(layer)) => format!("without --{}", layer.replace('_', "-")),
+                Some(layer) if is_absent(collapsed.get(layer)) => {
+                    format!("without --{}", layer.replace('_', "-"))
+                }
                 _ if ["pixel_points", "sequence"].contains(&AXES[*axis].name)
                     && !is_absent(collapsed.get("frames")) =>
                 {
@@ -132,25 +162,37 @@ fn check_used(arguments: &Arguments, point: &Point, is_linear: bool) -> Result<(
             };
             faults.push(format!("--{flag}: has no effect {why}; leave it out"));
         } else if !AXES[*axis].changes_radiance() && is_linear {
-            faults.push(format!("--{flag}: has no effect on an .exr, which is linear; expected --out FILE.png"));
+            faults.push(format!(
+                "--{flag}: has no effect on an .exr, which is linear; expected --out FILE.png"
+            ));
         }
     }
     if arguments.relative_error.is_some() && !has_reference_term {
         faults.push(format!(
-            "--relative-error: has no effect: method {method} with diffuse {diffuse} has no reference term"
+            "--relative-error: has no effect: method {method} with diffuse {diffuse} has no \
+             reference term"
         ));
     }
-    faults.extend(motion_fault(&collapsed, arguments.antialias).map(|fault| format!("--motion: {fault}")));
+    faults.extend(
+        motion_fault(&collapsed, arguments.antialias).map(|fault| format!("--motion: {fault}")),
+    );
     if has_reference_term && let Err(error) = pair_count(reference_samples(arguments)) {
         faults.push(format!("--samples: {error}"));
     }
     if faults.is_empty() && is_blurred(&collapsed) {
         super::log(&format!("warning: {BLUR}"));
     }
-    if faults.is_empty() { Ok(()) } else { Err(Failure::input(faults.join("\n"))) }
+    if faults.is_empty() {
+        Ok(())
+    } else {
+        Err(Failure::input(faults.join("\n")))
+    }
 }
 
 /// Returns the reference's samples per pixel, whichever term it computes.
 fn reference_samples(arguments: &Arguments) -> u32 {
-    arguments.axes.get(SAMPLES).map_or(Reference::default().samples, Value::count)
+    arguments
+        .axes
+        .get(SAMPLES)
+        .map_or(Reference::default().samples, Value::count)
 }

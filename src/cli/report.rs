@@ -4,7 +4,9 @@ use super::{Failure, print, progress, shared};
 use clap::Args;
 use splitsum::metrics::Metric;
 use splitsum::report::page::images::{BUDGET_BYTES, Choice};
-use splitsum::report::page::{PAGE_FILE, PageError, PageOptions, PageRun, Written, check_out, write};
+use splitsum::report::page::{
+    PAGE_FILE, PageError, PageOptions, PageRun, Written, check_out, write,
+};
 use splitsum::spelling::Listed;
 use splitsum::study::finished::Finished;
 use splitsum::study::frame::Frame;
@@ -13,8 +15,11 @@ use std::path::{Path, PathBuf};
 
 /// Write the report of one or more finished runs.
 #[derive(Args, Debug)]
-#[command(after_help = "Several runs (two devices, two commits) share one report.\n\n\
-    Examples:\n  splitsum report runs/quick\n  splitsum report runs/laptop runs/desktop --out comparison.html")]
+#[command(
+    after_help = "Several runs (two devices, two commits) share one report.\n\n\
+    Examples:\n  splitsum report runs/quick\n  splitsum report runs/laptop runs/desktop --out \
+    comparison.html"
+)]
 pub struct Arguments {
     /// Report these runs.
     #[arg(required = true, value_name = "DIR")]
@@ -40,16 +45,33 @@ pub struct AnswerFlags {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let images = if arguments.no_images { Choice::None } else { Choice::Automatic };
-    let out = arguments.out.clone().unwrap_or_else(|| arguments.dirs[0].join(PAGE_FILE));
+    let images = if arguments.no_images {
+        Choice::None
+    } else {
+        Choice::Automatic
+    };
+    let out = arguments
+        .out
+        .clone()
+        .unwrap_or_else(|| arguments.dirs[0].join(PAGE_FILE));
     if let Some(out) = &arguments.out {
         shared::check_out("--out", out, &["html", "htm"], [])?;
     }
     check_out(&out)?;
     progress::doing("answering the questions");
-    let runs = arguments.dirs.iter().map(|dir| arguments.answers.answered(dir)).collect::<Result<Vec<_>, _>>()?;
+    let runs = arguments
+        .dirs
+        .iter()
+        .map(|dir| arguments.answers.answered(dir))
+        .collect::<Result<Vec<_>, _>>()?;
     let metric = arguments.answers.metric.clone();
-    let options = PageOptions { out, is_alone: false, images, budget: BUDGET_BYTES, metric };
+    let options = PageOptions {
+        out,
+        is_alone: false,
+        images,
+        budget: BUDGET_BYTES,
+        metric,
+    };
     progress::doing("writing the report");
     print(&line(&write(&options, &PageRun::of_runs(&runs))?))
 }
@@ -61,8 +83,8 @@ impl From<PageError> for Failure {
 }
 
 impl AnswerFlags {
-    /// Reads a run and answers its questions, by default by its own metric and weights of views. A metric of pictures is
-    /// refused for a run without pictures.
+    /// Reads a run and answers its questions, by default by its own metric and weights of views. A
+    /// metric of pictures is refused for a run without pictures.
     pub fn answered(&self, dir: &Path) -> Result<(Finished, Vec<Answer>), Failure> {
         let mut run = Finished::read(dir).map_err(Failure::input)?;
         let (shown, metric) = (dir.display(), self.metric.as_deref());
@@ -71,7 +93,8 @@ impl AnswerFlags {
             run = run.with_weights(&self.weights).map_err(fault)?;
         }
         if let Some(name) = metric.filter(|_| Frame::new(&run, metric).has_no_picture()) {
-            let why = format!("--metric {name}: scores pictures, and {shown} has only the scene design");
+            let why =
+                format!("--metric {name}: scores pictures, and {shown} has only the scene design");
             return Err(Failure::input(why));
         }
         let answers = answers(&run, metric);
@@ -81,6 +104,14 @@ impl AnswerFlags {
 
 /// Describes a written report.
 pub fn line(written: &Written) -> String {
-    let notes: String = written.notes.iter().map(|note| format!("{note}\n")).collect();
-    format!("{notes}Report: {} ({:.1} MB)\n", written.path.display(), written.bytes as f64 / 1e6)
+    let notes: String = written
+        .notes
+        .iter()
+        .map(|note| format!("{note}\n"))
+        .collect();
+    format!(
+        "{notes}Report: {} ({:.1} MB)\n",
+        written.path.display(),
+        written.bytes as f64 / 1e6
+    )
 }

@@ -22,17 +22,24 @@ use std::time::Instant;
 #[derive(Args, Debug)]
 #[command(
     allow_negative_numbers = true,
-    after_help = "A stopped run (Ctrl-C, SIGTERM, a crash, a full disk) continues with the same command. A finished run exits 0 immediately \
+    after_help = "A stopped run (Ctrl-C, SIGTERM, a crash, a full disk) continues with the same \
+                  command. A finished run exits 0 immediately \
     and reprints its summary. Cells with missing or changed images are rendered again.\n\n\
-    A larger sweep continues in the folder of a smaller one: add values or axes. An experiment that lacks a finished cell of the folder is \
+    A larger sweep continues in the folder of a smaller one: add values or axes. An experiment \
+    that lacks a finished cell of the folder is \
     refused. Configurations that are compared by time are timed again if one joins them.\n\n\
-    The experiment.toml in a run's folder can be run again; provenance.json in the same folder has its paths and --set.\n\n\
+    The experiment.toml in a run's folder can be run again; provenance.json in the same folder has \
+    its paths and --set.\n\n\
     Examples:\n  splitsum run experiments/quick.toml\n  \
     splitsum run experiments/quick.toml --set alpha=0.1,0.5 --set brdf=ggx --out runs/short\n  \
-    splitsum run experiments/quick.toml --set alpha=0.1,0.25,0.5 --set brdf=ggx --out runs/short\n  \
-    splitsum run experiments/real.toml --set environment=sky.hdr --set scene=teapot.obj --out runs/teapot\n  \
-    splitsum run experiments/ladder.toml --set environment=my.hdr --set brdf=ggx   (what causes the split sum's error)\n  \
-    splitsum run sweep.toml --shard 2/4 --out /shared/sweep   (one of four processes; then splitsum merge /shared/sweep)"
+    splitsum run experiments/quick.toml --set alpha=0.1,0.25,0.5 --set brdf=ggx --out \
+    runs/short\n  \
+    splitsum run experiments/real.toml --set environment=sky.hdr --set scene=teapot.obj --out \
+    runs/teapot\n  \
+    splitsum run experiments/ladder.toml --set environment=my.hdr --set brdf=ggx   (what causes \
+    the split sum's error)\n  \
+    splitsum run sweep.toml --shard 2/4 --out /shared/sweep   (one of four processes; then \
+    splitsum merge /shared/sweep)"
 )]
 pub struct Arguments {
     #[command(flatten)]
@@ -65,7 +72,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         fail_fast: arguments.fail_fast,
     };
     let is_whole = arguments.shard.is_none();
-    if let Some(printed) = Store::at(&options.dir).printed_when_done(&plan).filter(|_| is_whole) {
+    if let Some(printed) = Store::at(&options.dir)
+        .printed_when_done(&plan)
+        .filter(|_| is_whole)
+    {
         return print(&printed);
     }
     let outcome = run(&plan, &mut opener(arguments), &options, &mut progress)?;
@@ -73,18 +83,30 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         None => conclude(&plan, &outcome)?,
         Some(_) => cells_failed(&outcome),
     };
-    progress.note(&format!("done in {}", indicatif::HumanDuration(started.elapsed())));
-    failed.or_else(|| outcome.is_stopped.then(stopped)).map_or(Ok(()), Err)?;
-    let Some(shard) = arguments.shard else { return Ok(()) };
+    progress.note(&format!(
+        "done in {}",
+        indicatif::HumanDuration(started.elapsed())
+    ));
+    failed
+        .or_else(|| outcome.is_stopped.then(stopped))
+        .map_or(Ok(()), Err)?;
+    let Some(shard) = arguments.shard else {
+        return Ok(());
+    };
     let (cells, dir) = (outcome.cell_count, outcome.dir.display());
-    print(&format!("Shard {shard} is done: {cells} of {} cells, in {dir}\n", plan.cells.len()))
+    print(&format!(
+        "Shard {shard} is done: {cells} of {} cells, in {dir}\n",
+        plan.cells.len()
+    ))
 }
 
 /// Returns the command line for the provenance, without the program's folder.
 pub fn command_line() -> Vec<String> {
     let mut words: Vec<String> = std::env::args().collect();
     if let Some(program) = words.first_mut() {
-        *program = Path::new(program).file_name().map_or_else(String::new, |name| name.to_string_lossy().into_owned());
+        *program = Path::new(program)
+            .file_name()
+            .map_or_else(String::new, |name| name.to_string_lossy().into_owned());
     }
     words
 }
@@ -99,7 +121,8 @@ fn begin(plan: &Plan) -> Result<Terminal, Failure> {
     Ok(progress)
 }
 
-/// Answers the questions of an ended run, prints the summary and writes the report. Returns the failure of its cells.
+/// Answers the questions of an ended run, prints the summary and writes the report. Returns the
+/// failure of its cells.
 pub fn conclude(plan: &Plan, outcome: &Outcome) -> Result<Option<Failure>, Failure> {
     progress::doing("answering the questions");
     let run = Finished::read(&outcome.dir).map_err(Failure::failed)?;
@@ -114,7 +137,9 @@ pub fn conclude(plan: &Plan, outcome: &Outcome) -> Result<Option<Failure>, Failu
     let failed = cells_failed(outcome);
     let line = match report {
         Ok(written) => super::report::line(&written),
-        Err(error) if failed.is_none() => return Err(Failure::failed(format!("no report: {error}"))),
+        Err(error) if failed.is_none() => {
+            return Err(Failure::failed(format!("no report: {error}")));
+        }
         Err(error) => {
             log(&format!("no report: {error}"));
             return Ok(failed);
@@ -122,20 +147,33 @@ pub fn conclude(plan: &Plan, outcome: &Outcome) -> Result<Option<Failure>, Failu
     };
     print(&line)?;
     if failed.is_none() && !outcome.is_stopped {
-        Store::at(&outcome.dir).mark_done(plan, &(printed + &line)).map_err(RunError::from)?;
+        Store::at(&outcome.dir)
+            .mark_done(plan, &(printed + &line))
+            .map_err(RunError::from)?;
     }
     Ok(failed)
 }
 
 fn cells_failed(outcome: &Outcome) -> Option<Failure> {
     let failures = &outcome.failures;
-    let lines: Vec<String> = failures.iter().map(|f| format!("  {} {}: {}", f.cell, f.label, f.reason)).collect();
-    let text = format!("{} of {} cells failed:\n{}", failures.len(), outcome.cell_count, lines.join("\n"));
+    let lines: Vec<String> = failures
+        .iter()
+        .map(|f| format!("  {} {}: {}", f.cell, f.label, f.reason))
+        .collect();
+    let text = format!(
+        "{} of {} cells failed:\n{}",
+        failures.len(),
+        outcome.cell_count,
+        lines.join("\n")
+    );
     (!failures.is_empty()).then_some(Failure::cells_failed(text))
 }
 
 fn stopped() -> Failure {
-    Failure::failed(format!("stopped; to go on: {}", std::env::args().collect::<Vec<_>>().join(" ")))
+    Failure::failed(format!(
+        "stopped; to go on: {}",
+        std::env::args().collect::<Vec<_>>().join(" ")
+    ))
 }
 
 fn opener(arguments: &Arguments) -> impl FnMut() -> Result<Box<dyn Renderer>, RenderFault> {

@@ -21,12 +21,16 @@ pub struct InputFlags {
 
 impl InputFlags {
     pub fn options(self) -> LoadOptions {
-        LoadOptions { clamp_invalid: self.clamp_invalid, ..LoadOptions::default() }
+        LoadOptions {
+            clamp_invalid: self.clamp_invalid,
+            ..LoadOptions::default()
+        }
     }
 
     /// Loads an environment relative to the current folder and prints its warnings.
     pub fn environment(self, name: &str) -> Result<Environment, Failure> {
-        let environment = Environment::load(name, Path::new(""), &self.options()).map_err(Failure::input)?;
+        let environment =
+            Environment::load(name, Path::new(""), &self.options()).map_err(Failure::input)?;
         warn_all(&environment.name, &environment.warnings);
         Ok(environment)
     }
@@ -34,18 +38,26 @@ impl InputFlags {
 
 /// Compiles a method in a file, `file:PATH`; does nothing for a listed one.
 pub fn own_method(name: &str) -> Result<(), Failure> {
-    let Some(path) = name.strip_prefix(FILE_PREFIX) else { return Ok(()) };
-    own::load(name, Path::new("")).map(drop).map_err(|why| match Path::new(path).exists() {
-        true => Failure::input(why),
-        false => Failure::input(format!("--method: {why}; expected file:PATH of your shader")),
-    })
+    let Some(path) = name.strip_prefix(FILE_PREFIX) else {
+        return Ok(());
+    };
+    own::load(name, Path::new(""))
+        .map(drop)
+        .map_err(|why| match Path::new(path).exists() {
+            true => Failure::input(why),
+            false => Failure::input(format!(
+                "--method: {why}; expected file:PATH of your shader"
+            )),
+        })
 }
 
 /// Finds a preset by its name, or reads it from a TOML file relative to the current folder.
 pub fn preset(text: &str) -> Result<&'static Preset, String> {
-    let Some(name) = text.strip_suffix(".toml") else { return Preset::parse(text) };
-    let toml =
-        read_text(Path::new(text), RECORD_BYTES_MAX).map_err(|error| format!("{error}; expected a TOML file"))?;
+    let Some(name) = text.strip_suffix(".toml") else {
+        return Preset::parse(text);
+    };
+    let toml = read_text(Path::new(text), RECORD_BYTES_MAX)
+        .map_err(|error| format!("{error}; expected a TOML file"))?;
     let mut table: toml::Table = toml::from_str(&toml).map_err(|error| error.to_string())?;
     table.entry("name").or_insert_with(|| name.into());
     Preset::from_json(serde_json::to_string(&table).map_err(|error| error.to_string())?)
@@ -69,15 +81,20 @@ pub struct DeviceFlag {
 
 impl DeviceFlag {
     pub fn choice(self) -> DeviceChoice {
-        self.device.map_or(DeviceChoice::Default, DeviceChoice::Index)
+        self.device
+            .map_or(DeviceChoice::Default, DeviceChoice::Index)
     }
 
     pub fn open(self) -> Result<Pipeline, RenderFault> {
-        Ok(Pipeline::new(Options { device: self.choice(), ..Options::default() })?)
+        Ok(Pipeline::new(Options {
+            device: self.choice(),
+            ..Options::default()
+        })?)
     }
 }
 
-/// Checks a file to write before the work: its extension, that its folder can be written, and that it is not an input.
+/// Checks a file to write before the work: its extension, that its folder can be written, and that
+/// it is not an input.
 pub fn check_out(
     flag: &str,
     path: &Path,
@@ -86,12 +103,23 @@ pub fn check_out(
 ) -> Result<(), Failure> {
     let fault = |text: String| Err(Failure::input(format!("{flag}: {text}")));
     let shown = path.display();
-    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
+    let extension = path
+        .extension()
+        .map(|extension| extension.to_string_lossy().to_lowercase());
     if !extension.is_some_and(|extension| extensions.contains(&&*extension)) {
-        let extensions: Vec<String> = extensions.iter().map(|extension| format!(".{extension}")).collect();
-        return fault(format!("{shown}: expected a name that ends in {}", extensions.join(" or ")));
+        let extensions: Vec<String> = extensions
+            .iter()
+            .map(|extension| format!(".{extension}"))
+            .collect();
+        return fault(format!(
+            "{shown}: expected a name that ends in {}",
+            extensions.join(" or ")
+        ));
     }
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let folder = path
+        .parent()
+        .filter(|folder| !folder.as_os_str().is_empty())
+        .unwrap_or(Path::new("."));
     if !folder.is_dir() {
         return fault(format!("there is no folder {}", folder.display()));
     }
@@ -99,17 +127,27 @@ pub fn check_out(
         // Permission bits do not reveal read-only file systems.
         return match tempfile::tempfile_in(folder) {
             Ok(_) => Ok(()),
-            Err(error) => fault(format!("cannot write to the folder {}: {error}", folder.display())),
+            Err(error) => fault(format!(
+                "cannot write to the folder {}: {error}",
+                folder.display()
+            )),
         };
     };
-    if inputs.into_iter().any(|input| input.canonicalize().is_ok_and(|input| input == file)) {
-        return fault(format!("{shown} is an input of this command; give another name"));
+    if inputs
+        .into_iter()
+        .any(|input| input.canonicalize().is_ok_and(|input| input == file))
+    {
+        return fault(format!(
+            "{shown} is an input of this command; give another name"
+        ));
     }
     if file.is_dir() {
         return fault(format!("{shown} is a folder; expected a file"));
     }
     if !file.is_file() {
-        return fault(format!("{shown} is a device or a pipe; expected a regular file"));
+        return fault(format!(
+            "{shown} is a device or a pipe; expected a regular file"
+        ));
     }
     match std::fs::OpenOptions::new().write(true).open(&file) {
         Ok(_) => Ok(()),

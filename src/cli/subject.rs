@@ -24,14 +24,21 @@ pub struct Subject {
 
 impl Subject {
     pub fn plan(&self) -> Result<Plan, Failure> {
-        let loaded = frozen::load(&self.experiment, &self.overrides, &self.inputs.options(), check);
+        let loaded = frozen::load(
+            &self.experiment,
+            &self.overrides,
+            &self.inputs.options(),
+            check,
+        );
         let (plan, note) = loaded.map_err(Failure::input)?;
         note.iter().for_each(|note| log(note));
         Ok(plan)
     }
 
     pub fn dir(&self, plan: &Plan) -> PathBuf {
-        self.out.clone().unwrap_or_else(|| PathBuf::from("runs").join(&plan.config.name))
+        self.out
+            .clone()
+            .unwrap_or_else(|| PathBuf::from("runs").join(&plan.config.name))
     }
 
     pub fn nothing_to_do(&self) -> Failure {

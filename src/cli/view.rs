@@ -5,7 +5,8 @@ use super::flags::{AxisFlags, SeenFlags};
 use super::shared::{own_method, scene};
 use clap::Args;
 use splitsum::experiment::axis::{
-    ALPHA, AXES, DFG_TABLE, ENVIRONMENT, METALLIC, METHOD, PREFILTERED, Point, REFERENCE, SAMPLES, SCENE, SIZE,
+    ALPHA, AXES, DFG_TABLE, ENVIRONMENT, METALLIC, METHOD, PREFILTERED, Point, REFERENCE, SAMPLES,
+    SCENE, SIZE,
 };
 use splitsum::experiment::value::Value;
 use splitsum::pipeline::Options;
@@ -50,16 +51,23 @@ fn after_help() -> String {
     let [method, scene, environment] = FIRST.map(|(_, name)| name);
     let pictures = Picture::names();
     format!(
-        "Defaults here: --method {method}, --right {REFERENCE}, --scene {scene}, --environment {environment}, a metal of roughness 0.25 (unless \
-        the model has its own materials), the size of the window. The window uses the program's own tables.\n\n\
+        "Defaults here: --method {method}, --right {REFERENCE}, --scene {scene}, --environment \
+         {environment}, a metal of roughness 0.25 (unless \
+        the model has its own materials), the size of the window. The window uses the program's \
+        own tables.\n\n\
         Pictures (toolbar): {}, a half for each method; errors are against the reference.\n\n\
-        Mouse: drag the line to compare the halves, drag elsewhere to turn the camera, shift+drag to turn the light, wheel to zoom. Keys: \
-        space shows the other half; d the left half alone; e error; s signed error; p linear values under the pointer; \
-        [ ] exposure; + - 0 and arrows the camera; shift+arrows the light; 1 to 9 the left method; f the whole screen; ctrl+S saves.\n\n\
-        Open an environment (.hdr, .exr) or a model ({}) with the buttons Open, or drop it on the window. Saving makes a folder view-N \
+        Mouse: drag the line to compare the halves, drag elsewhere to turn the camera, shift+drag \
+        to turn the light, wheel to zoom. Keys: \
+        space shows the other half; d the left half alone; e error; s signed error; p linear \
+        values under the pointer; \
+        [ ] exposure; + - 0 and arrows the camera; shift+arrows the light; 1 to 9 the left method; \
+        f the whole screen; ctrl+S saves.\n\n\
+        Open an environment (.hdr, .exr) or a model ({}) with the buttons Open, or drop it on the \
+        window. Saving makes a folder view-N \
         with the picture, linear images, and the `view` and `render` commands.\n\n\
         Exit codes: 2 no display or bad input; 75 the device or the window was lost.\n\n\
-        Examples:\n  splitsum view --environment studio.hdr --scene teapot.obj\n  sh view-1/view.sh",
+        Examples:\n  splitsum view --environment studio.hdr --scene teapot.obj\n  sh \
+        view-1/view.sh",
         pictures.join(", "),
         scene_extensions(),
     )
@@ -69,11 +77,14 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let state = state(arguments);
     own_method(state.point[METHOD].text())?;
     own_method(state.right.text())?;
-    if let Some(axis) =
-        [PREFILTERED, DFG_TABLE].into_iter().find(|axis| state.point[*axis].to_string().starts_with(FILE_PREFIX))
+    if let Some(axis) = [PREFILTERED, DFG_TABLE]
+        .into_iter()
+        .find(|axis| state.point[*axis].to_string().starts_with(FILE_PREFIX))
     {
         let name = AXES[axis].name;
-        return Err(Failure::input(format!("--{name}: the window uses its own tables; `splitsum render` takes files")));
+        return Err(Failure::input(format!(
+            "--{name}: the window uses its own tables; `splitsum render` takes files"
+        )));
     }
     // Bad input is reported before a window opens.
     let settings = state.point.settings();
@@ -82,10 +93,20 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     super::warn_all(&scene.name, &scene.warnings);
     arguments.seen.check(&scene)?;
     if !arguments.out.is_dir() {
-        return Err(Failure::input(format!("--out: there is no folder {}", arguments.out.display())));
+        return Err(Failure::input(format!(
+            "--out: there is no folder {}",
+            arguments.out.display()
+        )));
     }
-    let (device, load) = (arguments.seen.device.choice(), arguments.seen.inputs.options());
-    let options = Options { device, validation: arguments.validation, ..Options::default() };
+    let (device, load) = (
+        arguments.seen.device.choice(),
+        arguments.seen.inputs.options(),
+    );
+    let options = Options {
+        device,
+        validation: arguments.validation,
+        ..Options::default()
+    };
     #[cfg(target_os = "linux")]
     if let Some(why) = missing_library() {
         return Err(Failure::input(why));
@@ -111,13 +132,16 @@ fn missing_library() -> Option<String> {
         return None;
     };
     Some(format!(
-        "the window needs the library {library}: install the package {package} (its name on Debian and Ubuntu)"
+        "the window needs the library {library}: install the package {package} (its name on Debian \
+         and Ubuntu)"
     ))
 }
 
 fn parse_samples(text: &str) -> Result<u32, String> {
     let count = AXES[SAMPLES].kind.parse_text(text)?.count();
-    pair_count(count).map(|_| count).map_err(|fault| fault.to_string())
+    pair_count(count)
+        .map(|_| count)
+        .map_err(|fault| fault.to_string())
 }
 
 fn state(arguments: &Arguments) -> State {
@@ -131,15 +155,25 @@ fn state(arguments: &Arguments) -> State {
         point[axis] = AXES[axis].kind.parse_text(text).expect("a valid default");
     }
     let mut view = arguments.seen.view();
-    view.reference_samples = arguments.reference_samples.unwrap_or(view.reference_samples);
+    view.reference_samples = arguments
+        .reference_samples
+        .unwrap_or(view.reference_samples);
     if !is_design(point[SCENE].text()) {
         view.background = !arguments.no_background;
         view.orbit = arguments.seen.orbit.unwrap_or(HOME);
     }
     let state = State::new(point, view);
     let right = arguments.right.clone().unwrap_or(state.right.clone());
-    State { right, fill: !is_given(SIZE), ..state }
+    State {
+        right,
+        fill: !is_given(SIZE),
+        ..state
+    }
 }
 
 /// The first state: the textbook split sum and the reference, on a metal under a studio.
-const FIRST: [(usize, &str); 3] = [(METHOD, "split-sum"), (SCENE, "shader-ball"), (ENVIRONMENT, "builtin:studio")];
+const FIRST: [(usize, &str); 3] = [
+    (METHOD, "split-sum"),
+    (SCENE, "shader-ball"),
+    (ENVIRONMENT, "builtin:studio"),
+];

@@ -1,7 +1,9 @@
-//! The child process that compiles shaders: environment variables choose its driver, and a process reads them once.
+//! The child process that compiles shaders: environment variables choose its driver, and a process
+//! reads them once.
 //!
-//! The parent starts its own program with a hidden command and writes the jobs to its standard input as JSON. The child
-//! answers with a line about itself and one per job, so the parent knows which job a compiler died on.
+//! The parent starts its own program with a hidden command and writes the jobs to its standard
+//! input as JSON. The child answers with a line about itself and one per job, so the parent knows
+//! which job a compiler died on.
 
 use super::family::{FAMILIES, Family};
 use crate::gpu::{DeviceChoice, Executable, Gpu, GpuError, Options, add_shader, added_shader};
@@ -28,7 +30,11 @@ pub struct Job {
 impl Job {
     pub fn new(shader: String, constants: &[u32]) -> Self {
         let code = added_shader(&shader);
-        Self { shader, constants: constants.to_vec(), code }
+        Self {
+            shader,
+            constants: constants.to_vec(),
+            code,
+        }
     }
 }
 
@@ -42,13 +48,18 @@ pub enum CompileFault {
     #[error("{program}: {source}")]
     Start { program: String, source: io::Error },
     #[error(
-        "no Vulkan driver here compiles for AMD GPUs: Mesa's RADV is missing or does not open (Debian: apt-get install \
+        "no Vulkan driver here compiles for AMD GPUs: Mesa's RADV is missing or does not open \
+         (Debian: apt-get install \
          mesa-vulkan-drivers; check VK_DRIVER_FILES and VK_ICD_FILENAMES where they are set){}",
         .said.lines().last().map_or_else(String::new, |line| format!("; it said: {line}"))
     )]
     NoRadv { said: String },
     #[error("{family}: '{shader}' does not compile: {said}")]
-    Shader { family: &'static str, shader: String, said: String },
+    Shader {
+        family: &'static str,
+        shader: String,
+        said: String,
+    },
 }
 
 /// Runs a child that compiles for a family by one of its driver names.
@@ -69,9 +80,17 @@ fn try_name(program: &Path, name: &str, jobs: &[Job]) -> Result<Answer, io::Erro
     // A child that died early did not read; its answer shows that.
     let _ = fed.join();
     let mut lines = output.stdout.lines().map_while(Result::ok);
-    let compiler = lines.next().and_then(|line| serde_json::from_str(&line).ok());
-    let results = lines.map_while(|line| serde_json::from_str(&line).ok()).collect();
-    Ok(Answer { compiler, results, said: String::from_utf8_lossy(&output.stderr).trim().to_owned() })
+    let compiler = lines
+        .next()
+        .and_then(|line| serde_json::from_str(&line).ok());
+    let results = lines
+        .map_while(|line| serde_json::from_str(&line).ok())
+        .collect();
+    Ok(Answer {
+        compiler,
+        results,
+        said: String::from_utf8_lossy(&output.stderr).trim().to_owned(),
+    })
 }
 
 struct Answer {
@@ -83,11 +102,17 @@ struct Answer {
 }
 
 /// Runs children until the driver knows one of the family's names.
-fn compiled(program: &Path, family: &Family, jobs: &[Job]) -> Result<(Compiler, Answer), CompileFault> {
+fn compiled(
+    program: &Path,
+    family: &Family,
+    jobs: &[Job],
+) -> Result<(Compiler, Answer), CompileFault> {
     let mut said = String::new();
     for name in family.driver_names {
-        let mut answer = try_name(program, name, jobs)
-            .map_err(|source| CompileFault::Start { program: program.display().to_string(), source })?;
+        let mut answer = try_name(program, name, jobs).map_err(|source| CompileFault::Start {
+            program: program.display().to_string(),
+            source,
+        })?;
         if let Some(compiler) = answer.compiler.take() {
             return Ok((compiler, answer));
         }
@@ -112,8 +137,13 @@ pub fn available(program: &Path) -> Result<Vec<(&'static Family, Compiler)>, Com
     }
 }
 
-/// Compiles every job for a family, in order, and returns the stages of each. `program` is this program's file.
-pub fn compile(program: &Path, family: &'static Family, jobs: &[Job]) -> Result<Vec<Vec<Executable>>, CompileFault> {
+/// Compiles every job for a family, in order, and returns the stages of each. `program` is this
+/// program's file.
+pub fn compile(
+    program: &Path,
+    family: &'static Family,
+    jobs: &[Job],
+) -> Result<Vec<Vec<Executable>>, CompileFault> {
     let (_, answer) = compiled(program, family, jobs)?;
     let fault = |index: usize, said: &str| CompileFault::Shader {
         family: family.name,
@@ -125,14 +155,22 @@ pub fn compile(program: &Path, family: &'static Family, jobs: &[Job]) -> Result<
         return Err(fault(count, &format!("the compiler died; {}", answer.said)));
     }
     let results = answer.results.into_iter().enumerate();
-    results.map(|(index, result)| result.map_err(|said| fault(index, &said))).collect()
+    results
+        .map(|(index, result)| result.map_err(|said| fault(index, &said)))
+        .collect()
 }
 
 /// Runs the child: reads jobs, compiles them on RADV, writes answers.
 pub fn serve(input: impl Read, mut output: impl Write) -> Result<(), Box<dyn std::error::Error>> {
     let jobs: Vec<Job> = serde_json::from_reader(input)?;
-    let gpu = Gpu::new(Options { device: DeviceChoice::Radv, executables: true, ..Options::default() })?;
-    let compiler = Compiler { driver: gpu.info().driver.clone() };
+    let gpu = Gpu::new(Options {
+        device: DeviceChoice::Radv,
+        executables: true,
+        ..Options::default()
+    })?;
+    let compiler = Compiler {
+        driver: gpu.info().driver.clone(),
+    };
     writeln!(output, "{}", serde_json::to_string(&compiler)?)?;
     for job in &jobs {
         let result = executables(&gpu, job).map_err(|error| error.to_string());

@@ -1,7 +1,8 @@
 //! Counts the instructions in AMD assembly text, inside and outside the loop over samples.
 //!
-//! RADV's text has labels `BBn:`, one instruction per line, and `(then repeated k times)` for k more of the line
-//! before. A loop is the natural loop of a back edge; the loop over samples is the outermost one with an image lookup.
+//! RADV's text has labels `BBn:`, one instruction per line, and `(then repeated k times)` for k
+//! more of the line before. A loop is the natural loop of a back edge; the loop over samples is the
+//! outermost one with an image lookup.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::ops::AddAssign;
@@ -11,7 +12,8 @@ use std::ops::AddAssign;
 pub struct Counts {
     /// Full-rate vector arithmetic. A dual-issued pair counts once.
     pub alu: f64,
-    /// Quarter-rate vector arithmetic: rcp, rsq, sqrt, log, exp, sin, cos, and 32-bit integer products.
+    /// Quarter-rate vector arithmetic: rcp, rsq, sqrt, log, exp, sin, cos, and 32-bit integer
+    /// products.
     pub quarter: f64,
     /// Scalar arithmetic, scalar loads and branches: once per wave.
     pub scalar: f64,
@@ -64,15 +66,34 @@ impl AddAssign for Counts {
 
 /// Quarter-rate vector instructions \[LlvmAmdgpu20\].
 const QUARTER: [&str; 12] = [
-    "v_rcp_", "v_rsq_", "v_sqrt_", "v_log_", "v_exp_", "v_sin_", "v_cos_", "v_mul_lo_", "v_mul_hi_", "v_mad_u64_",
-    "v_mad_i64_", "v_mad_co_",
+    "v_rcp_",
+    "v_rsq_",
+    "v_sqrt_",
+    "v_log_",
+    "v_exp_",
+    "v_sin_",
+    "v_cos_",
+    "v_mul_lo_",
+    "v_mul_hi_",
+    "v_mad_u64_",
+    "v_mad_i64_",
+    "v_mad_co_",
 ];
 /// Scalar instructions that no unit executes: waits and hints.
 const HINTS: [&str; 9] = [
-    "s_waitcnt", "s_wait_", "s_clause", "s_nop", "s_delay_alu", "s_inst_prefetch", "s_set_inst_prefetch", "s_code_end",
+    "s_waitcnt",
+    "s_wait_",
+    "s_clause",
+    "s_nop",
+    "s_delay_alu",
+    "s_inst_prefetch",
+    "s_set_inst_prefetch",
+    "s_code_end",
     "s_endpgm",
 ];
-const MEMORY: [&str; 7] = ["buffer_", "tbuffer_", "global_", "flat_", "scratch_", "ds_", "lds_"];
+const MEMORY: [&str; 7] = [
+    "buffer_", "tbuffer_", "global_", "flat_", "scratch_", "ds_", "lds_",
+];
 
 /// Returns the counts of one instruction; `None` if it is unknown.
 fn counted(mnemonic: &str) -> Option<Counts> {
@@ -81,20 +102,38 @@ fn counted(mnemonic: &str) -> Option<Counts> {
     Some(if begins(&HINTS) {
         none
     } else if begins(&["s_"]) {
-        Counts { scalar: 1.0, ..none }
+        Counts {
+            scalar: 1.0,
+            ..none
+        }
     } else if begins(&QUARTER) {
-        Counts { quarter: 1.0, ..none }
+        Counts {
+            quarter: 1.0,
+            ..none
+        }
     } else if begins(&["v_"]) {
         Counts { alu: 1.0, ..none }
     } else if begins(&["image_sample", "image_gather"]) {
         match mnemonic.split('_').any(|part| part == "lz") {
-            true => Counts { bilinear: 1.0, ..none },
-            false => Counts { trilinear: 1.0, ..none },
+            true => Counts {
+                bilinear: 1.0,
+                ..none
+            },
+            false => Counts {
+                trilinear: 1.0,
+                ..none
+            },
         }
     } else if begins(&["image_"]) {
-        Counts { unfiltered: 1.0, ..none }
+        Counts {
+            unfiltered: 1.0,
+            ..none
+        }
     } else if begins(&MEMORY) {
-        Counts { memory_bytes: bytes(mnemonic), ..none }
+        Counts {
+            memory_bytes: bytes(mnemonic),
+            ..none
+        }
     } else if begins(&["exp"]) {
         // Exports of graphics stages; passes over pixels have none.
         none
@@ -128,10 +167,19 @@ struct Block {
 pub fn count(assembly: &str) -> Result<ShaderCounts, IsaFault> {
     let blocks = blocks(assembly)?;
     let loops = loops(assembly, &blocks)?;
-    let has_lookup = |body: &&BTreeSet<usize>| body.iter().any(|block| blocks[*block].counts.lookups() > 0.0);
+    let has_lookup = |body: &&BTreeSet<usize>| {
+        body.iter()
+            .any(|block| blocks[*block].counts.lookups() > 0.0)
+    };
     // The outermost loop with lookups; if there were several, the longest.
-    let samples = loops.values().filter(has_lookup).max_by_key(|body| body.len());
-    let mut counts = ShaderCounts { other_loops: loops.len() - usize::from(samples.is_some()), ..Default::default() };
+    let samples = loops
+        .values()
+        .filter(has_lookup)
+        .max_by_key(|body| body.len());
+    let mut counts = ShaderCounts {
+        other_loops: loops.len() - usize::from(samples.is_some()),
+        ..Default::default()
+    };
     for (index, block) in blocks.iter().enumerate() {
         match samples.is_some_and(|body| body.contains(&index)) {
             true => counts.inside += block.counts,
@@ -142,21 +190,37 @@ pub fn count(assembly: &str) -> Result<ShaderCounts, IsaFault> {
 }
 
 fn blocks(assembly: &str) -> Result<Vec<Block>, IsaFault> {
-    let mut blocks = vec![Block { falls_through: true, ..Block::default() }];
+    let mut blocks = vec![Block {
+        falls_through: true,
+        ..Block::default()
+    }];
     let mut last = None;
     for (index, line) in assembly.lines().enumerate() {
         let text = line.split(';').next().unwrap_or_default().trim();
-        let fault = |what| IsaFault { line: index + 1, text: text.to_owned(), what };
+        let fault = |what| IsaFault {
+            line: index + 1,
+            text: text.to_owned(),
+            what,
+        };
         let block = blocks.last_mut().expect("there is always one");
         if text.is_empty() {
             continue;
         }
         if let Some(label) = text.strip_suffix(':') {
-            blocks.push(Block { label: label.to_owned(), falls_through: true, ..Block::default() });
+            blocks.push(Block {
+                label: label.to_owned(),
+                falls_through: true,
+                ..Block::default()
+            });
             last = None;
         } else if let Some(rest) = text.strip_prefix("(then repeated ") {
-            let times = rest.split(' ').next().and_then(|times| times.parse::<u32>().ok());
-            let (times, counts): (u32, Counts) = times.zip(last).ok_or_else(|| fault("expected a number of times"))?;
+            let times = rest
+                .split(' ')
+                .next()
+                .and_then(|times| times.parse::<u32>().ok());
+            let (times, counts): (u32, Counts) = times
+                .zip(last)
+                .ok_or_else(|| fault("expected a number of times"))?;
             (0..times).for_each(|_| block.counts += counts);
         } else {
             let mut words = text.split_whitespace();
@@ -177,8 +241,11 @@ fn blocks(assembly: &str) -> Result<Vec<Block>, IsaFault> {
 
 /// Finds the blocks of every natural loop, by its first block.
 fn loops(assembly: &str, blocks: &[Block]) -> Result<BTreeMap<usize, BTreeSet<usize>>, IsaFault> {
-    let places: BTreeMap<&str, usize> =
-        blocks.iter().enumerate().map(|(index, block)| (block.label.as_str(), index)).collect();
+    let places: BTreeMap<&str, usize> = blocks
+        .iter()
+        .enumerate()
+        .map(|(index, block)| (block.label.as_str(), index))
+        .collect();
     let mut before = vec![Vec::new(); blocks.len()];
     let mut back_edges = Vec::new();
     for (index, block) in blocks.iter().enumerate() {
@@ -188,7 +255,12 @@ fn loops(assembly: &str, blocks: &[Block]) -> Result<BTreeMap<usize, BTreeSet<us
         for (label, line) in &block.jumps {
             let to = *places.get(label.as_str()).ok_or_else(|| IsaFault {
                 line: line + 1,
-                text: assembly.lines().nth(*line).unwrap_or_default().trim().to_owned(),
+                text: assembly
+                    .lines()
+                    .nth(*line)
+                    .unwrap_or_default()
+                    .trim()
+                    .to_owned(),
                 what: "no such label",
             })?;
             before[to].push(index);

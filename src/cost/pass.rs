@@ -6,11 +6,20 @@ use super::isa::{self, IsaFault, ShaderCounts};
 use crate::gpu::Executable;
 use std::path::Path;
 
-pub fn passes(program: &Path, family: &'static Family, jobs: &[Job]) -> Result<Vec<Pass>, CompileFault> {
+pub fn passes(
+    program: &Path,
+    family: &'static Family,
+    jobs: &[Job],
+) -> Result<Vec<Pass>, CompileFault> {
     let compiled = compile(program, family, jobs)?;
     let pass = |(job, stages): (&Job, &Vec<Executable>)| {
-        let fault = |said: String| CompileFault::Shader { family: family.name, shader: job.shader.clone(), said };
-        let pass = Pass::new(stages).ok_or_else(|| fault("the driver gives no assembly".to_owned()))?;
+        let fault = |said: String| CompileFault::Shader {
+            family: family.name,
+            shader: job.shader.clone(),
+            said,
+        };
+        let pass =
+            Pass::new(stages).ok_or_else(|| fault("the driver gives no assembly".to_owned()))?;
         pass.map_err(|error| fault(error.to_string()))
     };
     jobs.iter().zip(&compiled).map(pass).collect()
@@ -31,9 +40,15 @@ impl Pass {
     /// Reads a compiled compute shader; `None` without its assembly or statistics.
     pub fn new(stages: &[Executable]) -> Option<Result<Self, IsaFault>> {
         let [stage] = stages else { return None };
-        let [vector_registers, waves] = ["VGPRs", "Subgroups per SIMD"].map(|name| stage.statistic(name));
+        let [vector_registers, waves] =
+            ["VGPRs", "Subgroups per SIMD"].map(|name| stage.statistic(name));
         let (vector_registers, waves) = (vector_registers? as u32, waves? as u32);
         let counts = isa::count(stage.text(ASSEMBLY)?);
-        Some(counts.map(|counts| Self { counts, wave: stage.subgroup_size, vector_registers, waves }))
+        Some(counts.map(|counts| Self {
+            counts,
+            wave: stage.subgroup_size,
+            vector_registers,
+            waves,
+        }))
     }
 }

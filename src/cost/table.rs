@@ -24,17 +24,41 @@ pub struct Shaded {
 /// Column, heading and meaning of each count, in the order of [`classes`].
 const CLASSES: [(&str, &str, &str); 7] = [
     ("alu", "ALU", "Full-rate vector instructions a pixel"),
-    ("quarter_rate", "quarter-rate", "Quarter-rate vector instructions a pixel"),
+    (
+        "quarter_rate",
+        "quarter-rate",
+        "Quarter-rate vector instructions a pixel",
+    ),
     ("scalar", "scalar", "Scalar instructions a wave"),
     ("unfiltered", "texels", "Texels a pixel without a filter"),
     ("bilinear", "bilinear", "Lookups a pixel in one level"),
-    ("trilinear", "trilinear", "Lookups a pixel between two levels"),
+    (
+        "trilinear",
+        "trilinear",
+        "Lookups a pixel between two levels",
+    ),
     ("memory_bytes", "buffer bytes", "Bytes of buffers a pixel"),
 ];
 
 fn classes(counts: &Counts) -> [f64; 7] {
-    let Counts { alu, quarter, scalar, unfiltered, bilinear, trilinear, memory_bytes } = *counts;
-    [alu, quarter, scalar, unfiltered, bilinear, trilinear, memory_bytes]
+    let Counts {
+        alu,
+        quarter,
+        scalar,
+        unfiltered,
+        bilinear,
+        trilinear,
+        memory_bytes,
+    } = *counts;
+    [
+        alu,
+        quarter,
+        scalar,
+        unfiltered,
+        bilinear,
+        trilinear,
+        memory_bytes,
+    ]
 }
 
 const FIRST: [(&str, &str); 8] = [
@@ -43,7 +67,10 @@ const FIRST: [(&str, &str); 8] = [
     ("generation", "Its generation."),
     ("card", "A card of the family."),
     ("method", "Specular method."),
-    ("brdf", "Microfacet model; empty if the code does not depend on it."),
+    (
+        "brdf",
+        "Microfacet model; empty if the code does not depend on it.",
+    ),
     ("layout", "Layout of the filtered maps."),
     ("options", "Other axes that were set, `name=value`."),
 ];
@@ -52,13 +79,23 @@ const LAST: [(&str, &str); 4] = [
     ("other_loops", "Loops of unknown length; counted once."),
     ("wave", "Lanes of a wave."),
     ("vector_registers", "Vector registers of a lane."),
-    ("waves", "Waves per vector unit, as Mesa counts them: on RDNA waves of 32 lanes."),
+    (
+        "waves",
+        "Waves per vector unit, as Mesa counts them: on RDNA waves of 32 lanes.",
+    ),
 ];
 
 pub fn columns() -> Vec<(String, String)> {
-    let known =
-        |columns: &[(&str, &str)]| columns.iter().map(|(name, about)| (name.to_string(), about.to_string())).collect();
-    let parts = [("outside", "outside the loop over samples, once a dispatch"), ("inside", "inside it, once a sample")];
+    let known = |columns: &[(&str, &str)]| {
+        columns
+            .iter()
+            .map(|(name, about)| (name.to_string(), about.to_string()))
+            .collect()
+    };
+    let parts = [
+        ("outside", "outside the loop over samples, once a dispatch"),
+        ("inside", "inside it, once a sample"),
+    ];
     let counted = parts.map(|(part, place)| {
         CLASSES.map(|(class, _, about)| (format!("{part}_{class}"), format!("{about}, {place}.")))
     });
@@ -68,12 +105,44 @@ pub fn columns() -> Vec<(String, String)> {
 pub fn csv(passes: &[Shaded]) -> Vec<u8> {
     let names: Vec<String> = columns().into_iter().map(|(name, _)| name).collect();
     let row = |shaded: &Shaded| {
-        let Shaded { family, driver, method, brdf, layout, options, uses_samples: _, pass } = shaded;
-        let words = [driver, family.name, family.generation, family.card, method, brdf, layout, options];
-        let numbers = [&pass.counts.outside, &pass.counts.inside].map(classes).concat();
-        let compiled = [pass.counts.other_loops as u32, pass.wave, pass.vector_registers, pass.waves];
-        let numbers = numbers.into_iter().map(Cell::from).chain(compiled.map(Cell::from));
-        words.map(Cell::from).into_iter().chain(numbers).collect::<Vec<_>>()
+        let Shaded {
+            family,
+            driver,
+            method,
+            brdf,
+            layout,
+            options,
+            uses_samples: _,
+            pass,
+        } = shaded;
+        let words = [
+            driver,
+            family.name,
+            family.generation,
+            family.card,
+            method,
+            brdf,
+            layout,
+            options,
+        ];
+        let numbers = [&pass.counts.outside, &pass.counts.inside]
+            .map(classes)
+            .concat();
+        let compiled = [
+            pass.counts.other_loops as u32,
+            pass.wave,
+            pass.vector_registers,
+            pass.waves,
+        ];
+        let numbers = numbers
+            .into_iter()
+            .map(Cell::from)
+            .chain(compiled.map(Cell::from));
+        words
+            .map(Cell::from)
+            .into_iter()
+            .chain(numbers)
+            .collect::<Vec<_>>()
     };
     let rows: Vec<Vec<Cell>> = passes.iter().map(row).collect();
     to_text(&names, rows.iter().map(Vec::as_slice)).to_vec()
@@ -81,26 +150,58 @@ pub fn csv(passes: &[Shaded]) -> Vec<u8> {
 
 /// Writes a table per family: the fixed part of each pass, and the part per sample.
 pub fn markdown(passes: &[Shaded]) -> String {
-    let tables = passes.chunk_by(|a, b| a.family.name == b.family.name).map(|own| {
-        let Family { name, generation, card, .. } = own[0].family;
-        format!("## {name}: {generation}, {card} ({})\n\n{}", own[0].driver, table(own))
-    });
+    let tables = passes
+        .chunk_by(|a, b| a.family.name == b.family.name)
+        .map(|own| {
+            let Family {
+                name,
+                generation,
+                card,
+                ..
+            } = own[0].family;
+            format!(
+                "## {name}: {generation}, {card} ({})\n\n{}",
+                own[0].driver,
+                table(own)
+            )
+        });
     let tables: Vec<String> = tables.collect();
-    format!("Counts of compiled code, a pixel: nothing was executed or timed (docs/cost.md).\n\n{}", tables.join("\n"))
+    format!(
+        "Counts of compiled code, a pixel: nothing was executed or timed (docs/cost.md).\n\n{}",
+        tables.join("\n")
+    )
 }
 
 fn table(family: &[Shaded]) -> MarkdownTable {
-    let numbers = CLASSES.iter().map(|(_, heading, _)| *heading).chain(["registers", "waves"]);
+    let numbers = CLASSES
+        .iter()
+        .map(|(_, heading, _)| *heading)
+        .chain(["registers", "waves"]);
     let columns = numbers.map(|name| (name, Align::Right));
     let mut table = MarkdownTable::new(
-        &[("method", Align::Left), ("part", Align::Left)].into_iter().chain(columns).collect::<Vec<_>>(),
+        &[("method", Align::Left), ("part", Align::Left)]
+            .into_iter()
+            .chain(columns)
+            .collect::<Vec<_>>(),
     );
     for shaded in family {
-        let Pass { counts, vector_registers, waves, .. } = &shaded.pass;
+        let Pass {
+            counts,
+            vector_registers,
+            waves,
+            ..
+        } = &shaded.pass;
         let mut part = |part: &str, counts: &Counts| {
             let numbers = classes(counts).map(|count| count.to_string());
             let code = [vector_registers, waves].map(u32::to_string);
-            table.row(&[vec![shaded.name(), part.to_owned()], numbers.to_vec(), code.to_vec()].concat());
+            table.row(
+                &[
+                    vec![shaded.name(), part.to_owned()],
+                    numbers.to_vec(),
+                    code.to_vec(),
+                ]
+                .concat(),
+            );
         };
         part("fixed", &counts.outside);
         if shaded.uses_samples {
@@ -112,8 +213,14 @@ fn table(family: &[Shaded]) -> MarkdownTable {
 
 impl Shaded {
     fn name(&self) -> String {
-        let values = self.options.split_whitespace().filter_map(|option| Some(option.split_once('=')?.1));
-        let words = [self.method, self.brdf].into_iter().chain(values).filter(|word| !word.is_empty());
+        let values = self
+            .options
+            .split_whitespace()
+            .filter_map(|option| Some(option.split_once('=')?.1));
+        let words = [self.method, self.brdf]
+            .into_iter()
+            .chain(values)
+            .filter(|word| !word.is_empty());
         words.collect::<Vec<_>>().join(" ")
     }
 }

@@ -9,7 +9,10 @@ pub(super) const MAX_RADIANCE: f32 = 1e15;
 pub enum EnvironmentError {
     #[error("environment {0}")]
     Unreadable(#[from] PixelsError),
-    #[error("environment {spec}: {found}; expected finite values of at least 0 (--clamp-invalid sets all others to 0)")]
+    #[error(
+        "environment {spec}: {found}; expected finite values of at least 0 (--clamp-invalid sets \
+         all others to 0)"
+    )]
     InvalidTexels { spec: String, found: String },
     /// Any other problem; `what` includes the expected value.
     #[error("environment {spec}: {what}")]
@@ -17,5 +20,8 @@ pub enum EnvironmentError {
 }
 
 pub(super) fn unusable(spec: &str, what: String) -> EnvironmentError {
-    EnvironmentError::Unusable { spec: spec.to_owned(), what }
+    EnvironmentError::Unusable {
+        spec: spec.to_owned(),
+        what,
+    }
 }

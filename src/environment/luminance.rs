@@ -26,7 +26,10 @@ impl Luminance {
             }
             weights += weight * texels.len() as f64;
         }
-        Self { mean: sum / weights, peak }
+        Self {
+            mean: sum / weights,
+            peak,
+        }
     }
 
     /// Returns the dynamic range in stops, log2 of peak over mean; `None` for a black environment.

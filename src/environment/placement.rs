@@ -18,12 +18,13 @@ impl Placement {
 
     /// Returns the rotation from world directions to the map's frame.
     pub fn environment_from_world(self) -> DMat3 {
-        (DMat3::from_rotation_y(self.rotation_deg.to_radians()) * orientation(self.orientation)).transpose()
+        (DMat3::from_rotation_y(self.rotation_deg.to_radians()) * orientation(self.orientation))
+            .transpose()
     }
 }
 
-/// Returns rotation k of a fixed set that fills SO(3) evenly, in whole or in part: point k of R3 \[Roberts18\] as a
-/// uniform quaternion \[Shoemake92\]. 0 is the identity.
+/// Returns rotation k of a fixed set that fills SO(3) evenly, in whole or in part: point k of R3
+/// \[Roberts18\] as a uniform quaternion \[Shoemake92\]. 0 is the identity.
 pub fn orientation(k: u32) -> DMat3 {
     if k == 0 {
         return DMat3::IDENTITY;
@@ -31,5 +32,7 @@ pub fn orientation(k: u32) -> DMat3 {
     let u = (DVec3::splat(0.5) + f64::from(k) * R3).fract();
     let [(sin_1, cos_1), (sin_2, cos_2)] = [u.y, u.z].map(|turns| (TAU * turns).sin_cos());
     let [r_1, r_2] = [(1.0 - u.x).sqrt(), u.x.sqrt()];
-    DMat3::from_quat(DQuat::from_xyzw(r_1 * sin_1, r_1 * cos_1, r_2 * sin_2, r_2 * cos_2).normalize())
+    DMat3::from_quat(
+        DQuat::from_xyzw(r_1 * sin_1, r_1 * cos_1, r_2 * sin_2, r_2 * cos_2).normalize(),
+    )
 }

@@ -1,8 +1,9 @@
 //! Checks of values together: combinations, sizes, exclusions.
 
 use super::axis::{
-    ALBEDO, ALPHA, ANISOTROPY, AXES, Axis, COAT, COMPENSATION, DFG_TABLE, FRAMES, METALLIC, METHOD, MOTION, Named,
-    PREFILTER_SIZE, PREFILTERED, Point, SAMPLES, SCENE, SHEEN_COLOR, SIZE, index_of, motion_fault,
+    ALBEDO, ALPHA, ANISOTROPY, AXES, Axis, COAT, COMPENSATION, DFG_TABLE, FRAMES, METALLIC, METHOD,
+    MOTION, Named, PREFILTER_SIZE, PREFILTERED, Point, SAMPLES, SCENE, SHEEN_COLOR, SIZE, index_of,
+    motion_fault,
 };
 use super::config::{Config, Placed, Sweep};
 use super::fault::{Faults, Place};
@@ -18,23 +19,37 @@ use indexmap::IndexSet;
 
 /// Reports values that are valid alone but not together.
 pub fn check_combinations(config: &Config, faults: &mut Faults) {
-    for point in config.combinations().filter(|point| config.exclusion_of(point).is_none()) {
+    for point in config
+        .combinations()
+        .filter(|point| config.exclusion_of(point).is_none())
+    {
         let judge = point.reference(&config.reference);
         let point = point.collapsed();
         check_reference_counts(config, &point, &judge, faults);
         check_ladder(config, &point, faults);
         let shading = point.settings().shading;
         if has_layer(&point, ANISOTROPY)
-            && let Some(what) = shading.widths.fault(shading.brdf, shading.masking_shadowing)
+            && let Some(what) = shading
+                .widths
+                .fault(shading.brdf, shading.masking_shadowing)
         {
-            faults.add(&config.place_of(ANISOTROPY, &point), format!("anisotropy: {what}"));
+            faults.add(
+                &config.place_of(ANISOTROPY, &point),
+                format!("anisotropy: {what}"),
+            );
         }
         if let Some(fault) = motion_fault(&point, config.antialias) {
             faults.add(&config.place_of(MOTION, &point), format!("motion: {fault}"));
         }
-        if let Err(error) = point.method().tables(point.settings().shading.precompute).validate() {
+        if let Err(error) = point
+            .method()
+            .tables(point.settings().shading.precompute)
+            .validate()
+        {
             let partners = index_of(error.field).into_iter().chain([PREFILTER_SIZE]);
-            let place = partners.map(|axis| config.place_of(axis, &point)).find(|place| *place != Place::Default);
+            let place = partners
+                .map(|axis| config.place_of(axis, &point))
+                .find(|place| *place != Place::Default);
             faults.add(&place.unwrap_or(Place::Default), error.to_string());
         }
     }
@@ -42,20 +57,37 @@ pub fn check_combinations(config: &Config, faults: &mut Faults) {
 
 /// Reports the first axis of frames if no method can have several.
 pub fn check_frames(config: &Config, faults: &mut Faults) {
-    let samples = |method: &Value| Method::by_name(method.text()).is_none_or(|method| method.uses_point_set);
+    let samples =
+        |method: &Value| Method::by_name(method.text()).is_none_or(|method| method.uses_point_set);
     let frames = AXES[FRAMES].name;
     let is_of_frames = |axis: &Axis| axis.name == frames || axis.layer() == Some(frames);
-    let is_default = |sweep: &Sweep| sweep.values.iter().all(|placed| placed.value == (AXES[sweep.axis].default)());
+    let is_default = |sweep: &Sweep| {
+        sweep
+            .values
+            .iter()
+            .all(|placed| placed.value == (AXES[sweep.axis].default)())
+    };
     let is_asked = |sweep: &&Sweep| is_of_frames(&AXES[sweep.axis]) && !is_default(sweep);
-    let asked = config.axes.iter().find(is_asked).filter(|_| !config.values(METHOD).any(|(method, _)| samples(method)));
+    let asked = config
+        .axes
+        .iter()
+        .find(is_asked)
+        .filter(|_| !config.values(METHOD).any(|(method, _)| samples(method)));
     if let Some(sweep) = asked {
-        let text = "no method of the experiment samples, and an image without samples is its own history; add a sampling method";
-        faults.add(&sweep.values[0].place, format!("{}: {text}", AXES[sweep.axis].name));
+        let text = "no method of the experiment samples, and an image without samples is its own \
+                    history; add a sampling method";
+        faults.add(
+            &sweep.values[0].place,
+            format!("{}: {text}", AXES[sweep.axis].name),
+        );
     }
 }
 
 pub fn sizes(config: &Config) -> Vec<(Place, [u32; 2])> {
-    config.values(SIZE).map(|(value, place)| (place.clone(), value.pair())).collect()
+    config
+        .values(SIZE)
+        .map(|(value, place)| (place.clone(), value.pair()))
+        .collect()
 }
 
 /// Reports sizes that no device can hold.
@@ -64,7 +96,8 @@ pub fn check_sizes(config: &Config, faults: &mut Faults) {
         if image_buffer_bytes([width, height]) > BUFFER_BYTES_MAX {
             let pixels = BUFFER_BYTES_MAX / image_buffer_bytes([1, 1]);
             let text = format!(
-                "size: {width}x{height} has {} pixels; at most {pixels} fit into the largest buffer of Vulkan",
+                "size: {width}x{height} has {} pixels; at most {pixels} fit into the largest \
+                 buffer of Vulkan",
                 u64::from(width) * u64::from(height)
             );
             faults.add(&place, text);
@@ -91,23 +124,44 @@ fn check_ladder(config: &Config, point: &Point, faults: &mut Faults) {
         );
         faults.add(&config.place_of(SIZE, point), text);
     }
-    let is_given = |axis: &usize| AXES[*axis].kind.path_in(&point[*axis].to_string()).is_some();
+    let is_given = |axis: &usize| {
+        AXES[*axis]
+            .kind
+            .path_in(&point[*axis].to_string())
+            .is_some()
+    };
     let is_other = |axis: &usize| is_given(axis) || *axis == COMPENSATION && !point.is_own(*axis);
-    for axis in [PREFILTERED, DFG_TABLE, COMPENSATION].into_iter().filter(is_other) {
+    for axis in [PREFILTERED, DFG_TABLE, COMPENSATION]
+        .into_iter()
+        .filter(is_other)
+    {
         let (name, value, usual) = (AXES[axis].name, &point[axis], (AXES[axis].default)());
-        let usual = if is_given(&axis) { "own".to_owned() } else { usual.to_string() };
+        let usual = if is_given(&axis) {
+            "own".to_owned()
+        } else {
+            usual.to_string()
+        };
         let text = format!("{name}: [ladder] has no steps for {value}; expected {usual}");
         faults.add(&config.place_of(axis, point), text);
     }
-    for axis in [COAT, ANISOTROPY, SHEEN_COLOR].into_iter().filter(|axis| has_layer(point, *axis)) {
-        let text = format!("{}: [ladder] has no steps for {}; expected 0", AXES[axis].name, point[axis]);
+    for axis in [COAT, ANISOTROPY, SHEEN_COLOR]
+        .into_iter()
+        .filter(|axis| has_layer(point, *axis))
+    {
+        let text = format!(
+            "{}: [ladder] has no steps for {}; expected 0",
+            AXES[axis].name, point[axis]
+        );
         faults.add(&config.place_of(axis, point), text);
     }
     let alpha = f64::from(point.settings().material.alpha.unwrap_or(1.0));
     if alpha < harmonic::ALPHA_MIN {
         let place = config.place_of(ALPHA, point);
-        let text =
-            format!("alpha: {} is too narrow for [ladder]; expected at least {:.4}", point[ALPHA], harmonic::ALPHA_MIN);
+        let text = format!(
+            "alpha: {} is too narrow for [ladder]; expected at least {:.4}",
+            point[ALPHA],
+            harmonic::ALPHA_MIN
+        );
         faults.add(&place, text);
     }
 }
@@ -116,39 +170,68 @@ fn check_ladder(config: &Config, point: &Point, faults: &mut Faults) {
 fn check_reference_counts(config: &Config, point: &Point, judge: &Point, faults: &mut Faults) {
     let is_method = point.method().is_integrated();
     if is_method && let Err(error) = pair_count(point[SAMPLES].count()) {
-        let axis = if point[SAMPLES] == (AXES[SAMPLES].default)() { METHOD } else { SAMPLES };
-        faults.add(&config.place_of(axis, point), format!("samples of method {}: {error}", point.method().name));
+        let axis = if point[SAMPLES] == (AXES[SAMPLES].default)() {
+            METHOD
+        } else {
+            SAMPLES
+        };
+        faults.add(
+            &config.place_of(axis, point),
+            format!("samples of method {}: {error}", point.method().name),
+        );
     }
     let is_judged_by = judge.method().is_integrated() || judge.diffuse().is_integrated();
     if (is_judged_by || point.diffuse().is_integrated() && !is_method)
         && let Err(error) = pair_count(config.reference.samples)
     {
-        faults.add(&config.reference_samples_place, format!("reference.samples: {error}"));
+        faults.add(
+            &config.reference_samples_place,
+            format!("reference.samples: {error}"),
+        );
     }
 }
 
 /// Reports excluded values that their axis does not have.
 pub fn check_exclusions(config: &Config, faults: &mut Faults) {
     // Values that could not be read have their own faults.
-    let is_read =
-        |axis: usize| config.axes.iter().all(|s| s.axis != axis || s.values.len() == s.written && s.written > 0);
-    let conditions = config.exclusions.iter().flat_map(|exclusion| &exclusion.conditions);
+    let is_read = |axis: usize| {
+        config
+            .axes
+            .iter()
+            .all(|s| s.axis != axis || s.values.len() == s.written && s.written > 0)
+    };
+    let conditions = config
+        .exclusions
+        .iter()
+        .flat_map(|exclusion| &exclusion.conditions);
     for (axis, values) in conditions.filter(|(axis, _)| is_read(*axis)) {
         let known = values_of(config, *axis);
-        for Placed { value, place } in values.iter().filter(|placed| !known.contains(&&placed.value)) {
+        for Placed { value, place } in values
+            .iter()
+            .filter(|placed| !known.contains(&&placed.value))
+        {
             faults.add(place, off_axis(config.named(*axis), value, &known));
         }
     }
 }
 
 /// Lists swept axes that no cell uses, or that reach no pixel.
-pub fn idle_sweeps<'p>(config: &Config, points: impl Iterator<Item = &'p Point> + Clone) -> Vec<(Place, String)> {
+pub fn idle_sweeps<'p>(
+    config: &Config,
+    points: impl Iterator<Item = &'p Point> + Clone,
+) -> Vec<(Place, String)> {
     let is_unused = |axis: usize| points.clone().all(|point| point[axis] == Value::Unset);
-    let is_idle = |axis: usize| points.clone().all(|point| point.of_pixels()[axis] == Value::Unset);
+    let is_idle = |axis: usize| {
+        points
+            .clone()
+            .all(|point| point.of_pixels()[axis] == Value::Unset)
+    };
     let describe = |sweep: &Sweep| {
         let (Axis { name, about, .. }, count) = (&AXES[sweep.axis], sweep.values.len());
         let text = if !is_unused(sweep.axis) {
-            format!("{name}: its {count} values give the same image: every surface is a metal or black")
+            format!(
+                "{name}: its {count} values give the same image: every surface is a metal or black"
+            )
         } else {
             let user = match AXES[sweep.axis].layer() {
                 Some("coat") => "surface has a coat",
@@ -161,7 +244,12 @@ pub fn idle_sweeps<'p>(config: &Config, points: impl Iterator<Item = &'p Point> 
         };
         (sweep.values[0].place.clone(), text)
     };
-    config.axes.iter().filter(|sweep| sweep.values.len() > 1 && is_idle(sweep.axis)).map(describe).collect()
+    config
+        .axes
+        .iter()
+        .filter(|sweep| sweep.values.len() > 1 && is_idle(sweep.axis))
+        .map(describe)
+        .collect()
 }
 
 /// Lists cells whose metals are black because their albedo, which a metal reflects, is 0.
@@ -175,10 +263,15 @@ pub fn black_metals<'p>(
         let scene = inputs.scene(point[SCENE].text());
         let is_black = point[ALBEDO] == black
             && point[METALLIC] == Value::Unset
-            && scene.materials.iter().any(|material| material.metallic > 0.0);
+            && scene
+                .materials
+                .iter()
+                .any(|material| material.metallic > 0.0);
         let name = &scene.name;
         is_black.then(|| {
-            let text = format!("albedo: 0 makes the metals of {name} black; metallic = [0] makes them dielectrics");
+            let text = format!(
+                "albedo: 0 makes the metals of {name} black; metallic = [0] makes them dielectrics"
+            );
             (config.place_of(ALBEDO, point), text)
         })
     };
@@ -187,7 +280,12 @@ pub fn black_metals<'p>(
 
 /// Returns the values of an axis in the file and by `--set`, or its one fixed value.
 fn values_of(config: &Config, axis: usize) -> Vec<&Value> {
-    let sweeps: Vec<&Sweep> = config.axes.iter().chain(&config.set_aside).filter(|sweep| sweep.axis == axis).collect();
+    let sweeps: Vec<&Sweep> = config
+        .axes
+        .iter()
+        .chain(&config.set_aside)
+        .filter(|sweep| sweep.axis == axis)
+        .collect();
     let placed = || sweeps.iter().flat_map(|sweep| &sweep.values);
     let mut known: IndexSet<&Value> = placed().map(|placed| &placed.value).collect();
     // An axis that only `--set` sweeps had this value in the file.
@@ -207,10 +305,21 @@ fn off_axis(named: Named, value: &Value, known: &[&Value]) -> String {
         Value::Text(text) => (format!("{text:?}"), suggestion(text, &names)),
         _ => (shown(value), String::new()),
     };
-    let hint = if near.is_empty() { format!("; expected {}", expected("value", &names)) } else { near };
-    format!("exclude.{}: the axis has no value {wrong}{hint}", named.name())
+    let hint = if near.is_empty() {
+        format!("; expected {}", expected("value", &names))
+    } else {
+        near
+    };
+    format!(
+        "exclude.{}: the axis has no value {wrong}{hint}",
+        named.name()
+    )
 }
 
 fn shown(value: &Value) -> String {
-    if *value == Value::Unset { "none".to_owned() } else { value.to_string() }
+    if *value == Value::Unset {
+        "none".to_owned()
+    } else {
+        value.to_string()
+    }
 }

@@ -71,7 +71,8 @@ pub struct Config {
     pub asks: Vec<Ask>,
     /// Metric of the answers; one of [`crate::metrics::METRICS`].
     pub metric: &'static str,
-    /// Weights of views, the leading one first, each with its place; unchecked. Empty for the default.
+    /// Weights of views, the leading one first, each with its place; unchecked. Empty for the
+    /// default.
     pub weights: Vec<(Weight, Place)>,
     pub seed: u32,
     pub camera: CameraKind,
@@ -101,7 +102,10 @@ pub struct Config {
     pub set_dir: PathBuf,
 }
 
-pub(super) const AXIS: Kind = Kind::Name { what: "axis", names: axis_names };
+pub(super) const AXIS: Kind = Kind::Name {
+    what: "axis",
+    names: axis_names,
+};
 
 pub(super) const METRIC_KEY: &str = "metric";
 
@@ -110,7 +114,9 @@ type Reader = fn(&mut Config, &Spanned<DeValue>, &mut Faults);
 /// Keys of the file except axes, each with its reader.
 pub(super) const KEYS: &[(&str, Reader)] = &[
     ("name", Config::read_name),
-    ("question", |config, value, faults| config.question = text("question", value, faults)),
+    ("question", |config, value, faults| {
+        config.question = text("question", value, faults)
+    }),
     ("asks", Config::read_asks),
     (METRIC_KEY, |config, value, faults| {
         if let Some(found) = checked(Kind::one_of::<Metric>(), METRIC_KEY, value, faults) {
@@ -126,15 +132,23 @@ pub(super) const KEYS: &[(&str, Reader)] = &[
         config.camera = camera.map_or(config.camera, |v| *CameraKind::listed(v.text()));
     }),
     ("orbit", |config, value, faults| {
-        let orbit = checked(Kind::Color(COORDINATE), "orbit", value, faults).map(|v| Orbit::new(v.color()));
+        let orbit =
+            checked(Kind::Color(COORDINATE), "orbit", value, faults).map(|v| Orbit::new(v.color()));
         match orbit {
             Some(Ok(orbit)) => config.orbit = orbit,
-            Some(Err(fault)) => faults.add(&at(value), format!("orbit: {fault}; expected [yaw, pitch, distance]")),
+            Some(Err(fault)) => faults.add(
+                &at(value),
+                format!("orbit: {fault}; expected [yaw, pitch, distance]"),
+            ),
             None => {}
         }
     }),
-    ("background", |config, value, faults| read_switch(&mut config.background, "background", value, faults)),
-    ("antialias", |config, value, faults| read_switch(&mut config.antialias, "antialias", value, faults)),
+    ("background", |config, value, faults| {
+        read_switch(&mut config.background, "background", value, faults)
+    }),
+    ("antialias", |config, value, faults| {
+        read_switch(&mut config.antialias, "antialias", value, faults)
+    }),
     ("reference", Config::read_reference),
     ("axes", Config::read_axes),
     ("zip", Config::read_zips),
@@ -142,7 +156,9 @@ pub(super) const KEYS: &[(&str, Reader)] = &[
     ("timing", Config::read_timing),
     ("ladder", Config::read_ladder),
     ("precompute", Config::read_precompute),
-    ("sheets", |config, value, faults| read_switch(&mut config.has_sheets, "sheets", value, faults)),
+    ("sheets", |config, value, faults| {
+        read_switch(&mut config.has_sheets, "sheets", value, faults)
+    }),
 ];
 
 fn read_switch(place: &mut bool, name: &str, value: &Spanned<DeValue>, faults: &mut Faults) {
@@ -152,10 +168,14 @@ fn read_switch(place: &mut bool, name: &str, value: &Spanned<DeValue>, faults: &
     }
 }
 
-pub const SEED: Kind = Kind::Count { min: 0, max: u32::MAX };
+pub const SEED: Kind = Kind::Count {
+    min: 0,
+    max: u32::MAX,
+};
 
 impl Config {
-    /// Reads `text` as the experiment at `path` with `--set axis=v1,v2` texts. The result is complete only if `faults` is empty.
+    /// Reads `text` as the experiment at `path` with `--set axis=v1,v2` texts. The result is
+    /// complete only if `faults` is empty.
     pub fn parse(path: &Path, text: &str, overrides: &[String], faults: &mut Faults) -> Self {
         let root = parsed(text, faults);
         let is_whole = faults.is_empty();
@@ -187,12 +207,22 @@ impl Config {
     }
 
     fn check_double_settings(&self, root: &DeTable, faults: &mut Faults) {
-        let precompute = root.get("precompute").and_then(|value| value.get_ref().as_table());
-        let fixed = precompute.into_iter().flat_map(entries).map(|(key, _, place)| ("precompute.", key, place));
-        let keys = entries(root).into_iter().filter(|(key, ..)| index_of(key).is_some_and(|axis| AXES[axis].is_key));
+        let precompute = root
+            .get("precompute")
+            .and_then(|value| value.get_ref().as_table());
+        let fixed = precompute
+            .into_iter()
+            .flat_map(entries)
+            .map(|(key, _, place)| ("precompute.", key, place));
+        let keys = entries(root)
+            .into_iter()
+            .filter(|(key, ..)| index_of(key).is_some_and(|axis| AXES[axis].is_key));
         for (prefix, key, place) in fixed.chain(keys.map(|(key, _, place)| ("", key, place))) {
             if self.axes.iter().any(|sweep| AXES[sweep.axis].name == key) {
-                faults.add(&place, format!("{prefix}{key} is also an axis: set it in one place"));
+                faults.add(
+                    &place,
+                    format!("{prefix}{key} is also an axis: set it in one place"),
+                );
             }
         }
     }
@@ -216,31 +246,49 @@ impl Config {
 
     /// Returns an axis by the name in the experiment, if that name can write every value.
     pub fn named(&self, axis: usize) -> Named {
-        self.sweep(axis).map_or(Named::own(axis), |sweep| sweep.named)
+        self.sweep(axis)
+            .map_or(Named::own(axis), |sweep| sweep.named)
     }
 
     /// Lists every value of an axis, swept or not, with its place.
     pub fn values(&self, axis: usize) -> impl Iterator<Item = (&Value, &Place)> {
         let sweep = self.sweep(axis);
-        let fixed = sweep.is_none().then(|| (&self.base[axis], &self.base_places[axis]));
-        let swept = sweep.into_iter().flat_map(|sweep| &sweep.values).map(|placed| (&placed.value, &placed.place));
+        let fixed = sweep
+            .is_none()
+            .then(|| (&self.base[axis], &self.base_places[axis]));
+        let swept = sweep
+            .into_iter()
+            .flat_map(|sweep| &sweep.values)
+            .map(|placed| (&placed.value, &placed.place));
         swept.chain(fixed)
     }
 
     /// Finds the place of a point's value on an axis.
     pub fn place_of(&self, axis: usize, point: &Point) -> Place {
         let found = self.values(axis).find(|(value, _)| **value == point[axis]);
-        found.map_or_else(|| self.base_places[axis].clone(), |(_, place)| place.clone())
+        found.map_or_else(
+            || self.base_places[axis].clone(),
+            |(_, place)| place.clone(),
+        )
     }
 
     /// Finds the first exclusion that matches a point.
     pub fn exclusion_of(&self, point: &Point) -> Option<usize> {
-        let matches =
-            |(axis, values): &(usize, Vec<Placed>)| values.iter().any(|placed| placed.value == point.0[*axis]);
-        self.exclusions.iter().position(|exclusion| exclusion.conditions.iter().all(matches))
+        let matches = |(axis, values): &(usize, Vec<Placed>)| {
+            values.iter().any(|placed| placed.value == point.0[*axis])
+        };
+        self.exclusions
+            .iter()
+            .position(|exclusion| exclusion.conditions.iter().all(matches))
     }
 
-    fn read_key(&mut self, key: &str, value: &Spanned<DeValue>, place: &Place, faults: &mut Faults) {
+    fn read_key(
+        &mut self,
+        key: &str,
+        value: &Spanned<DeValue>,
+        place: &Place,
+        faults: &mut Faults,
+    ) {
         if let Some((_, read)) = KEYS.iter().find(|(name, _)| *name == key) {
             return read(self, value, faults);
         }
@@ -256,7 +304,11 @@ impl Config {
                     place,
                     "",
                     key,
-                    &KEYS.iter().map(|(name, _)| *name).chain(axes).collect::<Vec<_>>(),
+                    &KEYS
+                        .iter()
+                        .map(|(name, _)| *name)
+                        .chain(axes)
+                        .collect::<Vec<_>>(),
                     faults,
                 );
             }
@@ -269,7 +321,8 @@ impl Config {
             other => faults.add(
                 &at(value),
                 format!(
-                    "name: {other} is not a name of 1 to {NAME_LENGTH_MAX} letters, digits, '-', '_' and '.' that begins \
+                    "name: {other} is not a name of 1 to {NAME_LENGTH_MAX} letters, digits, '-', \
+                     '_' and '.' that begins \
                      with a letter, digit or '_'"
                 ),
             ),
@@ -277,23 +330,34 @@ impl Config {
     }
 
     fn read_reference(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
-        for (key, value, _) in section(value, "reference", &["method", "samples", "relative_error", "terms"], faults) {
+        for (key, value, _) in section(
+            value,
+            "reference",
+            &["method", "samples", "relative_error", "terms"],
+            faults,
+        ) {
             let kind = match key {
                 "method" => AXES[METHOD].kind,
                 "samples" => AXES[SAMPLES].kind,
                 "relative_error" => Kind::Number(Range::above(0.0, 1.0)),
                 _ => Kind::one_of::<Terms>(),
             };
-            let Some(found) = checked(kind, &format!("reference.{key}"), value, faults) else { continue };
+            let Some(found) = checked(kind, &format!("reference.{key}"), value, faults) else {
+                continue;
+            };
             match key {
                 "method" => {
                     self.reference.method = found.text().to_owned();
-                    let is_exact =
-                        Method::by_name(found.text()).is_some_and(|method| method.is_integrated() || method.is_none());
+                    let is_exact = Method::by_name(found.text())
+                        .is_some_and(|method| method.is_integrated() || method.is_none());
                     if !is_exact {
-                        let exact = METHODS.iter().filter(|method| method.is_integrated()).map(|method| method.name);
+                        let exact = METHODS
+                            .iter()
+                            .filter(|method| method.is_integrated())
+                            .map(|method| method.name);
                         let text = format!(
-                            "reference.method: {found} is an approximation and cannot be the reference; expected one of {}, \
+                            "reference.method: {found} is an approximation and cannot be the \
+                             reference; expected one of {}, \
                              or {NONE} to compare with the image without a specular term",
                             exact.collect::<Vec<_>>().join(", ")
                         );
@@ -321,5 +385,7 @@ const NAME_LENGTH_MAX: usize = 100;
 fn is_file_name(name: &str) -> bool {
     (1..=NAME_LENGTH_MAX).contains(&name.len())
         && !name.starts_with(['.', '-'])
-        && name.chars().all(|c| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.'))
+        && name
+            .chars()
+            .all(|c| c.is_ascii_alphanumeric() || matches!(c, '-' | '_' | '.'))
 }

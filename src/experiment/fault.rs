@@ -38,7 +38,11 @@ impl ConfigError {
     /// Returns a line for each fault, and one that counts the rest.
     pub fn lines(&self) -> Vec<String> {
         let more = (self.more > 0).then(|| format!("and {} more", self.more));
-        self.faults.iter().map(Fault::to_string).chain(more).collect()
+        self.faults
+            .iter()
+            .map(Fault::to_string)
+            .chain(more)
+            .collect()
     }
 }
 
@@ -76,14 +80,24 @@ pub struct Lines<'t> {
 impl<'t> Lines<'t> {
     pub fn new(text: &'t str) -> Self {
         let after_breaks = text.match_indices('\n').map(|(offset, _)| offset + 1);
-        Self { text, starts: std::iter::once(0).chain(after_breaks).collect() }
+        Self {
+            text,
+            starts: std::iter::once(0).chain(after_breaks).collect(),
+        }
     }
 
     /// Returns line and column (in characters), both from 1, of a byte offset.
     pub fn line_column(&self, offset: usize) -> (usize, usize) {
-        let offset = if self.text.is_char_boundary(offset) { offset } else { self.text.len() };
+        let offset = if self.text.is_char_boundary(offset) {
+            offset
+        } else {
+            self.text.len()
+        };
         let line = self.starts.partition_point(|start| *start <= offset);
-        (line, self.text[self.starts[line - 1]..offset].chars().count() + 1)
+        (
+            line,
+            self.text[self.starts[line - 1]..offset].chars().count() + 1,
+        )
     }
 }
 
@@ -98,7 +112,13 @@ pub struct Faults<'a> {
 
 impl<'a> Faults<'a> {
     pub fn new(path: &'a Path, text: &'a str) -> Self {
-        Self { path, lines: Lines::new(text), found: Vec::new(), seen: HashSet::new(), more: 0 }
+        Self {
+            path,
+            lines: Lines::new(text),
+            found: Vec::new(),
+            seen: HashSet::new(),
+            more: 0,
+        }
     }
 
     /// Adds a fault unless it is known.
@@ -121,7 +141,11 @@ impl<'a> Faults<'a> {
             Place::File(offset) => self.lines.line_column(*offset),
             Place::Set(_) | Place::Default => (0, 0),
         };
-        self.found.push(Fault { position, place: place.words(self.path, &self.lines), text });
+        self.found.push(Fault {
+            position,
+            place: place.words(self.path, &self.lines),
+            text,
+        });
     }
 
     /// Adds a fault whose text is expensive; builds it only if it will be printed.
@@ -139,6 +163,13 @@ impl<'a> Faults<'a> {
 
     pub fn into_result(mut self) -> Result<(), ConfigError> {
         self.found.sort();
-        if self.found.is_empty() { Ok(()) } else { Err(ConfigError { faults: self.found, more: self.more }) }
+        if self.found.is_empty() {
+            Ok(())
+        } else {
+            Err(ConfigError {
+                faults: self.found,
+                more: self.more,
+            })
+        }
     }
 }

@@ -23,12 +23,23 @@ pub struct Inputs {
     tables: BTreeMap<String, Option<Arc<GivenTable>>>,
 }
 
-/// Gives each file a short name: its stem, or its path if another input has this stem. Formulas keep their names.
+/// Gives each file a short name: its stem, or its path if another input has this stem. Formulas
+/// keep their names.
 pub fn short_names<'n>(names: impl IntoIterator<Item = &'n str>) -> BTreeMap<String, String> {
     let stems: BTreeMap<&str, String> = names.into_iter().map(|name| (name, stem(name))).collect();
-    let is_own = |stem: &String| stems.iter().filter(|(name, other)| *other == stem || *name == stem).count() == 1;
+    let is_own = |stem: &String| {
+        stems
+            .iter()
+            .filter(|(name, other)| *other == stem || *name == stem)
+            .count()
+            == 1
+    };
     let short = |(name, stem): (&&str, &String)| {
-        let short = if is_own(stem) { stem.clone() } else { name.to_string() };
+        let short = if is_own(stem) {
+            stem.clone()
+        } else {
+            name.to_string()
+        };
         (name.to_string(), short)
     };
     stems.iter().map(short).collect()
@@ -37,8 +48,13 @@ pub fn short_names<'n>(names: impl IntoIterator<Item = &'n str>) -> BTreeMap<Str
 /// The stem of a file with its layer; other names as they are.
 fn stem(name: &str) -> String {
     let (file, layer) = name.split_at(name.rfind('#').unwrap_or(name.len()));
-    let stem = Path::new(file).file_stem().filter(|_| !name.starts_with(BUILTIN_PREFIX));
-    stem.map_or_else(|| name.to_owned(), |stem| stem.to_string_lossy().into_owned() + layer)
+    let stem = Path::new(file)
+        .file_stem()
+        .filter(|_| !name.starts_with(BUILTIN_PREFIX));
+    stem.map_or_else(
+        || name.to_owned(),
+        |stem| stem.to_string_lossy().into_owned() + layer,
+    )
 }
 
 fn each<T, E: Display>(
@@ -58,28 +74,47 @@ fn each<T, E: Display>(
 }
 
 pub fn load_methods(config: &Config, faults: &mut Faults) -> BTreeMap<String, &'static Method> {
-    let load = |name: &str, dir: &Path| name.starts_with(FILE_PREFIX).then(|| own::load(name, dir)).transpose();
+    let load = |name: &str, dir: &Path| {
+        name.starts_with(FILE_PREFIX)
+            .then(|| own::load(name, dir))
+            .transpose()
+    };
     let loaded = each(config, METHOD, faults, load).into_iter();
-    loaded.filter_map(|(name, method)| Some((name, method?))).collect()
+    loaded
+        .filter_map(|(name, method)| Some((name, method?)))
+        .collect()
 }
 
 impl Inputs {
     pub fn load(config: &Config, options: &LoadOptions, faults: &mut Faults) -> Self {
-        let environments =
-            each(config, ENVIRONMENT, faults, |name, dir| Environment::load(name, dir, options).map(Arc::new));
-        let scenes = each(config, SCENE, faults, |name, dir| Scene::load(name, dir).map(Arc::new));
+        let environments = each(config, ENVIRONMENT, faults, |name, dir| {
+            Environment::load(name, dir, options).map(Arc::new)
+        });
+        let scenes = each(config, SCENE, faults, |name, dir| {
+            Scene::load(name, dir).map(Arc::new)
+        });
         let maps = each(config, PREFILTERED, faults, given::map);
         let tables = each(config, DFG_TABLE, faults, given::table);
         let methods = load_methods(config, faults);
-        Self { environments, scenes, methods, maps, tables }
+        Self {
+            environments,
+            scenes,
+            methods,
+            maps,
+            tables,
+        }
     }
 
     pub fn environment(&self, name: &str) -> &Arc<Environment> {
-        self.environments.get(name).unwrap_or_else(|| panic!("the plan loaded no environment {name}"))
+        self.environments
+            .get(name)
+            .unwrap_or_else(|| panic!("the plan loaded no environment {name}"))
     }
 
     pub fn scene(&self, name: &str) -> &Arc<Scene> {
-        self.scenes.get(name).unwrap_or_else(|| panic!("the plan loaded no scene {name}"))
+        self.scenes
+            .get(name)
+            .unwrap_or_else(|| panic!("the plan loaded no scene {name}"))
     }
 
     pub fn given(&self, settings: &Settings) -> Given {
@@ -95,19 +130,46 @@ impl Inputs {
 
     /// Lists name and content hash of every input.
     pub fn hashes(&self) -> Vec<(String, String)> {
-        let environments = self.environments.values().map(|e| (e.name.clone(), e.hash.clone()));
-        let scenes = self.scenes.values().map(|s| (s.name.clone(), s.hash.clone()));
-        let methods = self.methods.values().filter_map(|m| Some((m.name.to_owned(), m.shader?.to_owned())));
-        let maps = self.maps.values().flatten().map(|m| (m.name.clone(), m.hash.clone()));
-        let tables = self.tables.values().flatten().map(|t| (t.name.clone(), t.hash.clone()));
-        environments.chain(scenes).chain(methods).chain(maps).chain(tables).collect()
+        let environments = self
+            .environments
+            .values()
+            .map(|e| (e.name.clone(), e.hash.clone()));
+        let scenes = self
+            .scenes
+            .values()
+            .map(|s| (s.name.clone(), s.hash.clone()));
+        let methods = self
+            .methods
+            .values()
+            .filter_map(|m| Some((m.name.to_owned(), m.shader?.to_owned())));
+        let maps = self
+            .maps
+            .values()
+            .flatten()
+            .map(|m| (m.name.clone(), m.hash.clone()));
+        let tables = self
+            .tables
+            .values()
+            .flatten()
+            .map(|t| (t.name.clone(), t.hash.clone()));
+        environments
+            .chain(scenes)
+            .chain(methods)
+            .chain(maps)
+            .chain(tables)
+            .collect()
     }
 
     /// Lists warnings about the inputs, each with the input's name.
     pub fn warnings(&self) -> Vec<String> {
-        let environments =
-            self.environments.values().flat_map(|e| e.warnings.iter().map(|w| format!("{}: {w}", e.name)));
-        let scenes = self.scenes.values().flat_map(|s| s.warnings.iter().map(|w| format!("{}: {w}", s.name)));
+        let environments = self
+            .environments
+            .values()
+            .flat_map(|e| e.warnings.iter().map(|w| format!("{}: {w}", e.name)));
+        let scenes = self
+            .scenes
+            .values()
+            .flat_map(|s| s.warnings.iter().map(|w| format!("{}: {w}", s.name)));
         environments.chain(scenes).collect()
     }
 }

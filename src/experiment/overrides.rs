@@ -14,14 +14,21 @@ impl Config {
         let mut seen: Vec<Named> = Vec::new();
         for text in self.overrides.clone() {
             let Some((name, list)) = text.split_once('=') else {
-                faults.add(&Place::Set(text.clone()), "is not axis=value or axis=value,value");
+                faults.add(
+                    &Place::Set(text.clone()),
+                    "is not axis=value or axis=value,value",
+                );
                 continue;
             };
             let name = name.trim();
             let place = Place::Set(name.to_owned());
             let Some(named) = Named::find(name) else {
                 if KEYS.iter().any(|(key, _)| *key == name) {
-                    let or = if name == METRIC_KEY { ", or give --metric to `splitsum answers`" } else { "" };
+                    let or = if name == METRIC_KEY {
+                        ", or give --metric to `splitsum answers`"
+                    } else {
+                        ""
+                    };
                     let text = "is a key of the experiment, not an axis; write";
                     faults.add(&place, format!("{text} {name} = ... in the file{or}"));
                     continue;
@@ -30,10 +37,16 @@ impl Config {
                 continue;
             };
             let axis = named.axis;
-            if let Some(earlier) = seen.iter().find(|other| other.axis == axis).map(|other| other.name()) {
+            if let Some(earlier) = seen
+                .iter()
+                .find(|other| other.axis == axis)
+                .map(|other| other.name())
+            {
                 let fault = match earlier == name {
                     true => format!("is set twice; give all values at once: --set {name}=v1,v2"),
-                    false => format!("is the axis of --set {earlier} in another unit; give one of them"),
+                    false => {
+                        format!("is the axis of --set {earlier} in another unit; give one of them")
+                    }
                 };
                 faults.add(&place, fault);
                 continue;
@@ -43,11 +56,19 @@ impl Config {
             let (mut values, written) = (Vec::new(), items.len());
             for item in items {
                 match named.parse_text(&item) {
-                    Ok(value) => values.push(Placed { value, place: place.clone() }),
+                    Ok(value) => values.push(Placed {
+                        value,
+                        place: place.clone(),
+                    }),
                     Err(fault) => faults.add(&place, format!("axes.{name}: {fault}")),
                 }
             }
-            let sweep = Sweep { axis, named, values, written };
+            let sweep = Sweep {
+                axis,
+                named,
+                values,
+                written,
+            };
             match self.axes.iter_mut().find(|old| old.axis == axis) {
                 Some(old) => self.set_aside.push(std::mem::replace(old, sweep)),
                 None => self.axes.push(sweep),
@@ -57,15 +78,24 @@ impl Config {
 
     /// Returns the folder of `--set` paths, if any value of `--set` is a file there.
     pub fn set_files_dir(&self) -> Option<&Path> {
-        let set = self.inputs().filter(|(_, place)| matches!(place, Place::Set(_)));
-        set.into_iter().any(|(value, _)| self.set_dir.join(value).is_file()).then_some(&self.set_dir)
+        let set = self
+            .inputs()
+            .filter(|(_, place)| matches!(place, Place::Set(_)));
+        set.into_iter()
+            .any(|(value, _)| self.set_dir.join(value).is_file())
+            .then_some(&self.set_dir)
     }
 
     /// Returns the folder of the file's paths, if any value of the file is a file there.
     pub fn files_dir(&self) -> Option<&Path> {
         let dir = self.file_dir();
-        let written = self.inputs().filter(|(_, place)| matches!(place, Place::File(_)));
-        written.into_iter().any(|(value, _)| dir.join(value).is_file()).then_some(dir)
+        let written = self
+            .inputs()
+            .filter(|(_, place)| matches!(place, Place::File(_)));
+        written
+            .into_iter()
+            .any(|(value, _)| dir.join(value).is_file())
+            .then_some(dir)
     }
 
     /// Returns the folder of a path written at `place`.
@@ -77,13 +107,17 @@ impl Config {
     }
 
     pub fn file_dir(&self) -> &Path {
-        self.file_dir.as_deref().unwrap_or_else(|| self.path.parent().unwrap_or(Path::new("")))
+        self.file_dir
+            .as_deref()
+            .unwrap_or_else(|| self.path.parent().unwrap_or(Path::new("")))
     }
 
     /// Lists every value that may be a file, with its place.
     fn inputs(&self) -> impl Iterator<Item = (&str, &Place)> {
         AXES.iter().enumerate().flat_map(|(axis, entry)| {
-            let texts = self.values(axis).filter(|(value, _)| matches!(value, Value::Text(_)));
+            let texts = self
+                .values(axis)
+                .filter(|(value, _)| matches!(value, Value::Text(_)));
             texts.filter_map(|(value, place)| Some((entry.kind.path_in(value.text())?, place)))
         })
     }
@@ -94,8 +128,11 @@ impl Config {
 fn items(kind: Kind, list: &str) -> Vec<String> {
     let mut items: Vec<String> = Vec::new();
     for part in list.split(',') {
-        let has_parameters =
-            |item: &String| item.trim_start().strip_prefix(BUILTIN_PREFIX).is_some_and(|formula| formula.contains(':'));
+        let has_parameters = |item: &String| {
+            item.trim_start()
+                .strip_prefix(BUILTIN_PREFIX)
+                .is_some_and(|formula| formula.contains(':'))
+        };
         let is_assignment = part.split_once('=').is_some_and(|(key, _)| {
             let key = key.trim();
             !key.is_empty() && key.chars().all(|c| c.is_ascii_alphanumeric() || c == '_')

@@ -1,7 +1,8 @@
 //! The validated experiment: every cell with its id, work shared between cells, and exclusions.
 
 use super::axis::{
-    AXES, BLUR, DFG_TABLE, ENVIRONMENT, FRAMES, METHOD, PREFILTERED, Point, SCENE, SIZE, View, is_blurred,
+    AXES, BLUR, DFG_TABLE, ENVIRONMENT, FRAMES, METHOD, PREFILTERED, Point, SCENE, SIZE, View,
+    is_blurred,
 };
 use super::checks;
 use super::config::Config;
@@ -81,9 +82,17 @@ pub struct Source<'a> {
 pub type Check = fn(&Config, &mut Faults);
 
 impl<'a> Source<'a> {
-    /// A text whose paths start at the file's folder and at the current one, with unchecked questions.
+    /// A text whose paths start at the file's folder and at the current one, with unchecked
+    /// questions.
     pub fn new(path: &'a Path, text: &'a str, overrides: &'a [String]) -> Self {
-        Self { path, text, overrides, file_dir: None, set_dir: Path::new(""), check: |_, _| {} }
+        Self {
+            path,
+            text,
+            overrides,
+            file_dir: None,
+            set_dir: Path::new(""),
+            check: |_, _| {},
+        }
     }
 }
 
@@ -94,7 +103,14 @@ impl Plan {
     }
 
     pub fn from_source(source: &Source, options: &LoadOptions) -> Result<Self, ConfigError> {
-        let Source { path, text, overrides, file_dir, set_dir, check } = *source;
+        let Source {
+            path,
+            text,
+            overrides,
+            file_dir,
+            set_dir,
+            check,
+        } = *source;
         let mut faults = Faults::new(path, text);
         let mut config = Config::parse(path, text, overrides, &mut faults);
         (config.file_dir, config.set_dir) = (file_dir.map(PathBuf::from), set_dir.to_owned());
@@ -104,13 +120,21 @@ impl Plan {
             check(&config, &mut faults);
         }
         let combinations = config.combination_count();
-        let excluding: usize =
-            config.exclusions.iter().flat_map(|e| &e.conditions).map(|(_, values)| values.len()).sum();
+        let excluding: usize = config
+            .exclusions
+            .iter()
+            .flat_map(|e| &e.conditions)
+            .map(|(_, values)| values.len())
+            .sum();
         if combinations > COMBINATIONS_MAX {
-            faults.add(&Place::File(0), format!("axes: {combinations} combinations; at most {COMBINATIONS_MAX}"));
+            faults.add(
+                &Place::File(0),
+                format!("axes: {combinations} combinations; at most {COMBINATIONS_MAX}"),
+            );
         } else if combinations.saturating_mul(excluding as u64) > COMPARISONS_MAX {
             let text = format!(
-                "exclude: {combinations} combinations times {excluding} excluded values; the product may be at most {COMPARISONS_MAX}"
+                "exclude: {combinations} combinations times {excluding} excluded values; the \
+                 product may be at most {COMPARISONS_MAX}"
             );
             faults.add(&config.exclusions[0].place, text);
         } else {
@@ -123,21 +147,27 @@ impl Plan {
         Ok(Self::expanded(config, inputs))
     }
 
-    /// Groups cells so that each reference and radiance is rendered once and only one reference is in memory.
+    /// Groups cells so that each reference and radiance is rendered once and only one reference is
+    /// in memory.
     pub fn groups(&self) -> Vec<ReferenceGroup<'_>> {
         let mut groups: Vec<ReferenceGroup> = Vec::new();
         let mut group_of: BTreeMap<&str, usize> = BTreeMap::new();
         let mut radiance_of: BTreeMap<(usize, &str), usize> = BTreeMap::new();
         for cell in &self.cells {
             let group = *group_of.entry(&cell.reference).or_insert_with(|| {
-                groups.push(ReferenceGroup { id: &cell.reference, radiances: Vec::new() });
+                groups.push(ReferenceGroup {
+                    id: &cell.reference,
+                    radiances: Vec::new(),
+                });
                 groups.len() - 1
             });
             let radiances = &mut groups[group].radiances;
-            let radiance = *radiance_of.entry((group, &cell.radiance)).or_insert_with(|| {
-                radiances.push((&cell.radiance, Vec::new()));
-                radiances.len() - 1
-            });
+            let radiance = *radiance_of
+                .entry((group, &cell.radiance))
+                .or_insert_with(|| {
+                    radiances.push((&cell.radiance, Vec::new()));
+                    radiances.len() - 1
+                });
             radiances[radiance].1.push(cell);
         }
         groups
@@ -150,12 +180,17 @@ impl Plan {
 
     /// Lists name and value of every axis of a cell, in column order.
     pub fn columns_of<'c>(&self, cell: &'c Cell) -> Vec<(&'static str, &'c Value)> {
-        self.columns.iter().map(|&axis| (AXES[axis].name, &cell.point.0[axis])).collect()
+        self.columns
+            .iter()
+            .map(|&axis| (AXES[axis].name, &cell.point.0[axis]))
+            .collect()
     }
 
     /// Labels a cell by its values on swept axes: `alpha=0.25 samples=4`.
     pub fn label(&self, cell: &Cell) -> String {
-        let words = self.swept().map(|axis| (self.config.named(axis), &cell.point[axis]));
+        let words = self
+            .swept()
+            .map(|axis| (self.config.named(axis), &cell.point[axis]));
         let set = words.filter(|(_, value)| **value != Value::Unset);
         let words = set.map(|(named, value)| {
             let value = named.shown(value).to_string();
@@ -170,13 +205,19 @@ impl Plan {
             Value::Text(text) if axis == ENVIRONMENT => self.environment_names.get(text.as_str()),
             _ => None,
         };
-        name.map_or_else(|| cell.point[axis].clone(), |name| Value::from(name.as_str()))
+        name.map_or_else(
+            || cell.point[axis].clone(),
+            |name| Value::from(name.as_str()),
+        )
     }
 
     /// Builds the request of a cell's point.
     pub fn request(&self, point: &Point) -> RenderRequest {
         let request = self.seeded_request(point, self.cell_seed(point));
-        RenderRequest { reference_error: self.cell_error(point), ..request }
+        RenderRequest {
+            reference_error: self.cell_error(point),
+            ..request
+        }
     }
 
     /// Builds the request of a reference's point ([`Plan::reference_point`]).
@@ -204,18 +245,27 @@ impl Plan {
     /// Returns one point for each combination of sizes and inputs, references included.
     pub fn points_by_size(&self) -> Vec<Point> {
         let mut seen = HashSet::new();
-        let points = self.cells.iter().flat_map(|cell| [cell.point.clone(), self.reference_point(&cell.point)]);
+        let points = self
+            .cells
+            .iter()
+            .flat_map(|cell| [cell.point.clone(), self.reference_point(&cell.point)]);
         let key = |point: &Point| {
-            let sizes = AXES.iter().zip(&point.0).filter(|(axis, _)| axis.needs_memory);
+            let sizes = AXES
+                .iter()
+                .zip(&point.0)
+                .filter(|(axis, _)| axis.needs_memory);
             sizes.map(|(_, value)| value.clone()).collect::<Vec<_>>()
         };
         points.filter(|point| seen.insert(key(point))).collect()
     }
 
-    /// Returns the samples for the steps of a point's error; only some terms have steps, and only on the scene `design`.
+    /// Returns the samples for the steps of a point's error; only some terms have steps, and only
+    /// on the scene `design`.
     pub fn ladder_of(&self, point: &Point) -> Option<u32> {
         let has_steps = point.method().has_ladder;
-        self.config.ladder.filter(|_| has_steps && self.inputs.scene(point[SCENE].text()).is_design)
+        self.config
+            .ladder
+            .filter(|_| has_steps && self.inputs.scene(point[SCENE].text()).is_design)
     }
 
     pub fn size_of(&self, cell: &Cell) -> [u32; 2] {
@@ -224,25 +274,43 @@ impl Plan {
 
     /// Lists the axes of the file with more than one value.
     pub fn swept(&self) -> impl Iterator<Item = usize> + '_ {
-        self.config.axes.iter().filter(|sweep| sweep.values.len() > 1).map(|sweep| sweep.axis)
+        self.config
+            .axes
+            .iter()
+            .filter(|sweep| sweep.values.len() > 1)
+            .map(|sweep| sweep.axis)
     }
 
-    /// Lists likely mistakes with their places: idle exclusions and sweeps, black metals, ignored keys, very large images.
+    /// Lists likely mistakes with their places: idle exclusions and sweeps, black metals, ignored
+    /// keys, very large images.
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Faults::new(&self.config.path, &self.config.text);
         // `--set` may have removed the values that an exclusion matches.
         let is_idle = |count: &usize| *count == 0 && self.config.overrides.is_empty();
-        for (exclusion, _) in self.config.exclusions.iter().zip(&self.excluded).filter(|(_, count)| is_idle(count)) {
-            warnings.add(&exclusion.place, format!("the exclusion {:?} matches no combination", exclusion.why));
+        for (exclusion, _) in self
+            .config
+            .exclusions
+            .iter()
+            .zip(&self.excluded)
+            .filter(|(_, count)| is_idle(count))
+        {
+            warnings.add(
+                &exclusion.place,
+                format!("the exclusion {:?} matches no combination", exclusion.why),
+            );
         }
         let points = || self.cells.iter().map(|cell| &cell.point);
         let idle = checks::idle_sweeps(&self.config, points()).into_iter();
-        for (place, text) in idle.chain(checks::black_metals(&self.config, &self.inputs, points())) {
+        for (place, text) in idle.chain(checks::black_metals(&self.config, &self.inputs, points()))
+        {
             warnings.add(&place, text);
         }
-        let mut sequences =
-            points().filter(|point| ![Value::Unset, Value::Count(1)].contains(&point[FRAMES])).peekable();
-        if sequences.peek().is_some() && sequences.all(|point| is_blurred(point) || !point.method().uses_lod_bias) {
+        let mut sequences = points()
+            .filter(|point| ![Value::Unset, Value::Count(1)].contains(&point[FRAMES]))
+            .peekable();
+        if sequences.peek().is_some()
+            && sequences.all(|point| is_blurred(point) || !point.method().uses_lod_bias)
+        {
             warnings.add(&Place::File(0), BLUR);
         }
         if !self.config.orbit.is_still() && self.inputs.scenes().any(|scene| scene.is_design) {
@@ -262,12 +330,17 @@ impl Plan {
                 warnings.add(&place, text);
             }
         }
-        warnings.into_result().err().map_or_else(Vec::new, |error| error.lines())
+        warnings
+            .into_result()
+            .err()
+            .map_or_else(Vec::new, |error| error.lines())
     }
 
     fn expanded(config: Config, inputs: Inputs) -> Self {
         let mut columns: Vec<usize> = config.axes.iter().map(|sweep| sweep.axis).collect();
-        columns.extend((0..AXES.len()).filter(|&axis| !AXES[axis].is_layer && config.sweep(axis).is_none()));
+        columns.extend(
+            (0..AXES.len()).filter(|&axis| !AXES[axis].is_layer && config.sweep(axis).is_none()),
+        );
         let mut plan = Self {
             columns,
             cells: Vec::new(),
@@ -286,31 +359,53 @@ impl Plan {
                 continue;
             }
             let judge = plan.reference_point(&point);
-            let reference = plan.radiance_id(&judge, plan.config.seed, plan.config.reference.relative_error);
+            let reference = plan.radiance_id(
+                &judge,
+                plan.config.seed,
+                plan.config.reference.relative_error,
+            );
             let point = point.collapsed();
-            let radiance = plan.radiance_id(&point, plan.cell_seed(&point), plan.cell_error(&point));
+            let radiance =
+                plan.radiance_id(&point, plan.cell_seed(&point), plan.cell_error(&point));
             let id = cell_id(&radiance, &reference, &point, plan.ladder_of(&point));
             if seen.insert(id.clone()) {
-                cells.push(Cell { id, point, radiance, reference });
+                cells.push(Cell {
+                    id,
+                    point,
+                    radiance,
+                    reference,
+                });
             } else {
                 plan.collapsed += 1;
             }
         }
         plan.cells = cells;
-        let mut identity = vec![format!("name={}", plan.config.name), format!("timing={:?}", plan.config.timing)];
+        let mut identity = vec![
+            format!("name={}", plan.config.name),
+            format!("timing={:?}", plan.config.timing),
+        ];
         identity.extend(plan.cells.iter().map(|cell| cell.id.clone()));
         plan.hash = hash_lines(&identity);
         plan
     }
 
-    /// Returns the seed of a cell. A reference under test must not share points with the reference that judges it.
+    /// Returns the seed of a cell. A reference under test must not share points with the reference
+    /// that judges it.
     fn cell_seed(&self, point: &Point) -> u32 {
-        if point.method().is_integrated() { self.config.seed ^ UNDER_TEST } else { self.config.seed }
+        if point.method().is_integrated() {
+            self.config.seed ^ UNDER_TEST
+        } else {
+            self.config.seed
+        }
     }
 
-    /// Returns the target error of a cell's references. A reference under test draws exactly the samples of its row.
+    /// Returns the target error of a cell's references. A reference under test draws exactly the
+    /// samples of its row.
     fn cell_error(&self, point: &Point) -> Option<f64> {
-        self.config.reference.relative_error.filter(|_| !point.method().is_integrated())
+        self.config
+            .reference
+            .relative_error
+            .filter(|_| !point.method().is_integrated())
     }
 
     /// Hashes inputs by content, so a renamed file keeps its cells and a changed one does not.
@@ -329,7 +424,10 @@ impl Plan {
         if !config.orbit.is_still() {
             lines.push(format!("orbit={:?}", config.orbit));
         }
-        let [is_specular, is_diffuse] = [point.method().is_integrated(), point.diffuse().is_integrated()];
+        let [is_specular, is_diffuse] = [
+            point.method().is_integrated(),
+            point.diffuse().is_integrated(),
+        ];
         if is_diffuse && !is_specular {
             lines.push(format!("reference_samples={}", config.reference.samples));
         }
@@ -337,7 +435,11 @@ impl Plan {
             lines.push(format!("reference_error={error}"));
         }
         let given = inputs.given(&point.settings());
-        for (index, axis) in AXES.iter().enumerate().filter(|(_, axis)| axis.changes_radiance()) {
+        for (index, axis) in AXES
+            .iter()
+            .enumerate()
+            .filter(|(_, axis)| axis.changes_radiance())
+        {
             let value = &point[index];
             // Layers came later: without one, ids are what they were.
             if axis.is_layer && [&Value::Unset, &(axis.default)()].contains(&value) {
@@ -346,9 +448,19 @@ impl Plan {
             let content = match index {
                 ENVIRONMENT => inputs.environment(value.text()).hash.clone(),
                 SCENE => inputs.scene(value.text()).hash.clone(),
-                METHOD => point.method().shader.unwrap_or(point.method().name).to_owned(),
-                PREFILTERED => given.prefiltered.as_ref().map_or(value.to_string(), |map| map.hash.clone()),
-                DFG_TABLE => given.dfg.as_ref().map_or(value.to_string(), |table| table.hash.clone()),
+                METHOD => point
+                    .method()
+                    .shader
+                    .unwrap_or(point.method().name)
+                    .to_owned(),
+                PREFILTERED => given
+                    .prefiltered
+                    .as_ref()
+                    .map_or(value.to_string(), |map| map.hash.clone()),
+                DFG_TABLE => given
+                    .dfg
+                    .as_ref()
+                    .map_or(value.to_string(), |table| table.hash.clone()),
                 _ => value.to_string(),
             };
             lines.push(format!("{}={content}", axis.name));
@@ -358,9 +470,15 @@ impl Plan {
 }
 
 fn cell_id(radiance: &str, reference: &str, point: &Point, ladder: Option<u32>) -> String {
-    let mut lines = vec![format!("radiance={radiance}"), format!("reference={reference}")];
+    let mut lines = vec![
+        format!("radiance={radiance}"),
+        format!("reference={reference}"),
+    ];
     lines.extend(ladder.map(|samples| format!("ladder={samples}")));
-    let display = AXES.iter().zip(&point.0).filter(|(axis, _)| !axis.changes_radiance());
+    let display = AXES
+        .iter()
+        .zip(&point.0)
+        .filter(|(axis, _)| !axis.changes_radiance());
     lines.extend(display.map(|(axis, value)| format!("{}={value}", axis.name)));
     hash_lines(&lines)
 }

@@ -17,11 +17,18 @@ impl Config {
     /// `asks = ["break-even", { question = "effect", by = "f0" }]`
     pub(super) fn read_asks(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
         let Some(items) = value.get_ref().as_array().filter(|items| !items.is_empty()) else {
-            faults.add(&at(value), format!("asks: {} is not a list of at least one name", raw(value)));
+            faults.add(
+                &at(value),
+                format!("asks: {} is not a list of at least one name", raw(value)),
+            );
             return;
         };
         for item in items {
-            let mut ask = Ask { question: String::new(), place: at(item), by: None };
+            let mut ask = Ask {
+                question: String::new(),
+                place: at(item),
+                by: None,
+            };
             if item.get_ref().is_table() {
                 let entries = section(item, "asks", &["question", "by"], faults);
                 if entries.iter().all(|(key, ..)| *key != "question") {
@@ -29,7 +36,8 @@ impl Config {
                 }
                 for (key, value, _) in entries {
                     if key == "question" {
-                        (ask.question, ask.place) = (text("asks.question", value, faults), at(value));
+                        (ask.question, ask.place) =
+                            (text("asks.question", value, faults), at(value));
                     } else if let Some(name) = checked(AXIS, "asks.by", value, faults) {
                         ask.by = Named::find(name.text()).map(|named| (named.axis, at(value)));
                     }
@@ -37,11 +45,17 @@ impl Config {
             } else if let Raw::String(question) = raw(item) {
                 ask.question = question;
             } else {
-                let fault = format!("asks: {} is neither a name nor {{ question = ..., by = ... }}", raw(item));
+                let fault = format!(
+                    "asks: {} is neither a name nor {{ question = ..., by = ... }}",
+                    raw(item)
+                );
                 faults.add(&at(item), fault);
             }
             if self.asks.iter().any(|known| known.question == ask.question) {
-                faults.add(&ask.place, format!("asks: {} is listed twice", ask.question));
+                faults.add(
+                    &ask.place,
+                    format!("asks: {} is listed twice", ask.question),
+                );
             } else if !ask.question.is_empty() {
                 self.asks.push(ask);
             }
@@ -50,7 +64,10 @@ impl Config {
 
     pub(super) fn read_weights(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
         let Some(items) = value.get_ref().as_array().filter(|items| !items.is_empty()) else {
-            faults.add(&at(value), format!("weights: {} is not a list of at least one name", raw(value)));
+            faults.add(
+                &at(value),
+                format!("weights: {} is not a list of at least one name", raw(value)),
+            );
             return;
         };
         for item in items {
@@ -66,50 +83,89 @@ impl Config {
 
     pub(super) fn read_exclusions(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
         for item in list(value, "exclude", faults) {
-            let mut exclusion = Exclusion { conditions: Vec::new(), why: String::new(), place: at(item) };
+            let mut exclusion = Exclusion {
+                conditions: Vec::new(),
+                why: String::new(),
+                place: at(item),
+            };
             let mut has_why = false;
             for (key, value, place) in table(item, "exclude", faults) {
                 if key == "why" {
                     has_why = true;
                     let why = |raw: &Raw| match raw.as_str() {
                         Some(why) if !why.is_empty() => Ok(why.to_owned()),
-                        _ => Err(format!("{raw} is not text that says why these cells are left out")),
+                        _ => Err(format!(
+                            "{raw} is not text that says why these cells are left out"
+                        )),
                     };
-                    exclusion.why = checked_as(why, "exclude.why", value, faults).unwrap_or_default();
+                    exclusion.why =
+                        checked_as(why, "exclude.why", value, faults).unwrap_or_default();
                     continue;
                 }
                 let Some(named) = Named::find(key) else {
-                    unknown_key(&place, "exclude.", key, &[&axis_names()[..], &["why"]].concat(), faults);
+                    unknown_key(
+                        &place,
+                        "exclude.",
+                        key,
+                        &[&axis_names()[..], &["why"]].concat(),
+                        faults,
+                    );
                     continue;
                 };
                 let name = format!("exclude.{key}");
                 // A colour or a pair is itself a list.
-                let items: Vec<_> = match value.get_ref().as_array().filter(|_| named.parse(&raw(value)).is_err()) {
+                let items: Vec<_> = match value
+                    .get_ref()
+                    .as_array()
+                    .filter(|_| named.parse(&raw(value)).is_err())
+                {
                     Some(items) => items.iter().collect(),
                     None => vec![value],
                 };
                 let placed = |item: &Spanned<DeValue>| {
                     let value = checked_as(|raw| named.parse(raw), &name, item, faults)?;
-                    Some(Placed { value, place: at(item) })
+                    Some(Placed {
+                        value,
+                        place: at(item),
+                    })
                 };
-                exclusion.conditions.push((named.axis, items.into_iter().filter_map(placed).collect()));
+                exclusion
+                    .conditions
+                    .push((named.axis, items.into_iter().filter_map(placed).collect()));
             }
             if !has_why {
-                faults.add(&exclusion.place, "exclude.why is missing: say why these cells are left out");
+                faults.add(
+                    &exclusion.place,
+                    "exclude.why is missing: say why these cells are left out",
+                );
             }
             if exclusion.conditions.is_empty() {
-                faults.add(&exclusion.place, "exclude: names no axis, so it would leave out every cell");
+                faults.add(
+                    &exclusion.place,
+                    "exclude: names no axis, so it would leave out every cell",
+                );
             }
             self.exclusions.push(exclusion);
         }
     }
 
     pub(super) fn read_timing(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
-        let mut timing = Timing { warmup: 3, rounds: 15 };
+        let mut timing = Timing {
+            warmup: 3,
+            rounds: 15,
+        };
         for (key, value, _) in section(value, "timing", &["rounds", "warmup"], faults) {
-            let (number, max) =
-                if key == "warmup" { (&mut timing.warmup, 10_000) } else { (&mut timing.rounds, 100_000) };
-            let count = checked(Kind::Count { min: 1, max }, &format!("timing.{key}"), value, faults);
+            let (number, max) = if key == "warmup" {
+                (&mut timing.warmup, 10_000)
+            } else {
+                (&mut timing.rounds, 100_000)
+            };
+            let count = checked(
+                Kind::Count { min: 1, max },
+                &format!("timing.{key}"),
+                value,
+                faults,
+            );
             *number = count.map_or(*number, |v| v.count());
         }
         self.timing = Some(timing);
@@ -117,8 +173,13 @@ impl Config {
 
     pub(super) fn read_ladder(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
         let entries = section(value, "ladder", &["samples"], faults);
-        let count = |value| checked(AXES[SAMPLES].kind, "ladder.samples", value, faults).map(|v| v.count());
-        let samples = entries.into_iter().map(|(_, value, _)| value).find_map(count).unwrap_or(LADDER_SAMPLES_DEFAULT);
+        let count =
+            |value| checked(AXES[SAMPLES].kind, "ladder.samples", value, faults).map(|v| v.count());
+        let samples = entries
+            .into_iter()
+            .map(|(_, value, _)| value)
+            .find_map(count)
+            .unwrap_or(LADDER_SAMPLES_DEFAULT);
         if let Err(error) = pair_count(samples) {
             faults.add(&at(value), format!("ladder.samples: {error}"));
         }
@@ -126,10 +187,16 @@ impl Config {
     }
 
     pub(super) fn read_precompute(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
-        let axes = || AXES.iter().enumerate().filter(|(_, axis)| is_precompute(axis));
+        let axes = || {
+            AXES.iter()
+                .enumerate()
+                .filter(|(_, axis)| is_precompute(axis))
+        };
         let names: Vec<&str> = axes().map(|(_, axis)| axis.name).collect();
         for (key, value, place) in section(value, "precompute", &names, faults) {
-            let Some((axis, entry)) = axes().find(|(_, axis)| axis.name == key) else { continue };
+            let Some((axis, entry)) = axes().find(|(_, axis)| axis.name == key) else {
+                continue;
+            };
             if let Some(v) = checked(entry.kind, &format!("precompute.{key}"), value, faults) {
                 self.set_base(axis, v, place);
             }

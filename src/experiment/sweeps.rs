@@ -24,15 +24,28 @@ impl Config {
             };
             let (name, kind, axis) = (format!("axes.{key}"), named.kind(), named.axis);
             if self.sweep(axis).is_some() {
-                let [one, other] = [AXES[axis].name, AXES[axis].spelling.as_ref().map_or("", |second| second.name)];
-                faults
-                    .add(&place, format!("{name}: {one} and {other} are two names of one axis; expected one of them"));
+                let [one, other] = [
+                    AXES[axis].name,
+                    AXES[axis]
+                        .spelling
+                        .as_ref()
+                        .map_or("", |second| second.name),
+                ];
+                faults.add(
+                    &place,
+                    format!(
+                        "{name}: {one} and {other} are two names of one axis; expected one of them"
+                    ),
+                );
                 continue;
             }
             let items: Vec<(Raw, Place)> = match value.get_ref() {
                 DeValue::Array(items) => {
                     if items.is_empty() {
-                        faults.add(&at(value), format!("{name}: an axis needs at least one value"));
+                        faults.add(
+                            &at(value),
+                            format!("{name}: an axis needs at least one value"),
+                        );
                     }
                     items.iter().map(|item| (raw(item), at(item))).collect()
                 }
@@ -42,7 +55,11 @@ impl Config {
                     for (key, _, place) in &unknown {
                         unknown_key(place, &format!("{name}."), key, RANGES, faults);
                     }
-                    let items = if unknown.is_empty() { range_values(kind, range) } else { Ok(Vec::new()) };
+                    let items = if unknown.is_empty() {
+                        range_values(kind, range)
+                    } else {
+                        Ok(Vec::new())
+                    };
                     let items = items.unwrap_or_else(|fault| {
                         faults.add(&at(value), format!("{name}: {fault}"));
                         Vec::new()
@@ -50,7 +67,10 @@ impl Config {
                     items.into_iter().map(|item| (item, at(value))).collect()
                 }
                 _ => {
-                    faults.add(&at(value), format!("{name}: {} is not a list of values", raw(value)));
+                    faults.add(
+                        &at(value),
+                        format!("{name}: {} is not a list of values", raw(value)),
+                    );
                     Vec::new()
                 }
             };
@@ -61,19 +81,28 @@ impl Config {
                     Err(fault) => faults.add(&place, format!("{name}: {fault}")),
                 }
             }
-            self.axes.push(Sweep { axis, named, values, written });
+            self.axes.push(Sweep {
+                axis,
+                named,
+                values,
+                written,
+            });
         }
     }
 
     pub(super) fn read_zips(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
         for item in list(value, "zip", faults) {
-            let mut zip = Zip { axes: Vec::new(), place: at(item) };
+            let mut zip = Zip {
+                axes: Vec::new(),
+                place: at(item),
+            };
             let mut written = 0;
             for (_, value, place) in section(item, "zip", &["axes"], faults) {
                 zip.place = place;
                 for name in value.get_ref().as_array().into_iter().flatten() {
                     written += 1;
-                    let named = checked(AXIS, "zip.axes", name, faults).and_then(|v| Named::find(v.text()));
+                    let named =
+                        checked(AXIS, "zip.axes", name, faults).and_then(|v| Named::find(v.text()));
                     zip.axes.extend(named.map(|named| named.axis));
                 }
             }
@@ -85,7 +114,8 @@ impl Config {
         }
     }
 
-    /// Checks that zipped axes are swept, have one length and belong to one zip. Runs after `--set`.
+    /// Checks that zipped axes are swept, have one length and belong to one zip. Runs after
+    /// `--set`.
     pub(super) fn check_zips(&self, faults: &mut Faults) {
         let mut seen = Vec::new();
         for zip in &self.zips {
@@ -106,9 +136,14 @@ impl Config {
             lengths.retain(|(_, n)| *n > 0);
             if lengths.windows(2).any(|pair| pair[0].1 != pair[1].1) {
                 let value = |n: usize| if n == 1 { "value" } else { "values" };
-                let lengths: Vec<String> =
-                    lengths.iter().map(|(name, n)| format!("{name} has {n} {}", value(*n))).collect();
-                faults.add(&zip.place, format!("zip: {}; expected as many for each", lengths.join(", ")));
+                let lengths: Vec<String> = lengths
+                    .iter()
+                    .map(|(name, n)| format!("{name} has {n} {}", value(*n)))
+                    .collect();
+                faults.add(
+                    &zip.place,
+                    format!("zip: {}; expected as many for each", lengths.join(", ")),
+                );
             }
         }
     }
@@ -118,13 +153,23 @@ impl Config {
         for (members, steps) in self.dimensions() {
             let mut seen = HashSet::new();
             for step in 0..steps {
-                let row: Vec<&Placed> = members.iter().map(|&member| &self.axes[member].values[step]).collect();
+                let row: Vec<&Placed> = members
+                    .iter()
+                    .map(|&member| &self.axes[member].values[step])
+                    .collect();
                 if !seen.insert(row.iter().map(|placed| &placed.value).collect::<Vec<_>>()) {
                     let said = members.iter().zip(&row).map(|(&member, placed)| {
-                        format!("axes.{}: {}", AXES[self.axes[member].axis].name, placed.value)
+                        format!(
+                            "axes.{}: {}",
+                            AXES[self.axes[member].axis].name, placed.value
+                        )
                     });
                     let said = said.collect::<Vec<_>>().join(", ");
-                    let verb = if row.len() == 1 { "is listed twice" } else { "are listed together twice" };
+                    let verb = if row.len() == 1 {
+                        "is listed twice"
+                    } else {
+                        "are listed together twice"
+                    };
                     faults.add(&row[0].place, format!("{said} {verb}"));
                 }
             }
@@ -133,10 +178,14 @@ impl Config {
 
     /// Counts combinations before exclusions.
     pub fn combination_count(&self) -> u64 {
-        self.dimensions().iter().map(|(_, steps)| *steps as u64).fold(1, u64::saturating_mul)
+        self.dimensions()
+            .iter()
+            .map(|(_, steps)| *steps as u64)
+            .fold(1, u64::saturating_mul)
     }
 
-    /// Lists every combination over the base point, the last axis fastest; zipped axes step together.
+    /// Lists every combination over the base point, the last axis fastest; zipped axes step
+    /// together.
     pub fn combinations(&self) -> impl Iterator<Item = Point> + '_ {
         let dimensions = self.dimensions();
         let count: usize = dimensions.iter().map(|(_, steps)| steps).product();
@@ -163,7 +212,11 @@ impl Config {
         for (index, sweep) in self.axes.iter().enumerate() {
             let zip = self.zips.iter().find(|zip| zip.axes.contains(&sweep.axis));
             let known = dimensions.iter_mut().find(|(members, _)| {
-                zip.is_some_and(|zip| members.iter().any(|&member| zip.axes.contains(&self.axes[member].axis)))
+                zip.is_some_and(|zip| {
+                    members
+                        .iter()
+                        .any(|&member| zip.axes.contains(&self.axes[member].axis))
+                })
             });
             match known {
                 // Lengths differ only if there is a fault.
@@ -181,21 +234,38 @@ impl Config {
 /// Expands a range; rounds for axes of whole numbers.
 fn range_values(kind: Kind, range: &DeTable) -> Result<Vec<Raw>, String> {
     let expected = || "expected a list of values, or { pow2 = [from, to] }".to_owned();
-    let is_number = matches!(kind, Kind::Number(_) | Kind::NumberOrName { .. } | Kind::Count { .. });
+    let is_number = matches!(
+        kind,
+        Kind::Number(_) | Kind::NumberOrName { .. } | Kind::Count { .. }
+    );
     if !is_number && !matches!(kind, Kind::Color(_)) {
         return Err("a range needs an axis of numbers; expected a list of values".to_owned());
     }
-    let [(name, value, _)] = &entries(range)[..] else { return Err(expected()) };
-    let Raw::Array(items) = raw(value) else { return Err(expected()) };
+    let [(name, value, _)] = &entries(range)[..] else {
+        return Err(expected());
+    };
+    let Raw::Array(items) = raw(value) else {
+        return Err(expected());
+    };
     let is_whole = matches!(kind, Kind::Count { .. });
-    let rounded = |x: f64| if is_whole { Raw::Integer(x.round() as i64) } else { Raw::Float(x) };
+    let rounded = |x: f64| {
+        if is_whole {
+            Raw::Integer(x.round() as i64)
+        } else {
+            Raw::Float(x)
+        }
+    };
     match (*name, &items[..]) {
         ("pow2", [Raw::Integer(from), Raw::Integer(to)]) => {
             if from > to || *from < -POWER_MAX || *to > POWER_MAX {
                 let range = format!("from -{POWER_MAX} to {POWER_MAX}");
-                return Err(format!("pow2 = [{from}, {to}]; expected two powers, ascending, {range}"));
+                return Err(format!(
+                    "pow2 = [{from}, {to}]; expected two powers, ascending, {range}"
+                ));
             }
-            Ok((*from..=*to).map(|power| rounded((power as f64).exp2())).collect())
+            Ok((*from..=*to)
+                .map(|power| rounded((power as f64).exp2()))
+                .collect())
         }
         _ => Err(expected()),
     }

@@ -14,18 +14,32 @@ const DEPTH_MAX: u32 = 80;
 
 pub type Entry<'t, 'i> = (&'t str, &'t Spanned<DeValue<'i>>, Place);
 
-/// Parses a text; syntax errors become faults. At the first unclosed bracket the tree ends, since errors behind it mislead.
+/// Parses a text; syntax errors become faults. At the first unclosed bracket the tree ends, since
+/// errors behind it mislead.
 pub fn parsed<'t>(text: &'t str, faults: &mut Faults) -> Spanned<DeTable<'t>> {
     let mut errors = Vec::new();
     let mut ignored = |_: Event| {};
     let mut receiver = RecursionGuard::new(&mut ignored, DEPTH_MAX);
-    parse_document(&toml_parser::Source::new(text).lex().into_vec(), &mut receiver, &mut errors);
+    parse_document(
+        &toml_parser::Source::new(text).lex().into_vec(),
+        &mut receiver,
+        &mut errors,
+    );
     let line_start = |at: usize| text[..at].rfind('\n').map_or(0, |newline| newline + 1);
-    let unclosed = errors.iter().filter(|error| error.description().starts_with("unclosed"));
+    let unclosed = errors
+        .iter()
+        .filter(|error| error.description().starts_with("unclosed"));
     let mut end = text.len();
     // If a line has two, the parser names the inner one first.
-    if let Some(open) = unclosed.filter_map(|error| error.context()).min_by_key(|open| line_start(open.start())) {
-        let [open_with, close] = if text[open.start()..].starts_with('{') { ["{", "}"] } else { ["[", "]"] };
+    if let Some(open) = unclosed
+        .filter_map(|error| error.context())
+        .min_by_key(|open| line_start(open.start()))
+    {
+        let [open_with, close] = if text[open.start()..].starts_with('{') {
+            ["{", "}"]
+        } else {
+            ["[", "]"]
+        };
         let fault = format!("not TOML: {open_with} is not closed; expected {close}");
         faults.add(&Place::File(open.start()), fault);
         end = line_start(open.start());
@@ -33,10 +47,14 @@ pub fn parsed<'t>(text: &'t str, faults: &mut Faults) -> Spanned<DeTable<'t>> {
     let (root, errors) = DeTable::parse_recoverable(&text[..end]);
     for error in &errors {
         let span = error.span().unwrap_or_default();
-        faults.add_with(&Place::File(span.start), || match (error.message(), text.get(span.clone())) {
-            ("duplicate key", Some(key)) => format!("not TOML: the key {key} is written twice"),
-            (message, _) if message.contains("recurs") => format!("not TOML: nested deeper than {DEPTH_MAX} levels"),
-            (message, _) => format!("not TOML: {message}"),
+        faults.add_with(&Place::File(span.start), || {
+            match (error.message(), text.get(span.clone())) {
+                ("duplicate key", Some(key)) => format!("not TOML: the key {key} is written twice"),
+                (message, _) if message.contains("recurs") => {
+                    format!("not TOML: nested deeper than {DEPTH_MAX} levels")
+                }
+                (message, _) => format!("not TOML: {message}"),
+            }
         });
     }
     root
@@ -51,12 +69,20 @@ pub fn unknown_key(place: &Place, prefix: &str, key: &str, known: &[&str], fault
     let what = if prefix.is_empty() { "key" } else { "axis" };
     faults.add_with(place, || {
         let near = Some(hint(key, known)).filter(|near| !near.is_empty());
-        format!("{prefix}{key} is unknown{}", near.unwrap_or_else(|| format!("; expected {}", expected(what, known))))
+        format!(
+            "{prefix}{key} is unknown{}",
+            near.unwrap_or_else(|| format!("; expected {}", expected(what, known)))
+        )
     });
 }
 
 /// Parses a value as `kind`, or reports a fault at its place.
-pub fn checked(kind: Kind, name: &str, value: &Spanned<DeValue>, faults: &mut Faults) -> Option<Value> {
+pub fn checked(
+    kind: Kind,
+    name: &str,
+    value: &Spanned<DeValue>,
+    faults: &mut Faults,
+) -> Option<Value> {
     checked_as(|raw| kind.parse(raw), name, value, faults)
 }
 
@@ -67,25 +93,40 @@ pub fn checked_as<T>(
     value: &Spanned<DeValue>,
     faults: &mut Faults,
 ) -> Option<T> {
-    parse(&raw(value)).map_err(|fault| faults.add(&at(value), format!("{name}: {fault}"))).ok()
+    parse(&raw(value))
+        .map_err(|fault| faults.add(&at(value), format!("{name}: {fault}")))
+        .ok()
 }
 
 /// Reads text; empty after a fault.
 pub fn text(name: &str, value: &Spanned<DeValue>, faults: &mut Faults) -> String {
-    let text = |raw: &Raw| raw.as_str().map(str::to_owned).ok_or_else(|| format!("{raw} is not text"));
+    let text = |raw: &Raw| {
+        raw.as_str()
+            .map(str::to_owned)
+            .ok_or_else(|| format!("{raw} is not text"))
+    };
     checked_as(text, name, value, faults).unwrap_or_default()
 }
 
 /// Lists the entries of a table in the order of the file, with the place of each key.
 pub fn entries<'t, 'i>(table: &'t DeTable<'i>) -> Vec<Entry<'t, 'i>> {
-    let mut entries: Vec<_> =
-        table.iter().map(|(key, value)| (key.span().start, key.get_ref().as_ref(), value)).collect();
+    let mut entries: Vec<_> = table
+        .iter()
+        .map(|(key, value)| (key.span().start, key.get_ref().as_ref(), value))
+        .collect();
     entries.sort_by_key(|(offset, ..)| *offset);
-    entries.into_iter().map(|(offset, key, value)| (key, value, Place::File(offset))).collect()
+    entries
+        .into_iter()
+        .map(|(offset, key, value)| (key, value, Place::File(offset)))
+        .collect()
 }
 
 /// Lists the entries of a value, which must be a table.
-pub fn table<'t, 'i>(value: &'t Spanned<DeValue<'i>>, name: &str, faults: &mut Faults) -> Vec<Entry<'t, 'i>> {
+pub fn table<'t, 'i>(
+    value: &'t Spanned<DeValue<'i>>,
+    name: &str,
+    faults: &mut Faults,
+) -> Vec<Entry<'t, 'i>> {
     match value.get_ref() {
         DeValue::Table(table) => entries(table),
         _ => {
@@ -114,7 +155,11 @@ pub fn section<'t, 'i>(
 }
 
 /// Lists the items of a value written as `[[name]]`.
-pub fn list<'t, 'i>(value: &'t Spanned<DeValue<'i>>, name: &str, faults: &mut Faults) -> Vec<&'t Spanned<DeValue<'i>>> {
+pub fn list<'t, 'i>(
+    value: &'t Spanned<DeValue<'i>>,
+    name: &str,
+    faults: &mut Faults,
+) -> Vec<&'t Spanned<DeValue<'i>>> {
     match value.get_ref() {
         DeValue::Array(items) => items.iter().collect(),
         _ => {

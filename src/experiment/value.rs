@@ -10,7 +10,8 @@ use std::sync::Arc;
 /// A checked value. Tables, cell ids and `--set` use its `Display` text.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Value {
-    /// Not set: the scene's own material applies, or the method does not use the parameter. Empty in tables.
+    /// Not set: the scene's own material applies, or the method does not use the parameter. Empty
+    /// in tables.
     Unset,
     Number(f64),
     Count(u32),
@@ -83,27 +84,37 @@ impl Value {
     }
 
     pub fn number(&self) -> f64 {
-        let Self::Number(x) = self else { self.is_not("a number") };
+        let Self::Number(x) = self else {
+            self.is_not("a number")
+        };
         *x
     }
 
     pub fn count(&self) -> u32 {
-        let Self::Count(n) = self else { self.is_not("a count") };
+        let Self::Count(n) = self else {
+            self.is_not("a count")
+        };
         *n
     }
 
     pub fn color(&self) -> [f32; 3] {
-        let Self::Color(c) = self else { self.is_not("a colour") };
+        let Self::Color(c) = self else {
+            self.is_not("a colour")
+        };
         *c
     }
 
     pub fn pair(&self) -> [u32; 2] {
-        let Self::Pair(p) = self else { self.is_not("a pair") };
+        let Self::Pair(p) = self else {
+            self.is_not("a pair")
+        };
         *p
     }
 
     pub fn text(&self) -> &str {
-        let Self::Text(text) = self else { self.is_not("a name") };
+        let Self::Text(text) = self else {
+            self.is_not("a name")
+        };
         text
     }
 
@@ -123,22 +134,41 @@ pub struct Range {
 impl Range {
     /// `[min, max]`.
     pub const fn closed(min: f64, max: f64) -> Self {
-        Self { min, max, min_open: false }
+        Self {
+            min,
+            max,
+            min_open: false,
+        }
     }
 
     /// `(min, max]`.
     pub const fn above(min: f64, max: f64) -> Self {
-        Self { min, max, min_open: true }
+        Self {
+            min,
+            max,
+            min_open: true,
+        }
     }
 
     fn holds(&self, x: f64) -> bool {
-        x <= self.max && if self.min_open { x > self.min } else { x >= self.min }
+        x <= self.max
+            && if self.min_open {
+                x > self.min
+            } else {
+                x >= self.min
+            }
     }
 }
 
 impl fmt::Display for Range {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "{}{}, {}]", if self.min_open { '(' } else { '[' }, self.min, self.max)
+        write!(
+            f,
+            "{}{}, {}]",
+            if self.min_open { '(' } else { '[' },
+            self.min,
+            self.max
+        )
     }
 }
 
@@ -195,7 +225,8 @@ pub enum Kind {
     Input,
 }
 
-/// Narrowest lobe that the device shades. Smaller values are refused; materials of files are raised to it.
+/// Narrowest lobe that the device shades. Smaller values are refused; materials of files are raised
+/// to it.
 pub const ALPHA_MIN: f64 = 1e-3;
 const _: () = assert!(ALPHA_MIN as f32 == constants::ALPHA_MIN);
 /// Square root of [`ALPHA_MIN`].
@@ -211,7 +242,10 @@ pub fn decimal(number: f64) -> f64 {
 
 impl Kind {
     pub const fn one_of<T: Listed + ?Sized>() -> Self {
-        Self::Name { what: T::WHAT, names: T::names }
+        Self::Name {
+            what: T::WHAT,
+            names: T::names,
+        }
     }
 
     /// Parses a value; the error contains it and the expected values.
@@ -230,29 +264,47 @@ impl Kind {
             Self::Color(range) => match raw {
                 Raw::Array(items) if items.len() == 3 => {
                     let channels = parse_all(Self::Number(*range), items)?;
-                    Ok(Value::Color(std::array::from_fn(|channel| channels[channel].number() as f32)))
+                    Ok(Value::Color(std::array::from_fn(|channel| {
+                        channels[channel].number() as f32
+                    })))
                 }
-                Raw::Integer(_) | Raw::Float(_) => {
-                    Ok(Value::Color([Self::Number(*range).parse(raw)?.number() as f32; 3]))
-                }
+                Raw::Integer(_) | Raw::Float(_) => Ok(Value::Color(
+                    [Self::Number(*range).parse(raw)?.number() as f32; 3],
+                )),
                 _ => expected(&format!("a colour: one number in {range} or [r, g, b]")),
             },
             Self::Pair { min, max } => match raw {
                 Raw::Array(items) if matches!(items[..], [Raw::Integer(_), Raw::Integer(_)]) => {
-                    let sides = parse_all(Self::Count { min: *min, max: *max }, items)?;
+                    let sides = parse_all(
+                        Self::Count {
+                            min: *min,
+                            max: *max,
+                        },
+                        items,
+                    )?;
                     Ok(Value::Pair(std::array::from_fn(|side| sides[side].count())))
                 }
                 Raw::Integer(n) => count(*n, *min, *max).map(|side| Value::Pair([side; 2])),
-                _ => expected(&format!("a pair of whole numbers in [{min}, {max}], such as [256, 128]")),
+                _ => expected(&format!(
+                    "a pair of whole numbers in [{min}, {max}], such as [256, 128]"
+                )),
             },
             Self::Name { what, names } | Self::NameOrFile { what, names } => match raw {
                 Raw::String(text) => {
                     let names = names();
                     let takes_files = matches!(self, Self::NameOrFile { .. });
-                    let is_file = takes_files && text.strip_prefix(FILE_PREFIX).is_some_and(|path| !path.is_empty());
+                    let is_file = takes_files
+                        && text
+                            .strip_prefix(FILE_PREFIX)
+                            .is_some_and(|path| !path.is_empty());
                     match is_file || names.contains(&text.as_str()) {
                         true => Ok(Value::from(text.as_str())),
-                        false => Err(not_one_of(what, text, &names, if takes_files { "file:PATH or " } else { "" })),
+                        false => Err(not_one_of(
+                            what,
+                            text,
+                            &names,
+                            if takes_files { "file:PATH or " } else { "" },
+                        )),
                     }
                 }
                 _ => expected(&format!("the name of {} in quotes", with_article(what))),
@@ -260,7 +312,10 @@ impl Kind {
             Self::NumberOrName { range, what, named } => match raw {
                 Raw::String(text) => {
                     let named = named();
-                    let number = named.iter().find(|(name, _)| name == text).map(|(_, number)| Value::Number(*number));
+                    let number = named
+                        .iter()
+                        .find(|(name, _)| name == text)
+                        .map(|(_, number)| Value::Number(*number));
                     number.ok_or_else(|| {
                         let names: Vec<&str> = named.iter().map(|(name, _)| *name).collect();
                         not_one_of(what, text, &names, &format!("a number in {range}, or "))
@@ -279,17 +334,25 @@ impl Kind {
     pub fn parse_text(&self, text: &str) -> Result<Value, String> {
         let text = text.trim();
         let raw = match self {
-            Self::Name { .. } | Self::NameOrFile { .. } | Self::Input => Raw::String(text.to_owned()),
-            Self::Color(_) if text.contains([':', ',']) => {
-                Raw::Array(text.split([':', ',']).map(|part| from_text(part.trim())).collect())
+            Self::Name { .. } | Self::NameOrFile { .. } | Self::Input => {
+                Raw::String(text.to_owned())
             }
-            Self::Pair { .. } if text.contains(['x', 'X']) => {
-                Raw::Array(text.split(['x', 'X']).map(|part| from_text(part.trim())).collect())
-            }
+            Self::Color(_) if text.contains([':', ',']) => Raw::Array(
+                text.split([':', ','])
+                    .map(|part| from_text(part.trim()))
+                    .collect(),
+            ),
+            Self::Pair { .. } if text.contains(['x', 'X']) => Raw::Array(
+                text.split(['x', 'X'])
+                    .map(|part| from_text(part.trim()))
+                    .collect(),
+            ),
             _ => from_text(text),
         };
         self.parse(&raw).map_err(|fault| match self {
-            Self::Pair { min, max } => format!("{text:?} is not WxH with whole numbers in [{min}, {max}]"),
+            Self::Pair { min, max } => {
+                format!("{text:?} is not WxH with whole numbers in [{min}, {max}]")
+            }
             Self::Name { .. } | Self::NameOrFile { .. } => fault.replace(" in quotes", ""),
             _ => fault,
         })
@@ -300,9 +363,9 @@ impl Kind {
         match self {
             Self::Input => Some(text),
             // A `#` precedes the conventions of the file.
-            Self::NameOrFile { .. } => {
-                text.strip_prefix(FILE_PREFIX).map(|path| path.rsplit_once('#').map_or(path, |(path, _)| path))
-            }
+            Self::NameOrFile { .. } => text
+                .strip_prefix(FILE_PREFIX)
+                .map(|path| path.rsplit_once('#').map_or(path, |(path, _)| path)),
             _ => None,
         }
     }
@@ -313,11 +376,15 @@ impl Kind {
             Self::Count { min, max } => format!("whole number in [{min}, {max}]"),
             Self::Color(range) => format!("one number or three (red, green, blue) in {range}"),
             Self::Pair { min, max } => format!("two whole numbers in [{min}, {max}]"),
-            Self::Name { names, .. } | Self::NameOrFile { names, .. } if names().len() > NAMES_SHOWN => {
+            Self::Name { names, .. } | Self::NameOrFile { names, .. }
+                if names().len() > NAMES_SHOWN =>
+            {
                 self.value_name().to_owned()
             }
             Self::Name { names, .. } => names().join(" | "),
-            Self::NameOrFile { names, .. } => format!("{} | {FILE_PREFIX}PATH", names().join(" | ")),
+            Self::NameOrFile { names, .. } => {
+                format!("{} | {FILE_PREFIX}PATH", names().join(" | "))
+            }
             Self::NumberOrName { range, named, .. } => {
                 let names: Vec<&str> = named().iter().map(|(name, _)| *name).collect();
                 format!("number in {range} | {}", names.join(" | "))
@@ -360,5 +427,8 @@ fn parse_all(kind: Kind, items: &[Raw]) -> Result<Vec<Value>, String> {
 }
 
 fn count(n: i64, min: u32, max: u32) -> Result<u32, String> {
-    u32::try_from(n).ok().filter(|n| (min..=max).contains(n)).ok_or_else(|| format!("{n} is outside [{min}, {max}]"))
+    u32::try_from(n)
+        .ok()
+        .filter(|n| (min..=max).contains(n))
+        .ok_or_else(|| format!("{n} is outside [{min}, {max}]"))
 }

@@ -40,24 +40,39 @@ impl Dodge {
     /// On each step a dot takes the first free lane.
     pub fn new(panel: &Panel) -> Self {
         let is_y = matches!(panel.y.kind, ScaleKind::Steps(_));
-        let mut found = Self { is_y, lanes: vec![0.0; panel.marks.len()], count: 1, shared: shared(panel) };
+        let mut found = Self {
+            is_y,
+            lanes: vec![0.0; panel.marks.len()],
+            count: 1,
+            shared: shared(panel),
+        };
         let mut standing = standing(panel, is_y);
         standing.sort_by(|a, b| a.step.total_cmp(&b.step).then(a.series.cmp(&b.series)));
         for row in standing.chunk_by(|a, b| a.step == b.step) {
             let mut taken: Vec<Vec<[f64; 2]>> = Vec::new();
             for own in row {
                 let [start, end] = own.reach;
-                let is_free =
-                    |lane: &Vec<[f64; 2]>| lane.iter().all(|[from, to]| start > to + NEAR || end + NEAR < *from);
-                let lane = taken.iter().position(is_free).unwrap_or(taken.len()).min(LANES - 1);
+                let is_free = |lane: &Vec<[f64; 2]>| {
+                    lane.iter()
+                        .all(|[from, to]| start > to + NEAR || end + NEAR < *from)
+                };
+                let lane = taken
+                    .iter()
+                    .position(is_free)
+                    .unwrap_or(taken.len())
+                    .min(LANES - 1);
                 if lane == taken.len() {
                     taken.push(Vec::new());
                 }
                 taken[lane].push(own.reach);
-                own.marks.iter().for_each(|mark| found.lanes[*mark] = lane as f64);
+                own.marks
+                    .iter()
+                    .for_each(|mark| found.lanes[*mark] = lane as f64);
             }
             let middle = (taken.len() as f64 - 1.0) / 2.0;
-            row.iter().flat_map(|own| &own.marks).for_each(|mark| found.lanes[*mark] -= middle);
+            row.iter()
+                .flat_map(|own| &own.marks)
+                .for_each(|mark| found.lanes[*mark] -= middle);
             found.count = found.count.max(taken.len());
         }
         found
@@ -65,7 +80,10 @@ impl Dodge {
 
     /// Pixels from a point to the lane of a series, downwards.
     pub fn shift(&self, series: Option<usize>, point: [f64; 2]) -> f64 {
-        let own = self.shared.iter().find(|(other, at, _)| *other == series && *at == point);
+        let own = self
+            .shared
+            .iter()
+            .find(|(other, at, _)| *other == series && *at == point);
         own.map_or(0.0, |(.., lane)| lane * LINE_PITCH)
     }
 
@@ -83,7 +101,11 @@ fn shared(panel: &Panel) -> Vec<(Option<usize>, [f64; 2], f64)> {
     });
     let all: Vec<(Option<usize>, [f64; 2])> = points.flatten().collect();
     let lane = |(series, point): &(Option<usize>, [f64; 2])| {
-        let own: BTreeSet<Option<usize>> = all.iter().filter(|other| other.1 == *point).map(|other| other.0).collect();
+        let own: BTreeSet<Option<usize>> = all
+            .iter()
+            .filter(|other| other.1 == *point)
+            .map(|other| other.0)
+            .collect();
         let place = own.iter().position(|other| other == series)? as f64;
         (own.len() > 1).then(|| (*series, *point, place - (own.len() as f64 - 1.0) / 2.0))
     };
@@ -92,26 +114,45 @@ fn shared(panel: &Panel) -> Vec<(Option<usize>, [f64; 2], f64)> {
 
 /// The dots on steps, each with the interval of its series; none if lines join dots.
 fn standing(panel: &Panel, is_y: bool) -> Vec<Standing> {
-    let has_line = panel.marks.iter().any(|mark| matches!(mark.shape, Shape::Line(_)));
+    let has_line = panel
+        .marks
+        .iter()
+        .any(|mark| matches!(mark.shape, Shape::Line(_)));
     if has_line || !(is_y || matches!(panel.x.kind, ScaleKind::Steps(_))) {
         return Vec::new();
     }
-    let (across, along, scale) = if is_y { (1, 0, &panel.x) } else { (0, 1, &panel.y) };
+    let (across, along, scale) = if is_y {
+        (1, 0, &panel.x)
+    } else {
+        (0, 1, &panel.y)
+    };
     let axis = Axis::new(&scale.kind, 0.0, 1.0);
     let dots = panel.marks.iter().enumerate().filter_map(|(i, mark)| {
-        let Shape::Dot(at) = mark.shape else { return None };
+        let Shape::Dot(at) = mark.shape else {
+            return None;
+        };
         let place = axis.at(at[along]);
         let interval = panel.marks.iter().enumerate().filter_map(|(k, other)| {
-            let Shape::Whisker(a, b) = other.shape else { return None };
+            let Shape::Whisker(a, b) = other.shape else {
+                return None;
+            };
             let [from, to] = [a, b].map(|end| axis.at(end[along]));
-            let is_own = other.series == mark.series && a[across] == at[across] && from <= place && place <= to;
+            let is_own = other.series == mark.series
+                && a[across] == at[across]
+                && from <= place
+                && place <= to;
             is_own.then_some((k, [from, to]))
         });
         // If there are several, the nearest in the list.
         let interval = interval.min_by_key(|(k, _)| k.abs_diff(i));
         let marks = [i].into_iter().chain(interval.map(|(k, _)| k)).collect();
         let reach = interval.map_or([place; 2], |(_, reach)| reach);
-        Some(Standing { marks, step: at[across], series: mark.series, reach })
+        Some(Standing {
+            marks,
+            step: at[across],
+            series: mark.series,
+            reach,
+        })
     });
     dots.collect()
 }

@@ -6,7 +6,9 @@ use super::text::{Words, escape, px};
 
 /// Path data of a polyline.
 pub fn line(points: &[[f64; 2]]) -> String {
-    let step = |(i, [x, y]): (usize, &[f64; 2])| format!("{}{},{}", if i == 0 { 'M' } else { 'L' }, px(*x), px(*y));
+    let step = |(i, [x, y]): (usize, &[f64; 2])| {
+        format!("{}{},{}", if i == 0 { 'M' } else { 'L' }, px(*x), px(*y))
+    };
     points.iter().enumerate().map(step).collect()
 }
 
@@ -23,7 +25,9 @@ pub fn path(class: &str, more: &str, data: &str) -> String {
 /// The dash attribute of a series; empty for solid lines.
 pub fn dash(figure: &Figure, series: Option<usize>) -> String {
     let dashes = series.and_then(|index| dashes(index, figure.series.get(index)?.is_dashed));
-    dashes.map_or_else(String::new, |dashes| format!(" stroke-dasharray=\"{dashes}\""))
+    dashes.map_or_else(String::new, |dashes| {
+        format!(" stroke-dasharray=\"{dashes}\"")
+    })
 }
 
 pub fn words(words: &Words) -> String {
@@ -32,8 +36,14 @@ pub fn words(words: &Words) -> String {
         "start" => String::new(),
         other => format!(" text-anchor=\"{other}\""),
     };
-    let turn = if words.is_upright { format!(" transform=\"rotate(-90 {x} {y})\"") } else { String::new() };
-    let full = words.full.as_ref().map_or_else(String::new, |full| format!("<title>{}</title>", escape(full)));
+    let turn = if words.is_upright {
+        format!(" transform=\"rotate(-90 {x} {y})\"")
+    } else {
+        String::new()
+    };
+    let full = words.full.as_ref().map_or_else(String::new, |full| {
+        format!("<title>{}</title>", escape(full))
+    });
     let (class, text) = (&words.class, escape(&words.text));
     format!("<text class=\"{class}\" x=\"{x}\" y=\"{y}\"{anchor}{turn}>{full}{text}</text>\n")
 }

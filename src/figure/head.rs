@@ -36,17 +36,32 @@ impl Layout {
         }
         let mut marks = figure.marks().filter(|mark| mark.series.is_some());
         let is_small = |shape: &Shape| matches!(shape, Shape::Dot(_) | Shape::Whisker(..));
-        self.swatch = if marks.all(|mark| is_small(&mark.shape)) { MARKER } else { SWATCH };
+        self.swatch = if marks.all(|mark| is_small(&mark.shape)) {
+            MARKER
+        } else {
+            SWATCH
+        };
         let indent = self.swatch + SWATCH_GAP;
         let (mut x, mut y) = (PAD, self.height + GAP + ENTRY_HEIGHT / 2.0 - 4.0);
-        for (index, series) in figure.series.iter().enumerate().filter(|(_, series)| !series.name.is_empty()) {
+        for (index, series) in figure
+            .series
+            .iter()
+            .enumerate()
+            .filter(|(_, series)| !series.name.is_empty())
+        {
             let name = [AXIS.elide(&series.name, self.width - 2.0 * PAD - indent)];
             let wide = indent + AXIS.widest(&name);
             if x > PAD && x + wide > self.width - PAD {
                 (x, y) = (PAD, y + ENTRY_HEIGHT);
             }
             self.entries.push((index, [x, y]));
-            self.words.extend(stack(&name, &series.name, [x + indent, y + AXIS.size * MIDDLE], AXIS, "start"));
+            self.words.extend(stack(
+                &name,
+                &series.name,
+                [x + indent, y + AXIS.size * MIDDLE],
+                AXIS,
+                "start",
+            ));
             x += wide + ENTRY_GAP;
             self.height = y + ENTRY_HEIGHT / 2.0;
         }

@@ -6,18 +6,29 @@ use super::Figure;
 type Ink = (&'static str, &'static str, &'static str, [&'static str; 2]);
 
 pub const INKS: [Ink; 8] = [
-    (".fig-ground", "fill", "--fig-ground", ["#fafaf8", "#101214"]),
+    (
+        ".fig-ground",
+        "fill",
+        "--fig-ground",
+        ["#fafaf8", "#101214"],
+    ),
     (".fig-ink", "fill", "--fig-ink", ["#15171a", "#edeeee"]),
     (".fig-muted", "fill", "--fig-muted", ["#575b62", "#a6acb3"]),
     (".fig-grid", "stroke", "--fig-grid", ["#dcdcd7", "#31363b"]),
     (".fig-axis", "stroke", "--fig-axis", ["#85888d", "#7d848b"]),
     (".fig-plain", "color", "--fig-muted", ["#575b62", "#a6acb3"]),
-    (".fig-d,.fig-o", "stroke", "--fig-ground", ["#fafaf8", "#101214"]),
+    (
+        ".fig-d,.fig-o",
+        "stroke",
+        "--fig-ground",
+        ["#fafaf8", "#101214"],
+    ),
     (".fig-b", "fill", "--fig-ground", ["#fafaf8", "#101214"]),
 ];
 
-/// Colours of series on a light and a dark ground, with a contrast of at least 4.5:1. The first four are for methods:
-/// orange, teal, violet, blue. The others are pink, ochre, sky, grey, olive, brown.
+/// Colours of series on a light and a dark ground, with a contrast of at least 4.5:1. The first
+/// four are for methods: orange, teal, violet, blue. The others are pink, ochre, sky, grey, olive,
+/// brown.
 pub const SERIES: [[&str; 2]; 10] = [
     ["#b3400a", "#ff9a62"],
     ["#007167", "#45cdb7"],
@@ -34,7 +45,8 @@ pub const SERIES: [[&str; 2]; 10] = [
 const OTHERS: [usize; 10] = [3, 4, 5, 6, 7, 8, 9, 1, 2, 0];
 
 impl Figure {
-    /// The colour of a series: the preferred one if it is free, else the next free one. `None` for neutral ink.
+    /// The colour of a series: the preferred one if it is free, else the next free one. `None` for
+    /// neutral ink.
     pub fn ink(&self, series: Option<usize>) -> Option<usize> {
         let mut taken: Vec<usize> = Vec::new();
         for series in &self.series[..=series.filter(|index| *index < self.series.len())?] {
@@ -59,11 +71,21 @@ pub fn dashes(index: usize, is_dashed: bool) -> Option<&'static str> {
 
 const SHAPES: &str = include_str!("../../assets/report/figure.css");
 
-/// The style sheet of a figure. Each colour is written twice, for programs without custom properties.
+/// The style sheet of a figure. Each colour is written twice, for programs without custom
+/// properties.
 pub fn style() -> String {
-    let inks = INKS.map(|(class, property, name, colors)| (class.to_owned(), property, name.to_owned(), colors));
+    let inks = INKS.map(|(class, property, name, colors)| {
+        (class.to_owned(), property, name.to_owned(), colors)
+    });
     let series = SERIES.iter().enumerate();
-    let series = series.map(|(i, colors)| (format!(".fig-s{i}"), "color", format!("--fig-s{i}"), *colors));
+    let series = series.map(|(i, colors)| {
+        (
+            format!(".fig-s{i}"),
+            "color",
+            format!("--fig-s{i}"),
+            *colors,
+        )
+    });
     let all: Vec<_> = inks.into_iter().chain(series).collect();
     let rules = |ground: usize| -> String {
         let rule = |(class, property, name, colors): &(String, &str, String, [&str; 2])| {
@@ -73,5 +95,9 @@ pub fn style() -> String {
         all.iter().map(rule).collect()
     };
     let dark = rules(1);
-    format!("{}{}@media(prefers-color-scheme:dark){{{dark}}}", SHAPES.replace("\n", ""), rules(0))
+    format!(
+        "{}{}@media(prefers-color-scheme:dark){{{dark}}}",
+        SHAPES.replace("\n", ""),
+        rules(0)
+    )
 }

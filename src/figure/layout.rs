@@ -57,25 +57,45 @@ pub struct Layout {
 }
 
 pub fn layout(figure: &Figure, width: f64) -> Layout {
-    let mut layout = Layout { width, height: PAD, ..Layout::default() };
+    let mut layout = Layout {
+        width,
+        height: PAD,
+        ..Layout::default()
+    };
     layout.head(figure);
     let common = |of: fn(&Panel) -> &Scale| -> (bool, Option<&str>) {
         let mut all = figure.panels.iter().map(of);
-        let Some(first) = all.next() else { return (false, None) };
+        let Some(first) = all.next() else {
+            return (false, None);
+        };
         let is_one = all.clone().all(|scale| scale.label == first.label);
-        (figure.panels.len() > 1 && all.all(|scale| scale == first), is_one.then_some(first.label.as_str()))
+        (
+            figure.panels.len() > 1 && all.all(|scale| scale == first),
+            is_one.then_some(first.label.as_str()),
+        )
     };
     let [x, y] = [common(|panel| &panel.x), common(|panel| &panel.y)];
     let dodges = figure.panels.iter().map(Dodge::new).collect();
     let ends = ends_room(figure, width).unwrap_or(0.0);
-    Grid { figure, dodges, width: width - ends, is_shared: [x.0, y.0], titles: [x.1, y.1] }.place(&mut layout);
+    Grid {
+        figure,
+        dodges,
+        width: width - ends,
+        is_shared: [x.0, y.0],
+        titles: [x.1, y.1],
+    }
+    .place(&mut layout);
     layout
 }
 
-/// The room for names at the ends of lines, pixels; `None` if some panel has no line of some series, or the names are too many or too long.
+/// The room for names at the ends of lines, pixels; `None` if some panel has no line of some
+/// series, or the names are too many or too long.
 pub fn ends_room(figure: &Figure, width: f64) -> Option<f64> {
     let has_end = |panel: &Panel, series: usize| {
-        panel.marks.iter().any(|mark| mark.series == Some(series) && end(mark).is_some())
+        panel
+            .marks
+            .iter()
+            .any(|mark| mark.series == Some(series) && end(mark).is_some())
     };
     let is_whole = |panel: &Panel| (0..figure.series.len()).all(|series| has_end(panel, series));
     let room = OFF + NAME.widest(figure.series.iter().map(|series| &series.name));
@@ -111,7 +131,10 @@ fn tried(panel: &Panel) -> [Vec<f64>; 2] {
         Shape::HorizontalBar { y, to, .. } => vec![[*to, *y]],
         _ => Vec::new(),
     });
-    places.map(|[x, y]| (x, y)).unzip::<f64, f64, Vec<f64>, Vec<f64>>().into()
+    places
+        .map(|[x, y]| (x, y))
+        .unzip::<f64, f64, Vec<f64>, Vec<f64>>()
+        .into()
 }
 
 fn height_of(plot_width: f64) -> f64 {
@@ -125,8 +148,14 @@ impl Grid<'_> {
 
     fn beside(&self, columns: usize) -> Vec<Labels> {
         let column = (self.width - 2.0 * PAD) / columns as f64;
-        let (room, length) = ((column * NAMES_SHARE).min(NAMES_MOST), height_of(column - 30.0));
-        self.panels().iter().map(|panel| Labels::beside(&panel.y, length, room, &tried(panel)[1])).collect()
+        let (room, length) = (
+            (column * NAMES_SHARE).min(NAMES_MOST),
+            height_of(column - 30.0),
+        );
+        self.panels()
+            .iter()
+            .map(|panel| Labels::beside(&panel.y, length, room, &tried(panel)[1]))
+            .collect()
     }
 
     /// Whether a panel has labels of y.
@@ -136,20 +165,38 @@ impl Grid<'_> {
 
     /// Left borders of the columns, and the width of panels.
     fn columns(&self, columns: usize, beside: &[Labels]) -> (Vec<f64>, f64) {
-        let depth = |i: usize| if self.is_labelled(i, columns) { beside[i].depth } else { 0.0 };
-        let gutters: Vec<f64> =
-            (0..columns).map(|c| (c..beside.len()).step_by(columns).map(depth).fold(0.0, f64::max)).collect();
+        let depth = |i: usize| {
+            if self.is_labelled(i, columns) {
+                beside[i].depth
+            } else {
+                0.0
+            }
+        };
+        let gutters: Vec<f64> = (0..columns)
+            .map(|c| {
+                (c..beside.len())
+                    .step_by(columns)
+                    .map(depth)
+                    .fold(0.0, f64::max)
+            })
+            .collect();
         let gaps = COLUMN_GAP * (columns as f64 - 1.0);
         let width = (self.width - 2.0 * PAD - gaps - gutters.iter().sum::<f64>()) / columns as f64;
-        let left = |c: usize| PAD + c as f64 * (width + COLUMN_GAP) + gutters[..=c].iter().sum::<f64>();
+        let left =
+            |c: usize| PAD + c as f64 * (width + COLUMN_GAP) + gutters[..=c].iter().sum::<f64>();
         ((0..columns).map(left).collect(), width)
     }
 
     fn narrowest(&self, index: usize) -> f64 {
         let panel = &self.panels()[index];
-        let ScaleKind::Steps(names) = &panel.x.kind else { return NARROWEST };
+        let ScaleKind::Steps(names) = &panel.x.kind else {
+            return NARROWEST;
+        };
         // Level names are easier to read than upright ones.
-        let words = names.iter().flat_map(|name| name.split_whitespace()).map(|word| LABEL.width(word) + OFF);
+        let words = names
+            .iter()
+            .flat_map(|name| name.split_whitespace())
+            .map(|word| LABEL.width(word) + OFF);
         let lanes = self.dodges[index].count as f64 * PITCH;
         let step = words.fold(STEP_LEAST, f64::max).max(lanes);
         (names.len() as f64 * step).max(NARROWEST * 0.75)
@@ -171,20 +218,34 @@ impl Grid<'_> {
     }
 
     fn row_height(&self, index: usize, labels: &Labels) -> f64 {
-        let lanes = if self.dodges[index].is_y { self.dodges[index].count as f64 * PITCH } else { 0.0 };
+        let lanes = if self.dodges[index].is_y {
+            self.dodges[index].count as f64 * PITCH
+        } else {
+            0.0
+        };
         ROW.max(labels.row().max(lanes) + ROW_MARGIN)
     }
 
     /// The words above a panel: its name, and the title of y unless that is common.
     fn names(&self, index: usize, left: f64, width: f64) -> Vec<Words> {
         let panel = &self.panels()[index];
-        let title = if self.titles[1].is_none() { panel.y.label.as_str() } else { "" };
+        let title = if self.titles[1].is_none() {
+            panel.y.label.as_str()
+        } else {
+            ""
+        };
         let mut bottom = -8.0;
         let mut words = Vec::new();
         for (text, font) in [(title, AXIS), (panel.title.as_str(), NAME)] {
             let lines = font.wrap(text, width, LINES);
             bottom -= lines.len() as f64 * font.line();
-            words.extend(stack(&lines, text, [left, bottom + font.line()], font, "start"));
+            words.extend(stack(
+                &lines,
+                text,
+                [left, bottom + font.line()],
+                font,
+                "start",
+            ));
         }
         words
     }
@@ -201,11 +262,22 @@ impl Grid<'_> {
         let count = self.panels().len();
         for row in (0..count).step_by(columns) {
             let own = row..(row + columns).min(count);
-            let names: Vec<Vec<Words>> = own.clone().map(|i| self.names(i, lefts[i - row], width)).collect();
+            let names: Vec<Vec<Words>> = own
+                .clone()
+                .map(|i| self.names(i, lefts[i - row], width))
+                .collect();
             let tallest = names.iter().map(Vec::len).max().unwrap_or(0) as f64;
-            let top = layout.height + if tallest > 0.0 { tallest * NAME.line() + 3.0 } else { 0.0 };
+            let top = layout.height
+                + if tallest > 0.0 {
+                    tallest * NAME.line() + 3.0
+                } else {
+                    0.0
+                };
             for words in names.into_iter().flatten() {
-                layout.words.push(Words { at: [words.at[0], top + words.at[1]], ..words });
+                layout.words.push(Words {
+                    at: [words.at[0], top + words.at[1]],
+                    ..words
+                });
             }
             for i in own {
                 let end = self.panel(layout, i, [lefts[i - row], top, width], &beside[i], columns);
@@ -234,7 +306,14 @@ impl Grid<'_> {
         let right = left + width;
         // Labels may use half of the gap between panels, or the margin.
         let side = COLUMN_GAP / 2.0 - 2.0;
-        let over = [if index.is_multiple_of(columns) { beside.depth.max(side) } else { side }, side];
+        let over = [
+            if index.is_multiple_of(columns) {
+                beside.depth.max(side)
+            } else {
+                side
+            },
+            side,
+        ];
         let has_rows = matches!(panel.y.kind, ScaleKind::Steps(_));
         let height = match &panel.y.kind {
             ScaleKind::Steps(names) => names.len().max(1) as f64 * self.row_height(index, beside),
@@ -243,13 +322,19 @@ impl Grid<'_> {
         let bottom = top + height;
         let x = Axis::new(&panel.x.kind, left, right);
         // Steps run down, numbers up.
-        let [from, to] = if has_rows { [top, bottom] } else { [bottom, top] };
+        let [from, to] = if has_rows {
+            [top, bottom]
+        } else {
+            [bottom, top]
+        };
         let y = Axis::new(&panel.y.kind, from, to);
         let below = Labels::below(&panel.x, width, over, &tried(panel)[0]);
         let mut end = bottom;
         let has_many_rows = self.panels().len().div_ceil(columns) > ROWS_AT_ONCE;
         if !self.is_shared[0] || has_many_rows || index + columns >= self.panels().len() {
-            layout.words.extend(below.words_below(&x, bottom, [left - over[0], right + over[1]]));
+            layout
+                .words
+                .extend(below.words_below(&x, bottom, [left - over[0], right + over[1]]));
             end += below.depth;
         }
         if self.is_labelled(index, columns) {
@@ -259,10 +344,17 @@ impl Grid<'_> {
             end = title_below(layout, &panel.x.label, [left, right + side], end);
         }
         // Grid lines behind bars are useless.
-        let is_filled = panel.marks.iter().any(|mark| matches!(mark.shape, Shape::HorizontalBar { .. }));
+        let is_filled = panel
+            .marks
+            .iter()
+            .any(|mark| matches!(mark.shape, Shape::HorizontalBar { .. }));
         let lines = |axis: &Axis, labels: &Labels| match axis.has_steps() && is_filled {
             true => Vec::new(),
-            false => labels.values().into_iter().map(|value| axis.at(value)).collect(),
+            false => labels
+                .values()
+                .into_iter()
+                .map(|value| axis.at(value))
+                .collect(),
         };
         let frame = Frame {
             lines: [lines(&x, &below), lines(&y, beside)],
@@ -274,7 +366,9 @@ impl Grid<'_> {
             right,
             bottom,
         };
-        if layout.width > self.width && ((index + 1).is_multiple_of(columns) || index + 1 == self.panels().len()) {
+        if layout.width > self.width
+            && ((index + 1).is_multiple_of(columns) || index + 1 == self.panels().len())
+        {
             layout.words.extend(self.ends(panel, &frame));
         }
         layout.frames.push(frame);
@@ -284,9 +378,15 @@ impl Grid<'_> {
     /// The names of the series at the ends of their lines, apart from each other.
     fn ends(&self, panel: &Panel, frame: &Frame) -> Vec<Words> {
         let at = |series: usize| {
-            let own = panel.marks.iter().filter(|mark| mark.series == Some(series));
+            let own = panel
+                .marks
+                .iter()
+                .filter(|mark| mark.series == Some(series));
             let point = own.filter_map(end).next_back()?;
-            Some((series, frame.y.at(point[1]) + frame.dodge.shift(Some(series), point)))
+            Some((
+                series,
+                frame.y.at(point[1]) + frame.dodge.shift(Some(series), point),
+            ))
         };
         let mut places: Vec<(usize, f64)> = (0..self.figure.series.len())
             .filter(|series| !self.figure.series[*series].name.is_empty())
@@ -302,7 +402,14 @@ impl Grid<'_> {
             let class = format!("fig-n {}", class(self.figure.ink(Some(series)))).into();
             let text = self.figure.series[series].name.clone();
             let at = [frame.right + OFF, y + NAME.size * MIDDLE];
-            Words { text, full: None, at, anchor: "start", is_upright: false, class }
+            Words {
+                text,
+                full: None,
+                at,
+                anchor: "start",
+                is_upright: false,
+                class,
+            }
         };
         places.into_iter().map(place).collect()
     }
@@ -312,6 +419,8 @@ impl Grid<'_> {
 fn title_below(layout: &mut Layout, title: &str, [left, right]: [f64; 2], top: f64) -> f64 {
     let lines = AXIS.wrap(title, right - left, LINES);
     let at = [(left + right) / 2.0, top + AXIS.line()];
-    layout.words.extend(stack(&lines, title, at, AXIS, "middle"));
+    layout
+        .words
+        .extend(stack(&lines, title, at, AXIS, "middle"));
     top + lines.len() as f64 * AXIS.line() + OFF / 2.0
 }

@@ -1,4 +1,5 @@
-//! Draws marks. A value outside of the domain becomes an open arrow at the border; NaN is not drawn.
+//! Draws marks. A value outside of the domain becomes an open arrow at the border; NaN is not
+//! drawn.
 
 use super::element::{dash, line, path, rectangle};
 use super::ink::class;
@@ -36,14 +37,36 @@ pub fn draw(figure: &Figure, index: usize, frame: &Frame) -> String {
     order.sort_by_key(|i| layer(&panel.marks[*i].shape));
     let drawn = |i: &usize| {
         let mark = &panel.marks[*i];
-        let shape = Pen { figure, frame, mark, index: *i }.shape()?;
+        let shape = Pen {
+            figure,
+            frame,
+            mark,
+            index: *i,
+        }
+        .shape()?;
         Some(format!("<g {}{shape}</g>\n", head(figure, mark, index)))
     };
-    let (filled, others) = order.split_at(order.partition_point(|i| layer(&panel.marks[*i].shape) == 0));
-    let [filled, others] = [filled, others].map(|own| own.iter().filter_map(drawn).collect::<String>());
-    let Frame { left, top, right, bottom, .. } = *frame;
-    let border = path("fig-axis", "", &line(&[[left, top], [left, bottom], [right, bottom]]));
-    let name = if panel.title.is_empty() { String::new() } else { format!(" aria-label=\"{}\"", escape(&panel.title)) };
+    let (filled, others) =
+        order.split_at(order.partition_point(|i| layer(&panel.marks[*i].shape) == 0));
+    let [filled, others] =
+        [filled, others].map(|own| own.iter().filter_map(drawn).collect::<String>());
+    let Frame {
+        left,
+        top,
+        right,
+        bottom,
+        ..
+    } = *frame;
+    let border = path(
+        "fig-axis",
+        "",
+        &line(&[[left, top], [left, bottom], [right, bottom]]),
+    );
+    let name = if panel.title.is_empty() {
+        String::new()
+    } else {
+        format!(" aria-label=\"{}\"", escape(&panel.title))
+    };
     format!("<g role=\"group\"{name}>\n{filled}{border}\n{others}</g>\n")
 }
 
@@ -65,10 +88,15 @@ fn head(figure: &Figure, mark: &Mark, panel: usize) -> String {
         return format!("class=\"{class}\">");
     }
     let tip = escape(&mark.tip);
-    let cell = mark.cell.as_ref().map_or_else(String::new, |cell| format!(" data-cell=\"{}\"", escape(cell)));
-    let series = mark.series.map_or_else(String::new, |series| format!(" data-series=\"{series}\""));
+    let cell = mark.cell.as_ref().map_or_else(String::new, |cell| {
+        format!(" data-cell=\"{}\"", escape(cell))
+    });
+    let series = mark
+        .series
+        .map_or_else(String::new, |series| format!(" data-series=\"{series}\""));
     format!(
-        "class=\"mark {class}\" tabindex=\"-1\" role=\"img\" aria-label=\"{tip}\" data-tip=\"{tip}\"{cell} data-panel=\"{panel}\"{series}>\
+        "class=\"mark {class}\" tabindex=\"-1\" role=\"img\" aria-label=\"{tip}\" \
+         data-tip=\"{tip}\"{cell} data-panel=\"{panel}\"{series}>\
          <title>{tip}</title>"
     )
 }
@@ -83,21 +111,40 @@ struct Pen<'f> {
 impl Pen<'_> {
     /// The elements of a mark; `None` for NaN.
     fn shape(&self) -> Option<String> {
-        let Frame { left, top, right, bottom, .. } = *self.frame;
+        let Frame {
+            left,
+            top,
+            right,
+            bottom,
+            ..
+        } = *self.frame;
         match &self.mark.shape {
             Shape::Line(points) => Some(self.line(points)),
             Shape::Dot(at) => {
                 let (at, arrow) = self.place(*at)?;
                 let hit = self.hit(&format!("M{:.0},{:.0}h0", at[0], at[1]));
                 let ink = self.figure.ink(self.mark.series);
-                let dot = if arrow.is_empty() { path("fig-d", "", &marker(ink, at)) } else { arrow };
+                let dot = if arrow.is_empty() {
+                    path("fig-d", "", &marker(ink, at))
+                } else {
+                    arrow
+                };
                 Some(dot + &hit)
             }
             Shape::HorizontalBar { y, base, to } => {
                 let ((from, _), (end, arrow)) = (self.place([*base, *y])?, self.place([*to, *y])?);
                 let height = self.frame.y.step() * BAR;
-                let area = [from[0].min(end[0]), end[1] - height / 2.0, (from[0] - end[0]).abs(), height];
-                Some(path("fig-f fig-o", "", &rectangle(area)) + &arrow + &self.hit(&line(&[from, end])))
+                let area = [
+                    from[0].min(end[0]),
+                    end[1] - height / 2.0,
+                    (from[0] - end[0]).abs(),
+                    height,
+                ];
+                Some(
+                    path("fig-f fig-o", "", &rectangle(area))
+                        + &arrow
+                        + &self.hit(&line(&[from, end])),
+                )
             }
             Shape::Whisker(a, b) => self.whisker(*a, *b),
             Shape::HorizontalRule(y) => self.rule(&self.frame.y, *y, |y| [[left, y], [right, y]]),
@@ -107,7 +154,12 @@ impl Pen<'_> {
 
     /// The place of a point, dodged on steps, and an arrow if it is outside of the domain.
     fn place(&self, [x, y]: [f64; 2]) -> Option<([f64; 2], String)> {
-        let Frame { x: across, y: up, dodge, .. } = self.frame;
+        let Frame {
+            x: across,
+            y: up,
+            dodge,
+            ..
+        } = self.frame;
         let mut at = [across.at(x), up.at(y)];
         let steps = if dodge.is_y { up } else { across };
         if steps.has_steps() {
@@ -120,28 +172,52 @@ impl Pen<'_> {
             (0.0, beyond) => [0.0, -beyond],
             (beyond, _) => [beyond, 0.0],
         };
-        let back = |side: f64| [at[0] - ARROW * (2.0 * dx + side * dy), at[1] - ARROW * (2.0 * dy - side * dx)];
-        Some((at, path("fig-b", "", &(line(&[at, back(1.0), back(-1.0)]) + "Z"))))
+        let back = |side: f64| {
+            [
+                at[0] - ARROW * (2.0 * dx + side * dy),
+                at[1] - ARROW * (2.0 * dy - side * dx),
+            ]
+        };
+        Some((
+            at,
+            path("fig-b", "", &(line(&[at, back(1.0), back(-1.0)]) + "Z")),
+        ))
     }
 
     /// A wide target for the pointer.
     fn hit(&self, data: &str) -> String {
-        if self.mark.tip.is_empty() { String::new() } else { path("fig-h", "", data) }
+        if self.mark.tip.is_empty() {
+            String::new()
+        } else {
+            path("fig-h", "", data)
+        }
     }
 
     fn line(&self, points: &[[f64; 2]]) -> String {
-        let places: Vec<Option<([f64; 2], String)>> = points.iter().map(|at| self.place(*at)).collect();
-        let run =
-            |run: &[Option<([f64; 2], String)>]| line(&run.iter().flatten().map(|place| place.0).collect::<Vec<_>>());
+        let places: Vec<Option<([f64; 2], String)>> =
+            points.iter().map(|at| self.place(*at)).collect();
+        let run = |run: &[Option<([f64; 2], String)>]| {
+            line(
+                &run.iter()
+                    .flatten()
+                    .map(|place| place.0)
+                    .collect::<Vec<_>>(),
+            )
+        };
         let data: String = places.split(Option::is_none).map(run).collect();
-        let arrows: String = places.iter().flatten().map(|place| place.1.as_str()).collect();
+        let arrows: String = places
+            .iter()
+            .flatten()
+            .map(|place| place.1.as_str())
+            .collect();
         path("fig-l", &dash(self.figure, self.mark.series), &data) + &self.hit(&data) + &arrows
     }
 
     fn rule(&self, axis: &Axis, value: f64, ends: impl Fn(f64) -> [[f64; 2]; 2]) -> Option<String> {
         let data = line(&ends(axis.at(value)));
         let dash = dash(self.figure, self.mark.series);
-        (axis.beyond(value) == 0.0 && !value.is_nan()).then(|| path("fig-l fig-thin", &dash, &data) + &self.hit(&data))
+        (axis.beyond(value) == 0.0 && !value.is_nan())
+            .then(|| path("fig-l fig-thin", &dash, &data) + &self.hit(&data))
     }
 
     fn whisker(&self, a: [f64; 2], b: [f64; 2]) -> Option<String> {

@@ -97,19 +97,33 @@ impl Figure {
 
 impl Mark {
     pub fn new(shape: Shape, series: usize) -> Self {
-        Self { series: Some(series), ..Self::neutral(shape) }
+        Self {
+            series: Some(series),
+            ..Self::neutral(shape)
+        }
     }
 
     pub fn neutral(shape: Shape) -> Self {
-        Self { shape, series: None, tip: String::new(), cell: None }
+        Self {
+            shape,
+            series: None,
+            tip: String::new(),
+            cell: None,
+        }
     }
 
     pub fn tip(self, tip: impl Into<String>) -> Self {
-        Self { tip: tip.into(), ..self }
+        Self {
+            tip: tip.into(),
+            ..self
+        }
     }
 
     pub fn cell(self, cell: impl Into<String>) -> Self {
-        Self { cell: Some(cell.into()), ..self }
+        Self {
+            cell: Some(cell.into()),
+            ..self
+        }
     }
 }
 
@@ -118,23 +132,45 @@ impl Scale {
     pub fn log(label: &str, values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let (lo, hi) = ends(values.into_iter().filter(|value| *value > 0.0))?;
         let pad = ((hi / lo).ln() * 0.06).exp().max(1.15);
-        Some(Self { label: label.to_owned(), kind: ScaleKind::Log { lo: lo / pad, hi: hi * pad } })
+        Some(Self {
+            label: label.to_owned(),
+            kind: ScaleKind::Log {
+                lo: lo / pad,
+                hi: hi * pad,
+            },
+        })
     }
 
     /// A linear scale around numbers; `None` without numbers.
     pub fn linear(label: &str, values: impl IntoIterator<Item = f64>) -> Option<Self> {
         let (lo, hi) = ends(values)?;
-        let pad = if hi > lo { (hi - lo) * 0.06 } else { hi.abs().max(1.0) * 0.1 };
-        Some(Self { label: label.to_owned(), kind: ScaleKind::Linear { lo: lo - pad, hi: hi + pad } })
+        let pad = if hi > lo {
+            (hi - lo) * 0.06
+        } else {
+            hi.abs().max(1.0) * 0.1
+        };
+        Some(Self {
+            label: label.to_owned(),
+            kind: ScaleKind::Linear {
+                lo: lo - pad,
+                hi: hi + pad,
+            },
+        })
     }
 
     pub fn steps(label: &str, names: Vec<String>) -> Self {
-        Self { label: label.to_owned(), kind: ScaleKind::Steps(names) }
+        Self {
+            label: label.to_owned(),
+            kind: ScaleKind::Steps(names),
+        }
     }
 }
 
 fn ends(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
-    let finite: Vec<f64> = values.into_iter().filter(|value| value.is_finite()).collect();
+    let finite: Vec<f64> = values
+        .into_iter()
+        .filter(|value| value.is_finite())
+        .collect();
     let lo = finite.iter().copied().reduce(f64::min)?;
     Some((lo, finite.into_iter().fold(lo, f64::max)))
 }

@@ -25,7 +25,12 @@ impl Axis {
         let (is_log, steps, lo, hi) = match kind {
             ScaleKind::Linear { lo, hi } => (false, 0, *lo, *hi),
             ScaleKind::Log { lo, hi } => (true, 0, *lo, *hi),
-            ScaleKind::Steps(names) => (false, names.len().max(1), -0.5, names.len().max(1) as f64 - 0.5),
+            ScaleKind::Steps(names) => (
+                false,
+                names.len().max(1),
+                -0.5,
+                names.len().max(1) as f64 - 0.5,
+            ),
         };
         let (lo, hi) = match is_log {
             true if lo > 0.0 && hi > lo && hi.is_finite() => (lo, hi),
@@ -35,7 +40,14 @@ impl Axis {
             false if lo.is_finite() => (lo - 0.5, lo + 0.5),
             false => (0.0, 1.0),
         };
-        Self { is_log, steps, lo, hi, from, to }
+        Self {
+            is_log,
+            steps,
+            lo,
+            hi,
+            from,
+            to,
+        }
     }
 
     pub fn domain(&self) -> [f64; 2] {
@@ -81,37 +93,59 @@ const LABELS_LEAST: usize = 3;
 /// Exponents of the smallest and largest f64.
 const EXPONENTS: std::ops::RangeInclusive<i32> = -323..=308;
 
-/// The densest round ticks that `fits` accepts. `tried` are the data; powers of two are labelled as such.
+/// The densest round ticks that `fits` accepts. `tried` are the data; powers of two are labelled as
+/// such.
 pub fn ticks(kind: &ScaleKind, tried: &[f64], fits: impl Fn(&[Tick]) -> bool) -> Vec<Tick> {
     let [lo, hi] = Axis::new(kind, 0.0, 1.0).domain();
     let candidates = match kind {
         ScaleKind::Steps(_) => Vec::new(),
         ScaleKind::Linear { .. } => linear(lo, hi),
-        ScaleKind::Log { .. } => {
-            powers_of_two(lo, hi, tried).into_iter().chain(decades(lo, hi)).chain(linear(lo, hi)).collect()
-        }
+        ScaleKind::Log { .. } => powers_of_two(lo, hi, tried)
+            .into_iter()
+            .chain(decades(lo, hi))
+            .chain(linear(lo, hi))
+            .collect(),
     };
     // Whole numbers are counts.
     let is_whole = |value: f64| value.fract() == 0.0;
     let are_counts = !tried.is_empty() && tried.iter().all(|value| is_whole(*value));
     let is_count = |ticks: &[Tick]| !are_counts || ticks.iter().all(|tick| is_whole(tick.0));
-    let fitting: Vec<Vec<Tick>> = candidates.into_iter().filter(|ticks| is_count(ticks) && fits(ticks)).collect();
+    let fitting: Vec<Vec<Tick>> = candidates
+        .into_iter()
+        .filter(|ticks| is_count(ticks) && fits(ticks))
+        .collect();
     let best = fitting.iter().find(|ticks| ticks.len() >= LABELS_LEAST);
-    best.or_else(|| fitting.iter().max_by_key(|ticks| ticks.len())).cloned().unwrap_or_default()
+    best.or_else(|| fitting.iter().max_by_key(|ticks| ticks.len()))
+        .cloned()
+        .unwrap_or_default()
 }
 
-/// Ticks at powers of two as far apart as the data, at every second, and so on; none for other data.
+/// Ticks at powers of two as far apart as the data, at every second, and so on; none for other
+/// data.
 fn powers_of_two(lo: f64, hi: f64, tried: &[f64]) -> Vec<Vec<Tick>> {
     let is_power = |value: &f64| *value >= 1.0 && value.is_finite() && value.log2().fract() == 0.0;
-    let mut exponents: Vec<i32> =
-        tried.iter().filter(|value| is_power(value)).map(|value| value.log2() as i32).collect();
+    let mut exponents: Vec<i32> = tried
+        .iter()
+        .filter(|value| is_power(value))
+        .map(|value| value.log2() as i32)
+        .collect();
     exponents.sort_unstable();
-    let step = exponents.windows(2).map(|pair| pair[1] - pair[0]).filter(|step| *step > 0).min();
-    let Some(step) = step.filter(|_| exponents.len() == tried.len()) else { return Vec::new() };
+    let step = exponents
+        .windows(2)
+        .map(|pair| pair[1] - pair[0])
+        .filter(|step| *step > 0)
+        .min();
+    let Some(step) = step.filter(|_| exponents.len() == tried.len()) else {
+        return Vec::new();
+    };
     let (first, last) = (lo.log2().ceil().max(0.0) as i32, hi.log2().floor() as i32);
     let every = |by: i32| {
         let own = (first..=last).filter(|exponent| (exponent - exponents[0]) % (by * step) == 0);
-        labelled(&own.map(|exponent| f64::from(exponent).exp2()).collect::<Vec<f64>>(), Some(0))
+        labelled(
+            &own.map(|exponent| f64::from(exponent).exp2())
+                .collect::<Vec<f64>>(),
+            Some(0),
+        )
     };
     (1..=POWERS_LEFT_OUT).map(every).collect()
 }
@@ -122,17 +156,25 @@ const POWERS_LEFT_OUT: i32 = 4;
 /// Ticks of a logarithmic axis, dense to sparse.
 fn decades(lo: f64, hi: f64) -> Vec<Vec<Tick>> {
     let digits: [&[i64]; 3] = [&[1, 2, 5], &[1, 3], &[1]];
-    let dense = digits.into_iter().map(|digits| multiples(lo, hi, digits, 1));
+    let dense = digits
+        .into_iter()
+        .map(|digits| multiples(lo, hi, digits, 1));
     let sparse = (2..=EXPONENTS.end() / 2).map(|by| multiples(lo, hi, &[1], by));
-    dense.chain(sparse).take_while(|values| !values.is_empty()).map(|values| labelled(&values, None)).collect()
+    dense
+        .chain(sparse)
+        .take_while(|values| !values.is_empty())
+        .map(|values| labelled(&values, None))
+        .collect()
 }
 
 /// `digit 10^e` in the domain, for every `by`th exponent.
 fn multiples(lo: f64, hi: f64, digits: &[i64], by: i32) -> Vec<f64> {
     let (first, last) = (lo.log10().floor() as i32, hi.log10().ceil() as i32);
-    let exponents = (first.max(*EXPONENTS.start())..=last.min(*EXPONENTS.end())).filter(|e| e.rem_euclid(by) == 0);
+    let exponents = (first.max(*EXPONENTS.start())..=last.min(*EXPONENTS.end()))
+        .filter(|e| e.rem_euclid(by) == 0);
     let all = exponents.flat_map(|e| digits.iter().map(move |digit| decimal(*digit, e)));
-    all.filter(|value| (lo * (1.0 - ROUNDING)..=hi * (1.0 + ROUNDING)).contains(value)).collect()
+    all.filter(|value| (lo * (1.0 - ROUNDING)..=hi * (1.0 + ROUNDING)).contains(value))
+        .collect()
 }
 
 /// The f64 nearest to `whole 10^e`.
@@ -148,9 +190,16 @@ fn linear(lo: f64, hi: f64) -> Vec<Vec<Tick>> {
     let of = |(digit, e): (i64, i32)| {
         let step = decimal(digit, e);
         let range = (lo / step - ROUNDING).ceil() as i64..=(hi / step + ROUNDING).floor() as i64;
-        labelled(&range.map(|i| decimal(i * digit, e)).collect::<Vec<f64>>(), Some(e.min(0).unsigned_abs() as usize))
+        labelled(
+            &range.map(|i| decimal(i * digit, e)).collect::<Vec<f64>>(),
+            Some(e.min(0).unsigned_abs() as usize),
+        )
     };
-    steps.filter(|(digit, e)| decimal(*digit, *e) >= least).map(of).filter(|ticks| !ticks.is_empty()).collect()
+    steps
+        .filter(|(digit, e)| decimal(*digit, *e) >= least)
+        .map(of)
+        .filter(|ticks| !ticks.is_empty())
+        .collect()
 }
 
 /// Numbers that are not written as powers of ten.
@@ -158,7 +207,9 @@ const PLAIN: std::ops::RangeInclusive<f64> = 0.000_999..=999_999.0;
 
 /// Labels values, all with this many decimals or all as powers of ten.
 fn labelled(values: &[f64], decimals: Option<usize>) -> Vec<Tick> {
-    let is_plain = values.iter().all(|value| *value == 0.0 || PLAIN.contains(&value.abs()));
+    let is_plain = values
+        .iter()
+        .all(|value| *value == 0.0 || PLAIN.contains(&value.abs()));
     let label = |value: f64| match decimals {
         _ if !is_plain => power(value),
         // The sum removes the sign of a zero.
@@ -184,5 +235,9 @@ fn power(value: f64) -> String {
 
 fn superscript(letter: char) -> char {
     const DIGITS: [char; 10] = ['⁰', '¹', '²', '³', '⁴', '⁵', '⁶', '⁷', '⁸', '⁹'];
-    letter.to_digit(10).and_then(|digit| DIGITS.get(digit as usize)).copied().unwrap_or('⁻')
+    letter
+        .to_digit(10)
+        .and_then(|digit| DIGITS.get(digit as usize))
+        .copied()
+        .unwrap_or('⁻')
 }

@@ -1,5 +1,5 @@
-//! A table of images as one SVG: title, labelled columns and rows, legends of the error maps, caption. It is for the eye: the
-//! images are JPEGs.
+//! A table of images as one SVG: title, labelled columns and rows, legends of the error maps,
+//! caption. It is for the eye: the images are JPEGs.
 
 use super::element::{path, rectangle, words};
 use super::ink::style;
@@ -63,17 +63,31 @@ impl ContactSheet {
         let [tile_width, tile_height] = self.tile.map(f64::from);
         let gap = |head: &Head| if head.starts_group { GROUP_GAP } else { GAP };
         let lines = |head: &Head, room: f64| -> Vec<String> {
-            head.label.lines().flat_map(|line| AXIS.wrap(line, room, LINES_MAX)).collect()
+            head.label
+                .lines()
+                .flat_map(|line| AXIS.wrap(line, room, LINES_MAX))
+                .collect()
         };
-        let row_labels: Vec<Vec<String>> = self.rows.iter().map(|(head, _)| lines(head, ROW_LABEL_MAX)).collect();
-        let heads: Vec<Vec<String>> = self.columns.iter().map(|head| lines(head, tile_width)).collect();
+        let row_labels: Vec<Vec<String>> = self
+            .rows
+            .iter()
+            .map(|(head, _)| lines(head, ROW_LABEL_MAX))
+            .collect();
+        let heads: Vec<Vec<String>> = self
+            .columns
+            .iter()
+            .map(|head| lines(head, tile_width))
+            .collect();
         let mut lefts = vec![MARGIN + AXIS.widest(row_labels.iter().flatten()) + BLOCK_GAP];
         for (i, head) in self.columns.iter().enumerate().skip(1) {
             lefts.push(lefts[i - 1] + tile_width + gap(head));
         }
         let width = (lefts[lefts.len() - 1] + tile_width + MARGIN).max(WIDTH_MIN);
 
-        let mut page = Page { body: String::new(), y: MARGIN };
+        let mut page = Page {
+            body: String::new(),
+            y: MARGIN,
+        };
         page.paragraph(&self.title, TITLE, width);
         page.y += BLOCK_GAP + heads.iter().map(Vec::len).max().unwrap_or(0) as f64 * AXIS.line();
         for (head, left) in heads.iter().zip(&lefts) {
@@ -83,30 +97,49 @@ impl ContactSheet {
         let (mut shown, start) = (0, page.y);
         while shown < self.rows.len() {
             // A group of rows stays together.
-            let end = (shown + 1..self.rows.len()).find(|i| self.rows[*i].0.starts_group).unwrap_or(self.rows.len());
-            if shown > 0 && page.y - start + (end - shown) as f64 * tile_height > HEIGHT_MAX * width {
+            let end = (shown + 1..self.rows.len())
+                .find(|i| self.rows[*i].0.starts_group)
+                .unwrap_or(self.rows.len());
+            if shown > 0 && page.y - start + (end - shown) as f64 * tile_height > HEIGHT_MAX * width
+            {
                 break;
             }
-            for ((head, tiles), label) in self.rows[shown..end].iter().zip(&row_labels[shown..end]) {
+            for ((head, tiles), label) in self.rows[shown..end].iter().zip(&row_labels[shown..end])
+            {
                 page.y += gap(head);
                 let top = page.y + (tile_height - label.len() as f64 * AXIS.line()) / 2.0;
                 page.lines(label, [lefts[0] - BLOCK_GAP / 2.0, top], AXIS, "end");
-                tiles.iter().zip(&lefts).for_each(|(tile, left)| page.tile(tile, [*left, page.y], self.tile));
-                let has_note = |tile: &Tile| matches!(tile, Tile::Image { note, .. } if !note.is_empty());
-                page.y += tile_height + if tiles.iter().any(has_note) { LABEL.line() } else { 0.0 };
+                tiles
+                    .iter()
+                    .zip(&lefts)
+                    .for_each(|(tile, left)| page.tile(tile, [*left, page.y], self.tile));
+                let has_note =
+                    |tile: &Tile| matches!(tile, Tile::Image { note, .. } if !note.is_empty());
+                page.y += tile_height
+                    + if tiles.iter().any(has_note) {
+                        LABEL.line()
+                    } else {
+                        0.0
+                    };
             }
             shown = end;
         }
-        self.legends.iter().for_each(|(label, scale)| page.legend(label, scale, lefts[0]));
+        self.legends
+            .iter()
+            .for_each(|(label, scale)| page.legend(label, scale, lefts[0]));
         let count = self.rows.len();
-        let left_out =
-            if shown < count { format!(" These are the first {shown} of {count} rows.") } else { String::new() };
+        let left_out = if shown < count {
+            format!(" These are the first {shown} of {count} rows.")
+        } else {
+            String::new()
+        };
         page.y += BLOCK_GAP;
         page.paragraph(&format!("{}{left_out}", self.caption), AXIS, width);
         let (title, style, body) = (escape(&self.title), style(), page.body);
         let [width, height] = [width.ceil(), (page.y + MARGIN).ceil()].map(px);
         format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"fig\" width=\"{width}\" height=\"{height}\" viewBox=\"0 0 {width} {height}\">\n\
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"fig\" width=\"{width}\" \
+             height=\"{height}\" viewBox=\"0 0 {width} {height}\">\n\
              <title>{title}</title>\n<style>{style}image{{image-rendering:pixelated}}</style>\n\
              <rect class=\"fig-ground\" width=\"{width}\" height=\"{height}\"/>\n{body}</svg>\n"
         )
@@ -122,7 +155,8 @@ struct Page {
 impl Page {
     fn lines(&mut self, lines: &[String], [x, top]: [f64; 2], font: Font, anchor: &'static str) {
         let baseline = top + font.size * (LINE / 2.0 + MIDDLE);
-        self.body.extend(stack(lines, "", [x, baseline], font, anchor).map(|line| words(&line)));
+        self.body
+            .extend(stack(lines, "", [x, baseline], font, anchor).map(|line| words(&line)));
     }
 
     fn paragraph(&mut self, text: &str, font: Font, width: f64) {
@@ -140,9 +174,15 @@ impl Page {
                 let data = BASE64_STANDARD.encode(jpeg(image));
                 let [x, top] = [x, y].map(px);
                 self.body += &format!(
-                    "<image x=\"{x}\" y=\"{top}\" width=\"{width}\" height=\"{height}\" href=\"data:image/jpeg;base64,{data}\"/>\n"
+                    "<image x=\"{x}\" y=\"{top}\" width=\"{width}\" height=\"{height}\" \
+                     href=\"data:image/jpeg;base64,{data}\"/>\n"
                 );
-                self.lines(std::slice::from_ref(note), [middle, y + height], LABEL, "middle");
+                self.lines(
+                    std::slice::from_ref(note),
+                    [middle, y + height],
+                    LABEL,
+                    "middle",
+                );
             }
             Tile::Missing(reason) => {
                 self.body += &path("fig-grid", "", &rectangle([x, y, width, height]));
@@ -162,13 +202,27 @@ impl Page {
         for step in 0..64 {
             let [r, g, b] = scale.palette.color(f64::from(step) / 63.0);
             // Half a pixel wider, or seams would show.
-            let data = rectangle([left + f64::from(step) * width / 64.0, self.y, width / 64.0 + 0.5, height]);
+            let data = rectangle([
+                left + f64::from(step) * width / 64.0,
+                self.y,
+                width / 64.0 + 0.5,
+                height,
+            ]);
             self.body += &path("", &format!(" fill=\"rgb({r},{g},{b})\""), &data);
         }
         for tick in scale.ticks() {
             let value = significant(tick, 2).replace('-', "−");
-            let value = if value.contains('.') { value.trim_end_matches('0').trim_end_matches('.') } else { &value };
-            self.lines(&[value.to_owned()], [left + scale.place(tick) * width, self.y + height], LABEL, "middle");
+            let value = if value.contains('.') {
+                value.trim_end_matches('0').trim_end_matches('.')
+            } else {
+                &value
+            };
+            self.lines(
+                &[value.to_owned()],
+                [left + scale.place(tick) * width, self.y + height],
+                LABEL,
+                "middle",
+            );
         }
         self.y += height + LABEL.line();
     }
@@ -178,7 +232,12 @@ fn jpeg(image: &Rgb8Image) -> Vec<u8> {
     let mut bytes = Vec::new();
     let mut encoder = JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY);
     let (width, height) = (image.width, image.height);
-    let encoded = encoder.encode(image.data.as_flattened(), width, height, image::ExtendedColorType::Rgb8);
+    let encoded = encoder.encode(
+        image.data.as_flattened(),
+        width,
+        height,
+        image::ExtendedColorType::Rgb8,
+    );
     encoded.expect("a picture in memory can be encoded");
     bytes
 }

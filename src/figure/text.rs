@@ -1,14 +1,16 @@
-//! Widths, line breaks and escapes of words in a figure. The browser picks the font, so widths are upper estimates.
+//! Widths, line breaks and escapes of words in a figure. The browser picks the font, so widths are
+//! upper estimates.
 
 use std::borrow::Cow;
 
-/// Advance widths of printable ASCII in Helvetica, thousandths of the text size (Adobe font metrics).
+/// Advance widths of printable ASCII in Helvetica, thousandths of the text size (Adobe font
+/// metrics).
 const ADVANCES: [u16; 95] = [
-    278, 278, 355, 556, 556, 889, 667, 191, 333, 333, 389, 584, 278, 333, 278, 278, 556, 556, 556, 556, 556, 556, 556,
-    556, 556, 556, 278, 278, 584, 584, 584, 556, 1015, 667, 667, 722, 722, 667, 611, 778, 722, 278, 500, 667, 556, 833,
-    722, 778, 667, 778, 722, 667, 611, 722, 667, 944, 667, 667, 611, 278, 278, 278, 469, 556, 333, 556, 556, 500, 556,
-    556, 278, 556, 556, 222, 222, 500, 222, 833, 556, 556, 556, 556, 333, 500, 278, 556, 500, 722, 500, 500, 500, 334,
-    260, 334, 584,
+    278, 278, 355, 556, 556, 889, 667, 191, 333, 333, 389, 584, 278, 333, 278, 278, 556, 556, 556,
+    556, 556, 556, 556, 556, 556, 556, 278, 278, 584, 584, 584, 556, 1015, 667, 667, 722, 722, 667,
+    611, 778, 722, 278, 500, 667, 556, 833, 722, 778, 667, 778, 722, 667, 611, 722, 667, 944, 667,
+    667, 611, 278, 278, 278, 469, 556, 333, 556, 556, 500, 556, 556, 278, 556, 556, 222, 222, 500,
+    222, 833, 556, 556, 556, 556, 333, 500, 278, 556, 500, 722, 500, 500, 500, 334, 260, 334, 584,
 ];
 /// The widest of the fonts in `figure.css` needs 6 % more than Helvetica.
 const SLACK: f64 = 1.08;
@@ -33,11 +35,30 @@ pub struct Font {
     pub class: &'static str,
 }
 
-pub const TITLE: Font = Font { size: 15.0, is_bold: true, class: "fig-ink fig-title" };
-pub const NAME: Font = Font { size: 12.0, is_bold: true, class: "fig-ink fig-name" };
-pub const AXIS: Font = Font { size: 12.0, is_bold: false, class: "fig-ink fig-note" };
-pub const NOTE: Font = Font { class: "fig-muted fig-note", ..AXIS };
-pub const LABEL: Font = Font { size: 11.0, is_bold: false, class: "fig-muted" };
+pub const TITLE: Font = Font {
+    size: 15.0,
+    is_bold: true,
+    class: "fig-ink fig-title",
+};
+pub const NAME: Font = Font {
+    size: 12.0,
+    is_bold: true,
+    class: "fig-ink fig-name",
+};
+pub const AXIS: Font = Font {
+    size: 12.0,
+    is_bold: false,
+    class: "fig-ink fig-note",
+};
+pub const NOTE: Font = Font {
+    class: "fig-muted fig-note",
+    ..AXIS
+};
+pub const LABEL: Font = Font {
+    size: 11.0,
+    is_bold: false,
+    class: "fig-muted",
+};
 
 impl Font {
     pub fn line(self) -> f64 {
@@ -51,10 +72,14 @@ impl Font {
     }
 
     pub fn widest<'t>(self, lines: impl IntoIterator<Item = &'t String>) -> f64 {
-        lines.into_iter().map(|line| self.width(line)).fold(0.0, f64::max)
+        lines
+            .into_iter()
+            .map(|line| self.width(line))
+            .fold(0.0, f64::max)
     }
 
-    /// Breaks a text into at most `most` lines no wider than `room`, preferably after commas; the last may end in an ellipsis.
+    /// Breaks a text into at most `most` lines no wider than `room`, preferably after commas; the
+    /// last may end in an ellipsis.
     pub fn wrap(self, text: &str, room: f64, most: usize) -> Vec<String> {
         let items = text.split_inclusive(", ").map(str::trim);
         let pieces = items.flat_map(|item| match self.width(item) <= room {
@@ -65,7 +90,9 @@ impl Font {
         for piece in pieces.filter(|piece| !piece.is_empty()) {
             let count = lines.len();
             match lines.last_mut() {
-                Some(line) if count >= most.max(1) || self.width(&format!("{line} {piece}")) <= room => {
+                Some(line)
+                    if count >= most.max(1) || self.width(&format!("{line} {piece}")) <= room =>
+                {
                     *line = format!("{line} {piece}");
                 }
                 _ => lines.push(piece.to_owned()),
@@ -78,8 +105,14 @@ impl Font {
         if self.width(text) <= room {
             return text.to_owned();
         }
-        let starts = text.char_indices().rev().map(|(end, _)| format!("{}…", text[..end].trim_end()));
-        starts.into_iter().find(|start| self.width(start) <= room).unwrap_or_else(|| "…".to_owned())
+        let starts = text
+            .char_indices()
+            .rev()
+            .map(|(end, _)| format!("{}…", text[..end].trim_end()));
+        starts
+            .into_iter()
+            .find(|start| self.width(start) <= room)
+            .unwrap_or_else(|| "…".to_owned())
     }
 }
 
@@ -117,7 +150,10 @@ pub fn stack<'t>(
 
 /// Whether lines hold all of a text.
 pub fn is_whole(lines: &[String], text: &str) -> bool {
-    lines.join(" ").split_whitespace().eq(text.split_whitespace())
+    lines
+        .join(" ")
+        .split_whitespace()
+        .eq(text.split_whitespace())
 }
 
 fn advance(letter: char) -> f64 {
@@ -135,8 +171,14 @@ fn advance(letter: char) -> f64 {
 
 /// Escapes a text for elements and attributes; controls become blanks.
 pub fn escape(text: &str) -> String {
-    let text = text.replace(|c: char| c.is_control() || ['\u{fffe}', '\u{ffff}'].contains(&c), " ");
-    let text = text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;");
+    let text = text.replace(
+        |c: char| c.is_control() || ['\u{fffe}', '\u{ffff}'].contains(&c),
+        " ",
+    );
+    let text = text
+        .replace('&', "&amp;")
+        .replace('<', "&lt;")
+        .replace('>', "&gt;");
     text.replace('"', "&quot;").replace('\'', "&#39;")
 }
 

@@ -13,7 +13,12 @@ pub fn gbuffer(scene: &Scene, [width, height]: [u32; 2]) -> Gbuffer<f32> {
     let rgb = |values: [f32; 3]| Vec3::from_array(values);
     let f0 = rgb(material.f0).lerp(rgb(material.albedo), material.metallic);
     let frames = Pixels::from_fn(width, height, |x, y| frame(y * width + x, width * height));
-    let Anisotropy { strength, turn, is_shown, .. } = material.anisotropy;
+    let Anisotropy {
+        strength,
+        turn,
+        is_shown,
+        ..
+    } = material.anisotropy;
     let constant = |xyz: Vec3, w: f32| Pixels::filled(width, height, xyz.extend(w).to_array());
     Gbuffer {
         position_mask: frames.map(|[_, v]| (-v).as_vec3().extend(1.0).to_array()),

@@ -9,26 +9,32 @@
 //! | 2 | albedo, linear, before `1 - metallic` | metallic |
 //! | 3 | f0: `mix(dielectric f0, albedo, metallic)` | index of the material |
 //!
-//! Spheres are exact: with c the centre relative to the ray's origin, d the ray's direction and x = d x c, a ray hits
-//! if `r² d·d - x·x >= 0`, at `(d x x - sqrt(r² d·d - x·x) d) / d·d` from the centre.
+//! Spheres are exact: with c the centre relative to the ray's origin, d the ray's direction and x =
+//! d x c, a ray hits if `r² d·d - x·x >= 0`, at `(d x x - sqrt(r² d·d - x·x) d) / d·d` from the
+//! centre.
 //!
-//! Meshes have interpolated positions and normals and are shaded on both sides: seen from the back, the normal is negated. A material may
-//! cull backs. Near a silhouette, an interpolated normal may lean away from the viewer; shading clamps its `n_dot_v`. Only this pass reads
-//! maps, so every method and the reference see the same surface. Lookups are trilinear with v up, at the level whose texels are as wide as
-//! the longer step to a neighbour within a quad of 2 x 2 pixels. With interpolated normal n, tangent t (not renormalised \[Mikkelsen08\])
-//! and m of the normal map, the normal is `normalize(m.x t + m.y s (n x t) + m.z n)`, s the tangent's sign; metallic is multiplied by the
-//! map's blue, alpha by its green squared. Devices snap vertices to a sub-pixel grid (1/256 pixel is common), so mesh texels match the twin
-//! only to about that much of a pixel; spheres do not depend on it.
+//! Meshes have interpolated positions and normals and are shaded on both sides: seen from the back,
+//! the normal is negated. A material may cull backs. Near a silhouette, an interpolated normal may
+//! lean away from the viewer; shading clamps its `n_dot_v`. Only this pass reads maps, so every
+//! method and the reference see the same surface. Lookups are trilinear with v up, at the level
+//! whose texels are as wide as the longer step to a neighbour within a quad of 2 x 2 pixels. With
+//! interpolated normal n, tangent t (not renormalised \[Mikkelsen08\]) and m of the normal map, the
+//! normal is `normalize(m.x t + m.y s (n x t) + m.z n)`, s the tangent's sign; metallic is
+//! multiplied by the map's blue, alpha by its green squared. Devices snap vertices to a sub-pixel
+//! grid (1/256 pixel is common), so mesh texels match the twin only to about that much of a pixel;
+//! spheres do not depend on it.
 //!
-//! Lobes of two widths need a tangent, and the strength of the anisotropy. Both are the normals and alphas of a second
-//! g-buffer, of [`Scene::tangents`]: in place of a normal m is the direction `(d.x, d.y, 0)` of the material's map
-//! (without one +x), turned counter-clockwise, and in place of alpha the strength times the length of d. Spheres, and
-//! meshes without tangents, have the one of [`crate::math::frame::east`]. Shading makes tangents orthogonal to the normal of the first.
+//! Lobes of two widths need a tangent, and the strength of the anisotropy. Both are the normals and
+//! alphas of a second g-buffer, of [`Scene::tangents`]: in place of a normal m is the direction
+//! `(d.x, d.y, 0)` of the material's map (without one +x), turned counter-clockwise, and in place
+//! of alpha the strength times the length of d. Spheres, and meshes without tangents, have the one
+//! of [`crate::math::frame::east`]. Shading makes tangents orthogonal to the normal of the first.
 //!
-//! Draw state: only one-sided meshes are culled, front faces are counter-clockwise, depth test `<` on 1. Spheres:
-//! `sphere.vert/frag`, a strip of 4 vertices, one instance per sphere, depth written by the shader. Meshes:
-//! `mesh.vert/frag`, indexed triangle lists with position, normal, uv and tangent at locations 0 to 3. Set 0: binding 0
-//! spheres, 1 materials, 2 to 5 the maps of albedo, metallic, roughness and normal.
+//! Draw state: only one-sided meshes are culled, front faces are counter-clockwise, depth test `<`
+//! on 1. Spheres: `sphere.vert/frag`, a strip of 4 vertices, one instance per sphere, depth written
+//! by the shader. Meshes: `mesh.vert/frag`, indexed triangle lists with position, normal, uv and
+//! tangent at locations 0 to 3. Set 0: binding 0 spheres, 1 materials, 2 to 5 the maps of albedo,
+//! metallic, roughness and normal.
 
 pub mod design;
 pub mod pass;
@@ -38,7 +44,12 @@ use crate::pixels::{GrayImage, Pixels};
 use crate::scene::{Anisotropy, Camera, Material, Projection, Scene, Sphere};
 use glam::DVec3;
 
-pub const ATTACHMENT_NAMES: [&str; 4] = ["position-mask", "normal-alpha", "albedo-metallic", "f0-material"];
+pub const ATTACHMENT_NAMES: [&str; 4] = [
+    "position-mask",
+    "normal-alpha",
+    "albedo-metallic",
+    "f0-material",
+];
 
 /// The four attachments: f32 from the device, f64 from the twin in tests.
 #[derive(Clone, Debug, PartialEq)]
@@ -50,8 +61,15 @@ pub struct Gbuffer<T> {
 }
 
 impl<T> From<[Pixels<[T; 4]>; 4]> for Gbuffer<T> {
-    fn from([position_mask, normal_alpha, albedo_metallic, f0_material]: [Pixels<[T; 4]>; 4]) -> Self {
-        Self { position_mask, normal_alpha, albedo_metallic, f0_material }
+    fn from(
+        [position_mask, normal_alpha, albedo_metallic, f0_material]: [Pixels<[T; 4]>; 4],
+    ) -> Self {
+        Self {
+            position_mask,
+            normal_alpha,
+            albedo_metallic,
+            f0_material,
+        }
     }
 }
 
@@ -75,7 +93,8 @@ impl<T: Copy + Into<f64>> Gbuffer<T> {
     }
 }
 
-/// Returns the push constants for an image of `size` pixels; `material` is the mesh's (unused by spheres).
+/// Returns the push constants for an image of `size` pixels; `material` is the mesh's (unused by
+/// spheres).
 pub fn params(camera: &Camera, size: [u32; 2], material: usize) -> GbufferParams {
     let [extent_x, extent_y] = camera.extent(f64::from(size[0]) / f64::from(size[1]));
     let [depth_scale, depth_offset] = camera.depth_scale_offset();
@@ -107,8 +126,18 @@ pub fn material_data(scene: &Scene) -> Vec<MaterialData> {
         albedo_metallic: with(material.albedo, material.metallic),
         f0_alpha: with(material.f0, material.alpha),
         tangent: {
-            let Anisotropy { strength, turn, is_shown, .. } = material.anisotropy;
-            [turn.cos(), turn.sin(), strength, f32::from(u8::from(is_shown))]
+            let Anisotropy {
+                strength,
+                turn,
+                is_shown,
+                ..
+            } = material.anisotropy;
+            [
+                turn.cos(),
+                turn.sin(),
+                strength,
+                f32::from(u8::from(is_shown)),
+            ]
         },
     };
     scene.materials.iter().map(data).collect()

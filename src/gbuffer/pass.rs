@@ -3,14 +3,18 @@
 use super::{ATTACHMENT_NAMES, Gbuffer, material_data, params, sphere_data};
 use crate::glsl::layout::SharedStruct;
 use crate::gpu::{
-    Bind, Buffer, DrawCall, Filter, Format, Gpu, GpuError, GraphicsDescription, Image, Recorder, Sampler, Targets, Wrap,
+    Bind, Buffer, DrawCall, Filter, Format, Gpu, GpuError, GraphicsDescription, Image, Recorder,
+    Sampler, Targets, Wrap,
 };
 use crate::pixels::Pixels;
 use crate::scene::{Camera, Mesh, Scene, Texture};
 
 /// A strip of four vertices, one instance per sphere.
-const SPHERES: GraphicsDescription =
-    GraphicsDescription { shaders: ["gbuffer/sphere.vert", "gbuffer/sphere.frag"], attributes: &[], strip: true };
+const SPHERES: GraphicsDescription = GraphicsDescription {
+    shaders: ["gbuffer/sphere.vert", "gbuffer/sphere.frag"],
+    attributes: &[],
+    strip: true,
+};
 /// Position, normal, uv and tangent.
 const MESHES: GraphicsDescription = GraphicsDescription {
     shaders: ["gbuffer/mesh.vert", "gbuffer/mesh.frag"],
@@ -21,7 +25,9 @@ const MESHES: GraphicsDescription = GraphicsDescription {
 const PIPELINES: [GraphicsDescription; 2] = [SPHERES, MESHES];
 
 pub fn shaders() -> impl Iterator<Item = &'static str> {
-    PIPELINES.into_iter().flat_map(|description| description.shaders)
+    PIPELINES
+        .into_iter()
+        .flat_map(|description| description.shaders)
 }
 
 pub struct SceneData {
@@ -59,9 +65,16 @@ pub fn record(
     camera: &Camera,
     target: &GbufferImages,
 ) -> Result<(), GpuError> {
-    assert!(scene.sphere_count > 0 || !scene.meshes.is_empty(), "a scene has at least one sphere or mesh");
+    assert!(
+        scene.sphere_count > 0 || !scene.meshes.is_empty(),
+        "a scene has at least one sphere or mesh"
+    );
     let colors: Vec<&Image> = target.attachments.iter().collect();
-    let mut targets = Targets { colors: &colors, depth: &target.depth, clear: true };
+    let mut targets = Targets {
+        colors: &colors,
+        depth: &target.depth,
+        clear: true,
+    };
     let push = |material: usize| params(camera, target.size, material).to_bytes();
     if scene.sphere_count > 0 {
         let call = DrawCall {
@@ -82,7 +95,13 @@ pub fn record(
             instance_count: 1,
             is_one_sided: mesh.is_one_sided,
         };
-        recorder.draw(MESHES, &scene.binds(mesh.material_maps), &push(mesh.material), targets, call)?;
+        recorder.draw(
+            MESHES,
+            &scene.binds(mesh.material_maps),
+            &push(mesh.material),
+            targets,
+            call,
+        )?;
         targets.clear = false;
     }
     Ok(())
@@ -91,8 +110,14 @@ pub fn record(
 impl SceneData {
     pub fn new(gpu: &Gpu, scene: &Scene) -> Result<Self, GpuError> {
         let bytes = |name: &str, bytes: Vec<u8>| gpu.buffer_from(name, &bytes);
-        let spheres = sphere_data(scene).iter().flat_map(SharedStruct::to_bytes).collect();
-        let materials = material_data(scene).iter().flat_map(SharedStruct::to_bytes).collect();
+        let spheres = sphere_data(scene)
+            .iter()
+            .flat_map(SharedStruct::to_bytes)
+            .collect();
+        let materials = material_data(scene)
+            .iter()
+            .flat_map(SharedStruct::to_bytes)
+            .collect();
         let mesh = |mesh: &Mesh| {
             let material = &scene.materials[mesh.material];
             Ok(MeshData {
@@ -106,7 +131,10 @@ impl SceneData {
                 index_count: mesh.indices.len() as u32,
                 material: mesh.material,
                 material_maps: [
-                    material.albedo_map, material.metallic_map, material.roughness_map, material.normal_map,
+                    material.albedo_map,
+                    material.metallic_map,
+                    material.roughness_map,
+                    material.normal_map,
                 ],
                 is_one_sided: material.is_one_sided,
             })
@@ -115,16 +143,31 @@ impl SceneData {
             spheres: bytes("spheres", spheres)?,
             sphere_count: scene.spheres.len() as u32,
             materials: bytes("materials", materials)?,
-            meshes: scene.meshes.iter().map(mesh).collect::<Result<_, GpuError>>()?,
-            textures: scene.textures.iter().map(|map| texture(gpu, map)).collect::<Result<_, _>>()?,
-            white: texture(gpu, &Texture::new(Pixels::filled(1, 1, [1.0; 3]), Wrap::REPEAT))?,
-            flat: texture(gpu, &Texture::new(Pixels::filled(1, 1, [0.0, 0.0, 1.0]), Wrap::REPEAT))?,
+            meshes: scene
+                .meshes
+                .iter()
+                .map(mesh)
+                .collect::<Result<_, GpuError>>()?,
+            textures: scene
+                .textures
+                .iter()
+                .map(|map| texture(gpu, map))
+                .collect::<Result<_, _>>()?,
+            white: texture(
+                gpu,
+                &Texture::new(Pixels::filled(1, 1, [1.0; 3]), Wrap::REPEAT),
+            )?,
+            flat: texture(
+                gpu,
+                &Texture::new(Pixels::filled(1, 1, [0.0, 0.0, 1.0]), Wrap::REPEAT),
+            )?,
         })
     }
 
     fn binds(&self, [albedo, metallic, roughness, normal]: [Option<usize>; 4]) -> [Bind<'_>; 6] {
         let map = |index: Option<usize>, missing| {
-            let (image, wrap): &(Image, Wrap) = index.map_or(missing, |index| &self.textures[index]);
+            let (image, wrap): &(Image, Wrap) =
+                index.map_or(missing, |index| &self.textures[index]);
             Bind::Sample(image, Sampler(Filter::Linear, *wrap))
         };
         [
@@ -140,9 +183,18 @@ impl SceneData {
 
 fn texture(gpu: &Gpu, texture: &Texture) -> Result<(Image, Wrap), GpuError> {
     let (first, levels) = (&texture.levels[0], 0..texture.levels.len() as u32);
-    let image = gpu.image("map of a material", [first.width, first.height], levels.end, Format::Rgba32Float)?;
+    let image = gpu.image(
+        "map of a material",
+        [first.width, first.height],
+        levels.end,
+        Format::Rgba32Float,
+    )?;
     for (level, pixels) in levels.zip(&texture.levels) {
-        let texels: Vec<[f32; 4]> = pixels.data.iter().map(|&[r, g, b]| [r, g, b, 1.0]).collect();
+        let texels: Vec<[f32; 4]> = pixels
+            .data
+            .iter()
+            .map(|&[r, g, b]| [r, g, b, 1.0])
+            .collect();
         gpu.write_image(&image, level, &texels)?;
     }
     Ok((image, texture.wrap))
@@ -153,16 +205,29 @@ impl GbufferImages {
         let [a, b, c, d] = ATTACHMENT_NAMES;
         let attachment = |name| gpu.image(name, size, 1, Format::Rgba32Float);
         Ok(Self {
-            attachments: [attachment(a)?, attachment(b)?, attachment(c)?, attachment(d)?],
+            attachments: [
+                attachment(a)?,
+                attachment(b)?,
+                attachment(c)?,
+                attachment(d)?,
+            ],
             depth: gpu.image("depth", size, 1, Format::Depth32Float)?,
             size,
         })
     }
 
     pub fn write(&self, gpu: &Gpu, texels: &Gbuffer<f32>) -> Result<(), GpuError> {
-        let Gbuffer { position_mask, normal_alpha, albedo_metallic, f0_material } = texels;
+        let Gbuffer {
+            position_mask,
+            normal_alpha,
+            albedo_metallic,
+            f0_material,
+        } = texels;
         let all = [position_mask, normal_alpha, albedo_metallic, f0_material];
-        self.attachments.iter().zip(all).try_for_each(|(image, texels)| gpu.write_image(image, 0, &texels.data))
+        self.attachments
+            .iter()
+            .zip(all)
+            .try_for_each(|(image, texels)| gpu.write_image(image, 0, &texels.data))
     }
 
     pub fn read(&self, gpu: &Gpu) -> Result<Gbuffer<f32>, GpuError> {

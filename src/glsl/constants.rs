@@ -1,4 +1,5 @@
-//! Numbers shared by Rust and GLSL. The build script writes `generated/constants.glsl` from [`ALL`].
+//! Numbers shared by Rust and GLSL. The build script writes `generated/constants.glsl` from
+//! [`ALL`].
 
 /// Prefix of shader names for files of the user; other names are paths below `shaders/`.
 pub const FILE_PREFIX: &str = "file:";
@@ -22,40 +23,47 @@ macro_rules! constants {
 constants! {
     /// π in f32.
     PI: f32 = std::f32::consts::PI;
-    /// Smallest microfacet width shaded as a lobe; below it `alpha²` underflows the distributions in f32.
+    /// Smallest microfacet width shaded as a lobe; below it `alpha²` underflows the distributions
+    /// in f32.
     ALPHA_MIN: f32 = 1e-3;
     /// Sine of the angle between view and normal below which f32 cannot represent their plane.
     TILT_MIN: f32 = 1e-5;
-    /// Floor of a clamped cosine. 0 would divide by zero in `1/(4 n_dot_v)`; a larger floor visibly darkens the rim.
+    /// Floor of a clamped cosine. 0 would divide by zero in `1/(4 n_dot_v)`; a larger floor visibly
+    /// darkens the rim.
     COSINE_MIN: f32 = 1e-6;
     /// Luminance weights of linear Rec.709 RGB \[BT709\] item 3.2.
     LUMINANCE_RED: f32 = 0.2126;
     LUMINANCE_GREEN: f32 = 0.7152;
     LUMINANCE_BLUE: f32 = 0.0722;
-    /// Floor of sin(theta) in a density per solid angle over an equirectangular map. At 0 the density would be
-    /// infinite, and its product with a black pole NaN; below 1e-30 it would overflow f32. Such samples get no weight.
+    /// Floor of sin(theta) in a density per solid angle over an equirectangular map. At 0 the
+    /// density would be infinite, and its product with a black pole NaN; below 1e-30 it would
+    /// overflow f32. Such samples get no weight.
     ENVIRONMENT_SIN_THETA_MIN: f32 = 1e-9;
     /// Side of the square work group of image passes.
     GROUP_SIDE: u32 = 8;
     /// Invocations of a linear work group (reductions, probes).
     GROUP_LINEAR: u32 = 64;
-    /// Softness of a cube lookup's level at the edges: 1/sr of the squared difference of two components of a direction.
-    /// Found by trial: with 0, 40 samples lose 11 % of a lamp on a corner, with 3, 1 %.
+    /// Softness of a cube lookup's level at the edges: 1/sr of the squared difference of two
+    /// components of a direction. Found by trial: with 0, 40 samples lose 11 % of a lamp on a
+    /// corner, with 3, 1 %.
     EDGE_SOFTNESS: f32 = 3.0;
     /// Cells per side of a filtered map's texel, over which the environment is averaged.
     RESAMPLE_SIDE: u32 = 4;
-    /// Sample points that a dispatch reads: 16 KiB as a uniform block, the least that every device allows.
+    /// Sample points that a dispatch reads: 16 KiB as a uniform block, the least that every device
+    /// allows.
     POINTS_PER_DISPATCH: u32 = 1024;
-    /// Independent scrambles of the reference. Fewer and longer nets have less noise at equal samples; a pixel's error
-    /// is estimated from their spread with one degree of freedom less.
+    /// Independent scrambles of the reference. Fewer and longer nets have less noise at equal
+    /// samples; a pixel's error is estimated from their spread with one degree of freedom less.
     SCRAMBLE_COUNT: u32 = 4;
-    /// Cells of an environment, by columns and bands, among which the reference chooses by each pixel's lobe.
+    /// Cells of an environment, by columns and bands, among which the reference chooses by each
+    /// pixel's lobe.
     CELL_COLUMNS: u32 = 32;
     CELL_ROWS: u32 = 16;
-    /// Added to the lobe's density (1/sr) in a cell's weight. With 0, tails that miss the cell's mean direction are
-    /// left to the lobe; 0.02 wastes a quarter of the samples of dark pixels.
+    /// Added to the lobe's density (1/sr) in a cell's weight. With 0, tails that miss the cell's
+    /// mean direction are left to the lobe; 0.02 wastes a quarter of the samples of dark pixels.
     GUIDE_FLOOR: f32 = 0.002;
-    /// Narrower lobes guide with this width: they fit between the mean directions of neighbouring cells.
+    /// Narrower lobes guide with this width: they fit between the mean directions of neighbouring
+    /// cells.
     GUIDE_ALPHA_MIN: f32 = 0.15;
     /// Number of real spherical harmonics up to degree 2.
     SH9_COUNT: u32 = 9;
@@ -91,7 +99,8 @@ constants! {
     PREFILTER_WEIGHT_MASKING: u32 = 1;
     /// 1 above the horizon.
     PREFILTER_WEIGHT_NONE: u32 = 2;
-    /// Whether lobes have two widths, and how alpha and a strength make them; in the order of `brdf::Anisotropy`.
+    /// Whether lobes have two widths, and how alpha and a strength make them; in the order of
+    /// `brdf::Anisotropy`.
     ANISOTROPY_NONE: u32 = 0;
     ANISOTROPY_GLTF: u32 = 1;
     ANISOTROPY_KULLA: u32 = 2;
@@ -129,12 +138,14 @@ constants! {
     SHEEN_TOWARD_MOMENT: u32 = 2;
     SHEEN_LEVEL_OWN: u32 = 0;
     SHEEN_LEVEL_ROUGHEST: u32 = 1;
-    /// Of the strips of `split-sum-strips-*`: length and breadth over their share of the widths, and how far the outermost reach.
+    /// Of the strips of `split-sum-strips-*`: length and breadth over their share of the widths,
+    /// and how far the outermost reach.
     STRIP_LENGTH: f32 = 0.5;
     STRIP_BREADTH: f32 = 0.9;
     STRIP_REACH: f32 = 0.95;
     /// Width of each lookup of `split-sum-major-*` over its share of the major axis.
     MAJOR_SPACING: f32 = 2.3;
-    /// Bit of `ShadeParams::flags`: the image has no specular term, so the diffuse one loses nothing to it.
+    /// Bit of `ShadeParams::flags`: the image has no specular term, so the diffuse one loses
+    /// nothing to it.
     SHADE_FLAG_NO_SPECULAR: u32 = 1;
 }

@@ -1,6 +1,7 @@
 //! Structs shared by Rust and GLSL. The build script writes `generated/layout.glsl` from [`ALL`].
 //!
-//! Members: 16-byte vectors, then 4-byte scalars; no vec3, arrays or bool: std430, scalar and Rust layouts agree.
+//! Members: 16-byte vectors, then 4-byte scalars; no vec3, arrays or bool: std430, scalar and Rust
+//! layouts agree.
 
 /// Name of a struct, and type and name of each member.
 pub type Struct = (&'static str, &'static [(&'static str, &'static str)]);
@@ -82,7 +83,8 @@ shared_structs! {
         lod_bias: float,
     /// First row of this dispatch: long levels are split over several submissions.
         first_row: uint,
-    /// First of the `point_count` points of this dispatch. Point 0 starts the sums, the last finishes them.
+    /// First of the `point_count` points of this dispatch. Point 0 starts the sums, the last
+    /// finishes them.
         first_point: uint,
         point_count: uint,
     }
@@ -108,11 +110,13 @@ shared_structs! {
         /// Index of the mesh's material; spheres carry their own.
         material: uint,
     }
-    /// A material as the g-buffer pass reads it. `f0` is the dielectric reflectance; metals take `albedo` instead.
+    /// A material as the g-buffer pass reads it. `f0` is the dielectric reflectance; metals take
+    /// `albedo` instead.
     MaterialData {
         albedo_metallic: vec4,
         f0_alpha: vec4,
-        /// Cosine and sine of the turn of the tangent, strength of the anisotropy; w = 1 where tangents replace normals.
+        /// Cosine and sine of the turn of the tangent, strength of the anisotropy; w = 1 where
+        /// tangents replace normals.
         tangent: vec4,
     }
     /// A sphere as the g-buffer pass reads it: centre and radius; index of its material in x.
@@ -120,7 +124,8 @@ shared_structs! {
         center_radius: vec4,
         material: uvec4,
     }
-    /// Push constants of all shading passes. The rows rotate a world direction into the environment's frame.
+    /// Push constants of all shading passes. The rows rotate a world direction into the
+    /// environment's frame.
     ShadeParams {
         environment_from_world_0: vec4,
         environment_from_world_1: vec4,
@@ -133,7 +138,8 @@ shared_structs! {
         environment_height: uint,
     /// Samples a pixel (except for the reference).
         sample_count: uint,
-    /// First pair of samples of this dispatch in each scramble's net (reference only). Pair 0 resets the sums.
+    /// First pair of samples of this dispatch in each scramble's net (reference only). Pair 0
+    /// resets the sums.
         first_pair: uint,
         first_row: uint,
         prefilter_level_count: uint,
@@ -144,15 +150,17 @@ shared_structs! {
         flags: uint,
     /// Chooses the points of the reference; the set of a sampled method.
         seed: uint,
-    /// Pairs of samples of this dispatch in each scramble's net; all pairs when the sums are resolved (reference only).
+    /// Pairs of samples of this dispatch in each scramble's net; all pairs when the sums are
+    /// resolved (reference only).
         pair_count: uint,
     /// Sample points of this dispatch (except for the reference): its share of `sample_count`.
         point_count: uint,
     /// Slots of the environment's distribution (reference only).
         slot_count: uint,
     }
-    /// Push constants of the background pass. `right` and `up` reach from the image's centre to its edges at distance 1
-    /// along `forward` (0 for an orthographic camera); all three are in the environment's frame.
+    /// Push constants of the background pass. `right` and `up` reach from the image's centre to its
+    /// edges at distance 1 along `forward` (0 for an orthographic camera); all three are in the
+    /// environment's frame.
     BackgroundParams {
         right: vec4,
         up: vec4,

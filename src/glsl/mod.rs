@@ -1,4 +1,5 @@
-//! Definitions shared by Rust and GLSL. Without dependencies, since the build script includes these files.
+//! Definitions shared by Rust and GLSL. Without dependencies, since the build script includes these
+//! files.
 
 pub mod constants;
 #[cfg(feature = "gpu")]

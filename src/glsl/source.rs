@@ -1,8 +1,9 @@
-//! The texts of the shaders, and their compilation to SPIR-V. The build script compiles all of `shaders/` with this
-//! file; the program compiles methods in files of the user.
+//! The texts of the shaders, and their compilation to SPIR-V. The build script compiles all of
+//! `shaders/` with this file; the program compiles methods in files of the user.
 //!
-//! An entry point is a `.comp`, `.vert` or `.frag` file. `#include "path"` is relative to `shaders/`; each file is included once. Two
-//! folders are virtual: `generated/` holds the text of `src/glsl`; `selected/` is a choice, with one permutation per candidate:
+//! An entry point is a `.comp`, `.vert` or `.frag` file. `#include "path"` is relative to
+//! `shaders/`; each file is included once. Two folders are virtual: `generated/` holds the text of
+//! `src/glsl`; `selected/` is a choice, with one permutation per candidate:
 //!
 //! | include | candidates: every file of |
 //! |---|---|
@@ -12,7 +13,8 @@
 //! | `selected/lobe.glsl` | `shade/lobe/` |
 //! | `selected/map_layout.glsl` | `map_layout/` |
 //!
-//! A permutation is named `<entry>[:<candidate>]...`, in the order of the includes, stems with `-` for `_`.
+//! A permutation is named `<entry>[:<candidate>]...`, in the order of the includes, stems with `-`
+//! for `_`.
 
 use super::constants::FILE_PREFIX;
 use std::collections::{BTreeMap, BTreeSet};
@@ -52,15 +54,25 @@ pub struct Sources(pub BTreeMap<String, String>);
 impl Sources {
     /// Lists the paths of all entry points, sorted.
     pub fn entries(&self) -> impl Iterator<Item = &str> {
-        self.0.keys().map(String::as_str).filter(|path| stage(path).is_some())
+        self.0
+            .keys()
+            .map(String::as_str)
+            .filter(|path| stage(path).is_some())
     }
 
     fn text(&self, path: &str) -> Result<&str, String> {
-        self.0.get(path).map(String::as_str).ok_or_else(|| format!("there is no {path} to include"))
+        self.0
+            .get(path)
+            .map(String::as_str)
+            .ok_or_else(|| format!("there is no {path} to include"))
     }
 
     /// Lists the permutations of an entry point that extend a choice: name and whole choice.
-    pub fn permutations(&self, entry: &str, chosen: &Choice) -> Result<Vec<(String, Choice)>, String> {
+    pub fn permutations(
+        &self,
+        entry: &str,
+        chosen: &Choice,
+    ) -> Result<Vec<(String, Choice)>, String> {
         let (mut done, mut open) = (Vec::new(), vec![(entry.to_string(), chosen.clone())]);
         while let Some((name, choice)) = open.pop() {
             let Some(include) = self.first_unresolved(entry, &choice)? else {
@@ -83,7 +95,11 @@ impl Sources {
 
     /// Lists the stems of a folder's `.glsl` files, sorted.
     fn stems(&self, folder: &str) -> impl Iterator<Item = &str> {
-        self.0.keys().filter_map(move |path| path.strip_prefix(folder)?.strip_prefix('/')?.strip_suffix(".glsl"))
+        self.0.keys().filter_map(move |path| {
+            path.strip_prefix(folder)?
+                .strip_prefix('/')?
+                .strip_suffix(".glsl")
+        })
     }
 
     /// Finds the first `selected/` include reached from `entry` that `choice` leaves open.
@@ -95,10 +111,20 @@ impl Sources {
                 return Ok(Some(path));
             }
             if seen.insert(path.clone()) {
-                for (index, line) in self.text(&path)?.lines().enumerate().collect::<Vec<_>>().into_iter().rev() {
-                    let Some(include) = included(line) else { continue };
+                for (index, line) in self
+                    .text(&path)?
+                    .lines()
+                    .enumerate()
+                    .collect::<Vec<_>>()
+                    .into_iter()
+                    .rev()
+                {
+                    let Some(include) = included(line) else {
+                        continue;
+                    };
                     if !include.starts_with("selected/") {
-                        self.text(include).map_err(|e| format!("{}:{}: {e}", shown(&path), index + 1))?;
+                        self.text(include)
+                            .map_err(|e| format!("{}:{}: {e}", shown(&path), index + 1))?;
                     }
                     open.push(include.to_string());
                 }
@@ -107,15 +133,29 @@ impl Sources {
         Ok(None)
     }
 
-    /// Expands all includes into one text. `#line` keeps line numbers if the language supports file names in it.
-    pub fn expand(&self, entry: &str, choice: &Choice, language: Language) -> Result<String, String> {
+    /// Expands all includes into one text. `#line` keeps line numbers if the language supports file
+    /// names in it.
+    pub fn expand(
+        &self,
+        entry: &str,
+        choice: &Choice,
+        language: Language,
+    ) -> Result<String, String> {
         let (version, first) = match language {
-            Language::Vulkan => ("#version 460\n#extension GL_GOOGLE_cpp_style_line_directive : require\n", None),
+            Language::Vulkan => (
+                "#version 460\n#extension GL_GOOGLE_cpp_style_line_directive : require\n",
+                None,
+            ),
             Language::Es => ("#version 300 es\n", Some(ES_PRELUDE)),
         };
         let has_lines = language == Language::Vulkan;
-        let mut expansion =
-            Expansion { sources: self, choice, has_lines, done: BTreeSet::new(), text: version.to_string() };
+        let mut expansion = Expansion {
+            sources: self,
+            choice,
+            has_lines,
+            done: BTreeSet::new(),
+            text: version.to_string(),
+        };
         for path in first.into_iter().chain([entry]) {
             expansion.append(path)?;
         }
@@ -144,7 +184,9 @@ impl Expansion<'_> {
             if let Some(include) = included(line) {
                 self.append(include)?;
                 self.line(index + 2, path);
-            } else if line.starts_with("#version") || line.starts_with("#extension GL_GOOGLE_include") {
+            } else if line.starts_with("#version")
+                || line.starts_with("#extension GL_GOOGLE_include")
+            {
                 self.text.push('\n'); // `expand` writes both
             } else {
                 self.text.push_str(line);
@@ -163,11 +205,16 @@ impl Expansion<'_> {
 }
 
 fn shown(path: &str) -> String {
-    path.strip_prefix(FILE_PREFIX).map_or_else(|| format!("shaders/{path}"), str::to_owned)
+    path.strip_prefix(FILE_PREFIX)
+        .map_or_else(|| format!("shaders/{path}"), str::to_owned)
 }
 
 fn included(line: &str) -> Option<&str> {
-    line.trim_start().strip_prefix("#include")?.trim().strip_prefix('"')?.strip_suffix('"')
+    line.trim_start()
+        .strip_prefix("#include")?
+        .trim()
+        .strip_prefix('"')?
+        .strip_suffix('"')
 }
 
 fn stage(entry: &str) -> Option<glslang::ShaderStage> {
@@ -200,10 +247,22 @@ pub fn parse(
     let stage = stage(entry).ok_or("not a shader entry point")?;
     let (target, version_profile) = match language {
         Language::Vulkan => {
-            let (version, spirv_version) = (glslang::VulkanVersion::Vulkan1_3, glslang::SpirvVersion::SPIRV1_6);
-            (glslang::Target::Vulkan { version, spirv_version }, None)
+            let (version, spirv_version) = (
+                glslang::VulkanVersion::Vulkan1_3,
+                glslang::SpirvVersion::SPIRV1_6,
+            );
+            (
+                glslang::Target::Vulkan {
+                    version,
+                    spirv_version,
+                },
+                None,
+            )
         }
-        Language::Es => (glslang::Target::None(None), Some((300, glslang::GlslProfile::ES))),
+        Language::Es => (
+            glslang::Target::None(None),
+            Some((300, glslang::GlslProfile::ES)),
+        ),
     };
     let options = glslang::CompilerOptions {
         source_language: glslang::SourceLanguage::GLSL,
@@ -212,7 +271,18 @@ pub fn parse(
         messages: glslang::ShaderMessage::DEFAULT,
     };
     let source = glslang::ShaderSource::from(text);
-    let input = glslang::ShaderInput::new(&source, stage, &options, None::<&[(&str, Option<&str>)]>, None)
-        .map_err(|e| e.to_string())?;
-    Ok((compiler()?.create_shader(input).map_err(|e| e.to_string())?, stage))
+    let input = glslang::ShaderInput::new(
+        &source,
+        stage,
+        &options,
+        None::<&[(&str, Option<&str>)]>,
+        None,
+    )
+    .map_err(|e| e.to_string())?;
+    Ok((
+        compiler()?
+            .create_shader(input)
+            .map_err(|e| e.to_string())?,
+        stage,
+    ))
 }

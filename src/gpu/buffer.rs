@@ -32,7 +32,11 @@ impl Buffer {
 
     /// Copies the contents of a host-visible buffer.
     pub(super) fn host_copy<T: Pod>(&self) -> Vec<T> {
-        let mapped = self.inner.memory.as_ref().and_then(|memory| memory.allocation.mapped_slice());
+        let mapped = self
+            .inner
+            .memory
+            .as_ref()
+            .and_then(|memory| memory.allocation.mapped_slice());
         let bytes = &mapped.expect("GpuToCpu memory is mapped")[..self.inner.size as usize];
         bytemuck::pod_collect_to_vec(bytes)
     }
@@ -40,7 +44,11 @@ impl Buffer {
 
 fn storage() -> vk::BufferUsageFlags {
     use vk::BufferUsageFlags as Usage;
-    Usage::STORAGE_BUFFER | Usage::VERTEX_BUFFER | Usage::INDEX_BUFFER | Usage::TRANSFER_SRC | Usage::TRANSFER_DST
+    Usage::STORAGE_BUFFER
+        | Usage::VERTEX_BUFFER
+        | Usage::INDEX_BUFFER
+        | Usage::TRANSFER_SRC
+        | Usage::TRANSFER_DST
 }
 
 impl Gpu {
@@ -53,14 +61,21 @@ impl Gpu {
         self.filled(name, bytemuck::cast_slice(data), storage())
     }
 
-    /// Makes a buffer that holds `data`, to be bound in parts as uniform blocks; storage limits do not apply.
+    /// Makes a buffer that holds `data`, to be bound in parts as uniform blocks; storage limits do
+    /// not apply.
     pub fn uniform_from<T: Pod>(&self, name: &str, data: &[T]) -> Result<Buffer, GpuError> {
         let usage = vk::BufferUsageFlags::UNIFORM_BUFFER | vk::BufferUsageFlags::TRANSFER_DST;
         self.filled(name, bytemuck::cast_slice(data), usage)
     }
 
-    fn filled(&self, name: &str, bytes: &[u8], usage: vk::BufferUsageFlags) -> Result<Buffer, GpuError> {
-        let buffer = self.create_buffer(name, bytes.len() as u64, usage, MemoryLocation::GpuOnly)?;
+    fn filled(
+        &self,
+        name: &str,
+        bytes: &[u8],
+        usage: vk::BufferUsageFlags,
+    ) -> Result<Buffer, GpuError> {
+        let buffer =
+            self.create_buffer(name, bytes.len() as u64, usage, MemoryLocation::GpuOnly)?;
         self.write_buffer(&buffer, bytes)?;
         Ok(buffer)
     }
@@ -95,7 +110,12 @@ impl Gpu {
 
     /// Makes a host-visible buffer to copy to.
     pub(super) fn readback(&self, name: &str, size: u64) -> Result<Buffer, GpuError> {
-        self.create_buffer(name, size, vk::BufferUsageFlags::TRANSFER_DST, MemoryLocation::GpuToCpu)
+        self.create_buffer(
+            name,
+            size,
+            vk::BufferUsageFlags::TRANSFER_DST,
+            MemoryLocation::GpuToCpu,
+        )
     }
 
     fn create_buffer(
@@ -110,30 +130,53 @@ impl Gpu {
         let size = size.max(4);
         let limit = self.max_buffer_bytes();
         if usage.contains(vk::BufferUsageFlags::STORAGE_BUFFER) && size > limit {
-            return Err(GpuError::Limit { what: "storage buffer", name: name.into(), needed: size, limit });
+            return Err(GpuError::Limit {
+                what: "storage buffer",
+                name: name.into(),
+                needed: size,
+                limit,
+            });
         }
         let info = vk::BufferCreateInfo::default().size(size).usage(usage);
         // SAFETY: the device is alive and the description is complete.
-        let raw = unsafe { device.raw.create_buffer(&info, None) }.map_err(GpuError::call("vkCreateBuffer", name))?;
+        let raw = unsafe { device.raw.create_buffer(&info, None) }
+            .map_err(GpuError::call("vkCreateBuffer", name))?;
         device.set_name(raw, name);
         let (name, device) = (name.to_owned(), device.clone());
-        let mut inner = Inner { raw, size, state: Mutex::new(State::NEW), name, memory: None, device };
+        let mut inner = Inner {
+            raw,
+            size,
+            state: Mutex::new(State::NEW),
+            name,
+            memory: None,
+            device,
+        };
         // SAFETY: the buffer was just made.
         let requirements = unsafe { inner.device.raw.get_buffer_memory_requirements(raw) };
-        let memory = inner.device.allocate(&inner.name, requirements, location, true)?;
+        let memory = inner
+            .device
+            .allocate(&inner.name, requirements, location, true)?;
         // SAFETY: the memory is not freed before its last resource.
         let raw_memory = unsafe { memory.allocation.memory() };
         // SAFETY: the allocation fits the requirements and nothing else uses its range.
-        unsafe { inner.device.raw.bind_buffer_memory(raw, raw_memory, memory.allocation.offset()) }
-            .map_err(GpuError::call("vkBindBufferMemory", &inner.name))?;
+        unsafe {
+            inner
+                .device
+                .raw
+                .bind_buffer_memory(raw, raw_memory, memory.allocation.offset())
+        }
+        .map_err(GpuError::call("vkBindBufferMemory", &inner.name))?;
         inner.memory = Some(memory);
-        Ok(Buffer { inner: Arc::new(inner) })
+        Ok(Buffer {
+            inner: Arc::new(inner),
+        })
     }
 }
 
 impl Drop for Inner {
     fn drop(&mut self) {
-        // SAFETY: no pending command uses the buffer, because `submit` waits and recorders hold what they record.
+        // SAFETY: no pending command uses the buffer, because `submit` waits and recorders hold
+        // what they record.
         unsafe { self.device.raw.destroy_buffer(self.raw, None) };
     }
 }

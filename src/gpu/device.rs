@@ -7,13 +7,16 @@ use super::slot::Slot;
 use super::{DeviceInfo, GpuError, Options, Sampler};
 use ash::{ext, khr, vk};
 use gpu_allocator::MemoryLocation;
-use gpu_allocator::vulkan::{Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc};
+use gpu_allocator::vulkan::{
+    Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc,
+};
 use std::collections::HashMap;
 use std::ffi::{CStr, CString};
 use std::sync::atomic::AtomicBool;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// Locks a mutex. Panics cannot leave its contents half-changed: no call into Vulkan or the allocator panics.
+/// Locks a mutex. Panics cannot leave its contents half-changed: no call into Vulkan or the
+/// allocator panics.
 pub(crate) fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -54,16 +57,25 @@ impl Gpu {
         let instance = Instance::new(options.validation)?;
         let (physical, info) = instance.choose(options.device)?;
         let (queue_family, timestamp_mask) = queue_family(&instance, physical, &info)?;
-        let raw = create_device(&instance, physical, &info, queue_family, options.executables)?;
+        let raw = create_device(
+            &instance,
+            physical,
+            &info,
+            queue_family,
+            options.executables,
+        )?;
         // SAFETY: the queue was asked for in `create_device`.
         let queue = unsafe { raw.get_device_queue(queue_family, 0) };
-        let debug = instance.has_debug_utils.then(|| ext::debug_utils::Device::new(&instance.raw, &raw));
+        let debug = instance
+            .has_debug_utils
+            .then(|| ext::debug_utils::Device::new(&instance.raw, &raw));
         // SAFETY: the physical device belongs to the instance.
         let limits = unsafe { instance.raw.get_physical_device_properties(physical) }.limits;
 
         // From here on `Shared` owns the device, and its drop frees it if a later step fails.
-        let executables =
-            options.executables.then(|| khr::pipeline_executable_properties::Device::new(&instance.raw, &raw));
+        let executables = options
+            .executables
+            .then(|| khr::pipeline_executable_properties::Device::new(&instance.raw, &raw));
         let mut shared = Shared {
             raw,
             queue,
@@ -91,21 +103,33 @@ impl Gpu {
             buffer_device_address: false,
             allocation_sizes: Default::default(),
         })
-        .map_err(|source| GpuError::Memory { name: "allocator".into(), source })?;
+        .map_err(|source| GpuError::Memory {
+            name: "allocator".into(),
+            source,
+        })?;
         shared.allocator = Mutex::new(Some(allocator));
-        Ok(Self { shared: Arc::new(shared) })
+        Ok(Self {
+            shared: Arc::new(shared),
+        })
     }
 
     pub fn info(&self) -> &DeviceInfo {
         &self.shared.info
     }
 
-    /// Returns the messages of the validation layer since the device was opened; empty without validation.
+    /// Returns the messages of the validation layer since the device was opened; empty without
+    /// validation.
     pub fn validation_messages(&self) -> Vec<String> {
-        self.shared.instance.messages.lock().map(|messages| messages.clone()).unwrap_or_default()
+        self.shared
+            .instance
+            .messages
+            .lock()
+            .map(|messages| messages.clone())
+            .unwrap_or_default()
     }
 
-    /// Returns how many bits of a pixel's fraction the rasteriser keeps of a vertex position: at least 4.
+    /// Returns how many bits of a pixel's fraction the rasteriser keeps of a vertex position: at
+    /// least 4.
     pub fn sub_pixel_precision_bits(&self) -> u32 {
         self.shared.limits.sub_pixel_precision_bits
     }
@@ -123,7 +147,9 @@ impl Gpu {
 impl Shared {
     pub(super) fn set_name<T: vk::Handle>(&self, handle: T, name: &str) {
         if let (Some(debug), Ok(name)) = (&self.debug, CString::new(name)) {
-            let info = vk::DebugUtilsObjectNameInfoEXT::default().object_handle(handle).object_name(&name);
+            let info = vk::DebugUtilsObjectNameInfoEXT::default()
+                .object_handle(handle)
+                .object_name(&name);
             // SAFETY: the handle is alive. A failure costs only the name.
             let _ = unsafe { debug.set_debug_utils_object_name(&info) };
         }
@@ -137,11 +163,18 @@ impl Shared {
         linear: bool,
     ) -> Result<Memory, GpuError> {
         if requirements.size > self.info.memory_bytes {
-            return Err(GpuError::OutOfMemory { name: name.into(), bytes: Some(requirements.size) });
+            return Err(GpuError::OutOfMemory {
+                name: name.into(),
+                bytes: Some(requirements.size),
+            });
         }
-        self.injector.reach(Site::Allocate).map_err(GpuError::call("vkAllocateMemory", name))?;
+        self.injector
+            .reach(Site::Allocate)
+            .map_err(GpuError::call("vkAllocateMemory", name))?;
         let mut allocator = lock(&self.allocator);
-        let allocator = allocator.as_mut().expect("the allocator lives as long as the device");
+        let allocator = allocator
+            .as_mut()
+            .expect("the allocator lives as long as the device");
         let description = AllocationCreateDesc {
             name,
             requirements,
@@ -149,13 +182,22 @@ impl Shared {
             linear,
             allocation_scheme: AllocationScheme::GpuAllocatorManaged,
         };
-        let allocation = allocator.allocate(&description).map_err(|source| match source {
-            gpu_allocator::AllocationError::OutOfMemory => {
-                GpuError::OutOfMemory { name: name.into(), bytes: Some(requirements.size) }
-            }
-            source => GpuError::Memory { name: name.into(), source },
-        })?;
-        Ok(Memory { allocation, device: self.clone() })
+        let allocation = allocator
+            .allocate(&description)
+            .map_err(|source| match source {
+                gpu_allocator::AllocationError::OutOfMemory => GpuError::OutOfMemory {
+                    name: name.into(),
+                    bytes: Some(requirements.size),
+                },
+                source => GpuError::Memory {
+                    name: name.into(),
+                    source,
+                },
+            })?;
+        Ok(Memory {
+            allocation,
+            device: self.clone(),
+        })
     }
 }
 
@@ -176,7 +218,8 @@ impl Drop for Memory {
 
 impl Drop for Shared {
     fn drop(&mut self) {
-        // SAFETY: every submission has been waited for; waiting again covers one that failed midway.
+        // SAFETY: every submission has been waited for; waiting again covers one that failed
+        // midway.
         let _ = unsafe { self.raw.device_wait_idle() };
         lock(&self.pipelines).clear();
         for (_, sampler) in lock(&self.samplers).drain() {
@@ -190,10 +233,19 @@ impl Drop for Shared {
     }
 }
 
-/// Finds the first queue family with graphics, compute and timestamps; returns index and mask of timestamp bits.
-fn queue_family(instance: &Instance, physical: vk::PhysicalDevice, info: &DeviceInfo) -> Result<(u32, u64), GpuError> {
+/// Finds the first queue family with graphics, compute and timestamps; returns index and mask of
+/// timestamp bits.
+fn queue_family(
+    instance: &Instance,
+    physical: vk::PhysicalDevice,
+    info: &DeviceInfo,
+) -> Result<(u32, u64), GpuError> {
     // SAFETY: the physical device belongs to the instance.
-    let families = unsafe { instance.raw.get_physical_device_queue_family_properties(physical) };
+    let families = unsafe {
+        instance
+            .raw
+            .get_physical_device_queue_family_properties(physical)
+    };
     let wanted = vk::QueueFlags::GRAPHICS | vk::QueueFlags::COMPUTE;
     let (index, family) = families
         .iter()
@@ -213,22 +265,35 @@ fn create_device(
     family: u32,
     has_executables: bool,
 ) -> Result<ash::Device, GpuError> {
-    let missing = |feature: &str| GpuError::MissingFeature { device: info.name.clone(), feature: feature.into() };
+    let missing = |feature: &str| GpuError::MissingFeature {
+        device: info.name.clone(),
+        feature: feature.into(),
+    };
     // SAFETY: the physical device belongs to the instance.
     let version = unsafe { instance.raw.get_physical_device_properties(physical) }.api_version;
     if version < vk::API_VERSION_1_3 {
-        return Err(missing(&format!("Vulkan 1.3 (it offers {})", info.api_version)));
+        return Err(missing(&format!(
+            "Vulkan 1.3 (it offers {})",
+            info.api_version
+        )));
     }
     let mut offered = vk::PhysicalDeviceVulkan13Features::default();
     let mut query = vk::PhysicalDeviceFeatures2::default().push_next(&mut offered);
     // SAFETY: as above; the chain outlives the call.
-    unsafe { instance.raw.get_physical_device_features2(physical, &mut query) };
+    unsafe {
+        instance
+            .raw
+            .get_physical_device_features2(physical, &mut query)
+    };
     for (has, feature) in [
         (offered.dynamic_rendering, "dynamicRendering"),
         (offered.synchronization2, "synchronization2"),
         (offered.maintenance4, "maintenance4"),
         // Fragment shaders that discard compile to demote in SPIR-V 1.6.
-        (offered.shader_demote_to_helper_invocation, "shaderDemoteToHelperInvocation"),
+        (
+            offered.shader_demote_to_helper_invocation,
+            "shaderDemoteToHelperInvocation",
+        ),
     ] {
         if has == vk::FALSE {
             return Err(missing(feature));
@@ -239,33 +304,50 @@ fn create_device(
         | vk::FormatFeatureFlags::STORAGE_IMAGE
         | vk::FormatFeatureFlags::COLOR_ATTACHMENT;
     // SAFETY: as above.
-    let format =
-        unsafe { instance.raw.get_physical_device_format_properties(physical, vk::Format::R32G32B32A32_SFLOAT) };
+    let format = unsafe {
+        instance
+            .raw
+            .get_physical_device_format_properties(physical, vk::Format::R32G32B32A32_SFLOAT)
+    };
     if !format.optimal_tiling_features.contains(needed) {
-        return Err(missing("linearly filtered, storable and renderable R32G32B32A32_SFLOAT images"));
+        return Err(missing(
+            "linearly filtered, storable and renderable R32G32B32A32_SFLOAT images",
+        ));
     }
 
     let priorities = [1.0];
-    let queues = [vk::DeviceQueueCreateInfo::default().queue_family_index(family).queue_priorities(&priorities)];
+    let queues = [vk::DeviceQueueCreateInfo::default()
+        .queue_family_index(family)
+        .queue_priorities(&priorities)];
     let mut features = vk::PhysicalDeviceVulkan13Features::default()
         .dynamic_rendering(true)
         .synchronization2(true)
         .maintenance4(true)
         .shader_demote_to_helper_invocation(true);
-    let mut create = vk::DeviceCreateInfo::default().queue_create_infos(&queues).push_next(&mut features);
-    let mut report =
-        vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default().pipeline_executable_info(true);
+    let mut create = vk::DeviceCreateInfo::default()
+        .queue_create_infos(&queues)
+        .push_next(&mut features);
+    let mut report = vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default()
+        .pipeline_executable_info(true);
     let names = [khr::pipeline_executable_properties::NAME];
     let name_pointers = names.map(CStr::as_ptr);
     if has_executables {
         // SAFETY: the physical device belongs to the instance.
-        let extensions = unsafe { instance.raw.enumerate_device_extension_properties(physical) }
-            .map_err(GpuError::call("vkEnumerateDeviceExtensionProperties", &info.name))?;
-        if !extensions.iter().any(|extension| extension.extension_name_as_c_str() == Ok(names[0])) {
+        let extensions =
+            unsafe { instance.raw.enumerate_device_extension_properties(physical) }.map_err(
+                GpuError::call("vkEnumerateDeviceExtensionProperties", &info.name),
+            )?;
+        if !extensions
+            .iter()
+            .any(|extension| extension.extension_name_as_c_str() == Ok(names[0]))
+        {
             return Err(missing("VK_KHR_pipeline_executable_properties"));
         }
-        create = create.enabled_extension_names(&name_pointers).push_next(&mut report);
+        create = create
+            .enabled_extension_names(&name_pointers)
+            .push_next(&mut report);
     }
     // SAFETY: every pointer outlives the call, and every feature and extension was checked above.
-    unsafe { instance.raw.create_device(physical, &create, None) }.map_err(GpuError::call("vkCreateDevice", &info.name))
+    unsafe { instance.raw.create_device(physical, &create, None) }
+        .map_err(GpuError::call("vkCreateDevice", &info.name))
 }

@@ -1,6 +1,8 @@
-//! Statistics and texts that the driver's compiler reports of a shader, through VK_KHR_pipeline_executable_properties.
+//! Statistics and texts that the driver's compiler reports of a shader, through
+//! VK_KHR_pipeline_executable_properties.
 //!
-//! Descriptors and push constants are read from the SPIR-V: no resources are needed, even no executing device.
+//! Descriptors and push constants are read from the SPIR-V: no resources are needed, even no
+//! executing device.
 
 use super::kept_pipeline::Interface;
 use super::{Gpu, GpuError, shader_code};
@@ -25,30 +27,51 @@ pub struct Executable {
 
 impl Executable {
     pub fn statistic(&self, name: &str) -> Option<f64> {
-        self.statistics.iter().find(|(known, _)| known == name).map(|(_, value)| *value)
+        self.statistics
+            .iter()
+            .find(|(known, _)| known == name)
+            .map(|(_, value)| *value)
     }
 
     pub fn text(&self, name: &str) -> Option<&str> {
-        self.texts.iter().find(|(known, _)| known == name).map(|(_, text)| text.as_str())
+        self.texts
+            .iter()
+            .find(|(known, _)| known == name)
+            .map(|(_, text)| text.as_str())
     }
 }
 
 impl Gpu {
-    /// Compiles the shader permutation `shader` with specialization constants 0, 1, ... set to `constants`.
+    /// Compiles the shader permutation `shader` with specialization constants 0, 1, ... set to
+    /// `constants`.
     ///
     /// Panics if the device was opened without [`super::Options::executables`].
-    pub fn executables(&self, shader: &str, constants: &[u32]) -> Result<Vec<Executable>, GpuError> {
-        let pipeline = self.shared.make_compute_pipeline(shader, constants, declared(shader)?, CAPTURE)?;
-        let device = self.shared.executables.as_ref().expect("the device was opened with `executables`");
+    pub fn executables(
+        &self,
+        shader: &str,
+        constants: &[u32],
+    ) -> Result<Vec<Executable>, GpuError> {
+        let pipeline =
+            self.shared
+                .make_compute_pipeline(shader, constants, declared(shader)?, CAPTURE)?;
+        let device = self
+            .shared
+            .executables
+            .as_ref()
+            .expect("the device was opened with `executables`");
         let info = vk::PipelineInfoKHR::default().pipeline(pipeline.raw);
         // SAFETY: the pipeline is alive.
-        let stages = unsafe { device.get_pipeline_executable_properties(&info) }
-            .map_err(GpuError::call("vkGetPipelineExecutablePropertiesKHR", shader))?;
+        let stages = unsafe { device.get_pipeline_executable_properties(&info) }.map_err(
+            GpuError::call("vkGetPipelineExecutablePropertiesKHR", shader),
+        )?;
         let executable = |(index, stage): (u32, &vk::PipelineExecutablePropertiesKHR<'_>)| {
-            let info = vk::PipelineExecutableInfoKHR::default().pipeline(pipeline.raw).executable_index(index);
+            let info = vk::PipelineExecutableInfoKHR::default()
+                .pipeline(pipeline.raw)
+                .executable_index(index);
             // SAFETY: the pipeline is alive, was made with CAPTURE, and has this stage.
-            let statistics = unsafe { device.get_pipeline_executable_statistics(&info) }
-                .map_err(GpuError::call("vkGetPipelineExecutableStatisticsKHR", shader))?;
+            let statistics = unsafe { device.get_pipeline_executable_statistics(&info) }.map_err(
+                GpuError::call("vkGetPipelineExecutableStatisticsKHR", shader),
+            )?;
             Ok(Executable {
                 name: text(stage.name_as_c_str()),
                 subgroup_size: stage.subgroup_size,
@@ -59,8 +82,16 @@ impl Gpu {
         (0..).zip(&stages).map(executable).collect()
     }
 
-    fn texts(&self, info: &vk::PipelineExecutableInfoKHR<'_>, name: &str) -> Result<Vec<(String, String)>, GpuError> {
-        let device = self.shared.executables.as_ref().expect("checked by `executables`");
+    fn texts(
+        &self,
+        info: &vk::PipelineExecutableInfoKHR<'_>,
+        name: &str,
+    ) -> Result<Vec<(String, String)>, GpuError> {
+        let device = self
+            .shared
+            .executables
+            .as_ref()
+            .expect("checked by `executables`");
         let failed = || GpuError::call("vkGetPipelineExecutableInternalRepresentationsKHR", name);
         // SAFETY: the pipeline is alive and has this stage.
         let mut found = unsafe { device.get_pipeline_executable_internal_representations(info) }
@@ -71,13 +102,26 @@ impl Gpu {
             text.p_data = bytes.as_mut_ptr().cast::<c_void>();
         }
         let mut count = found.len() as u32;
-        let ask = device.fp().get_pipeline_executable_internal_representations_khr;
-        // SAFETY: `found` has `count` entries, each with a buffer of the size that the first call returned.
+        let ask = device
+            .fp()
+            .get_pipeline_executable_internal_representations_khr;
+        // SAFETY: `found` has `count` entries, each with a buffer of the size that the first call
+        // returned.
         unsafe { ask(device.device(), info, &mut count, found.as_mut_ptr()) }
             .result()
             .map_err(|result| failed()(result))?;
-        let texts = found.iter().zip(&room).filter(|(found, _)| found.is_text == vk::TRUE);
-        Ok(texts.map(|(found, bytes)| (text(found.name_as_c_str()), text(CStr::from_bytes_until_nul(bytes)))).collect())
+        let texts = found
+            .iter()
+            .zip(&room)
+            .filter(|(found, _)| found.is_text == vk::TRUE);
+        Ok(texts
+            .map(|(found, bytes)| {
+                (
+                    text(found.name_as_c_str()),
+                    text(CStr::from_bytes_until_nul(bytes)),
+                )
+            })
+            .collect())
     }
 }
 
@@ -87,7 +131,10 @@ const CAPTURE: vk::PipelineCreateFlags = vk::PipelineCreateFlags::from_raw(
 );
 
 fn text(name: Result<&CStr, impl Sized>) -> String {
-    name.map_or_else(|_| String::new(), |name| name.to_string_lossy().into_owned())
+    name.map_or_else(
+        |_| String::new(),
+        |name| name.to_string_lossy().into_owned(),
+    )
 }
 
 fn statistic(found: &vk::PipelineExecutableStatisticKHR<'_>) -> (String, f64) {
@@ -105,14 +152,21 @@ fn statistic(found: &vk::PipelineExecutableStatisticKHR<'_>) -> (String, f64) {
 
 /// Reads the descriptors of set 0 and the push constants that a shader declares.
 fn declared(shader: &str) -> Result<Interface, GpuError> {
-    let fault =
-        |what: rspirv_reflect::ReflectError| GpuError::Reflection { shader: shader.to_owned(), what: what.to_string() };
+    let fault = |what: rspirv_reflect::ReflectError| GpuError::Reflection {
+        shader: shader.to_owned(),
+        what: what.to_string(),
+    };
     let mut reflection = Reflection::new_from_spirv(shader_code(shader)).map_err(fault)?;
     keep_one_a_binding(&mut reflection.0);
     let push = reflection.get_push_constant_range().map_err(fault)?;
     let push_size = push.map_or(0, |push| (push.offset + push.size) as usize);
     let mut kinds = Vec::new();
-    for (binding, found) in reflection.get_descriptor_sets().map_err(fault)?.remove(&0).unwrap_or_default() {
+    for (binding, found) in reflection
+        .get_descriptor_sets()
+        .map_err(fault)?
+        .remove(&0)
+        .unwrap_or_default()
+    {
         let place = binding as usize;
         if kinds.len() <= place {
             // A binding that the shader does not declare still takes a number.
@@ -123,15 +177,19 @@ fn declared(shader: &str) -> Result<Interface, GpuError> {
     Ok(Interface { kinds, push_size })
 }
 
-/// Removes variables that share a binding, except the one that the shader reads: the reflection panics on them.
+/// Removes variables that share a binding, except the one that the shader reads: the reflection
+/// panics on them.
 fn keep_one_a_binding(module: &mut Module) {
     let instructions = module.functions.iter().flat_map(Function::all_inst_iter);
-    let used: BTreeSet<u32> =
-        instructions.flat_map(|instruction| instruction.operands.iter().filter_map(Operand::id_ref_any)).collect();
+    let used: BTreeSet<u32> = instructions
+        .flat_map(|instruction| instruction.operands.iter().filter_map(Operand::id_ref_any))
+        .collect();
     let binding = |instruction: &Instruction| match instruction.operands[..] {
-        [Operand::IdRef(id), Operand::Decoration(Decoration::Binding), Operand::LiteralBit32(place)] => {
-            Some((place, id))
-        }
+        [
+            Operand::IdRef(id),
+            Operand::Decoration(Decoration::Binding),
+            Operand::LiteralBit32(place),
+        ] => Some((place, id)),
         _ => None,
     };
     let mut by_place: BTreeMap<u32, Vec<u32>> = BTreeMap::new();
@@ -143,5 +201,7 @@ fn keep_one_a_binding(module: &mut Module) {
         ids.iter().filter(move |id| *id != kept)
     });
     let others: BTreeSet<u32> = others.copied().collect();
-    module.types_global_values.retain(|instruction| instruction.result_id.is_none_or(|id| !others.contains(&id)));
+    module
+        .types_global_values
+        .retain(|instruction| instruction.result_id.is_none_or(|id| !others.contains(&id)));
 }

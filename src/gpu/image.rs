@@ -38,9 +38,17 @@ impl Format {
         let sampled = Usage::SAMPLED | Usage::TRANSFER_SRC | Usage::TRANSFER_DST;
         let drawn = Usage::STORAGE | Usage::COLOR_ATTACHMENT;
         match self {
-            Self::Rgba32Float => (vk::Format::R32G32B32A32_SFLOAT, Aspect::COLOR, sampled | drawn),
+            Self::Rgba32Float => (
+                vk::Format::R32G32B32A32_SFLOAT,
+                Aspect::COLOR,
+                sampled | drawn,
+            ),
             Self::Rgba16Float => (vk::Format::R16G16B16A16_SFLOAT, Aspect::COLOR, sampled),
-            Self::Depth32Float => (vk::Format::D32_SFLOAT, Aspect::DEPTH, Usage::DEPTH_STENCIL_ATTACHMENT),
+            Self::Depth32Float => (
+                vk::Format::D32_SFLOAT,
+                Aspect::DEPTH,
+                Usage::DEPTH_STENCIL_ATTACHMENT,
+            ),
         }
     }
 }
@@ -75,7 +83,10 @@ impl Image {
     }
 
     pub fn bytes(&self) -> u64 {
-        self.inner.memory.as_ref().map_or(0, |memory| memory.allocation.size())
+        self.inner
+            .memory
+            .as_ref()
+            .map_or(0, |memory| memory.allocation.size())
     }
 
     pub fn mip_count(&self) -> u32 {
@@ -84,8 +95,8 @@ impl Image {
 }
 
 impl Inner {
-    /// Returns a view of the levels `mips`, made once. With `is_array` its layers are the faces; otherwise it is a
-    /// plane or a cube that the hardware filters across edges.
+    /// Returns a view of the levels `mips`, made once. With `is_array` its layers are the faces;
+    /// otherwise it is a plane or a cube that the hardware filters across edges.
     pub(super) fn view(&self, mips: Range<u32>, is_array: bool) -> Result<vk::ImageView, GpuError> {
         let view_type = match (is_array, self.face_count) {
             (true, _) => vk::ImageViewType::TYPE_2D_ARRAY,
@@ -111,7 +122,8 @@ impl Inner {
         // SAFETY: the image is alive and has these levels.
         let view = unsafe { self.device.raw.create_image_view(&info, None) }
             .map_err(GpuError::call("vkCreateImageView", &self.name))?;
-        self.device.set_name(view, &format!("{} {mips:?}", self.name));
+        self.device
+            .set_name(view, &format!("{} {mips:?}", self.name));
         views.insert(key, view);
         Ok(view)
     }
@@ -129,7 +141,13 @@ impl Drop for Inner {
 }
 
 impl Gpu {
-    pub fn image(&self, name: &str, size: [u32; 2], mip_count: u32, format: Format) -> Result<Image, GpuError> {
+    pub fn image(
+        &self,
+        name: &str,
+        size: [u32; 2],
+        mip_count: u32,
+        format: Format,
+    ) -> Result<Image, GpuError> {
         self.faced_image(name, size, 1, mip_count, format)
     }
 
@@ -146,7 +164,12 @@ impl Gpu {
         let limit = self.max_image_side();
         if let Some(&side) = size.iter().find(|&&side| side == 0 || side > limit) {
             let name = name.into();
-            return Err(GpuError::Limit { what: "image side of", name, needed: side.into(), limit: limit.into() });
+            return Err(GpuError::Limit {
+                what: "image side of",
+                name,
+                needed: side.into(),
+                limit: limit.into(),
+            });
         }
         assert!(
             mip_count >= 1 && mip_count <= 32 - size[0].max(size[1]).leading_zeros(),
@@ -154,16 +177,25 @@ impl Gpu {
         );
         let is_cube = face_count == 6;
         let info = vk::ImageCreateInfo::default()
-            .flags(if is_cube { vk::ImageCreateFlags::CUBE_COMPATIBLE } else { vk::ImageCreateFlags::empty() })
+            .flags(if is_cube {
+                vk::ImageCreateFlags::CUBE_COMPATIBLE
+            } else {
+                vk::ImageCreateFlags::empty()
+            })
             .image_type(vk::ImageType::TYPE_2D)
             .format(format.raw())
-            .extent(vk::Extent3D { width: size[0], height: size[1], depth: 1 })
+            .extent(vk::Extent3D {
+                width: size[0],
+                height: size[1],
+                depth: 1,
+            })
             .mip_levels(mip_count)
             .array_layers(face_count)
             .samples(vk::SampleCountFlags::TYPE_1)
             .usage(format.parts().2);
         // SAFETY: the device is alive and the description is complete.
-        let raw = unsafe { device.raw.create_image(&info, None) }.map_err(GpuError::call("vkCreateImage", name))?;
+        let raw = unsafe { device.raw.create_image(&info, None) }
+            .map_err(GpuError::call("vkCreateImage", name))?;
         device.set_name(raw, name);
         let mut inner = Inner {
             raw,
@@ -182,27 +214,51 @@ impl Gpu {
         // SAFETY: the memory is not freed before its last resource.
         let raw_memory = unsafe { memory.allocation.memory() };
         // SAFETY: the allocation fits the requirements and nothing else uses its range.
-        unsafe { device.raw.bind_image_memory(raw, raw_memory, memory.allocation.offset()) }
-            .map_err(GpuError::call("vkBindImageMemory", name))?;
+        unsafe {
+            device
+                .raw
+                .bind_image_memory(raw, raw_memory, memory.allocation.offset())
+        }
+        .map_err(GpuError::call("vkBindImageMemory", name))?;
         inner.memory = Some(memory);
-        Ok(Image { inner: Arc::new(inner) })
+        Ok(Image {
+            inner: Arc::new(inner),
+        })
     }
 
-    /// Fills level `mip` of a colour image, face by face. Halves are rounded to nearest, ties to even.
-    pub fn write_image(&self, image: &Image, mip: u32, texels: &[[f32; 4]]) -> Result<(), GpuError> {
+    /// Fills level `mip` of a colour image, face by face. Halves are rounded to nearest, ties to
+    /// even.
+    pub fn write_image(
+        &self,
+        image: &Image,
+        mip: u32,
+        texels: &[[f32; 4]],
+    ) -> Result<(), GpuError> {
         let [width, height] = image.mip_size(mip);
         let face_texels = width as usize * height as usize;
-        assert_eq!(texels.len(), face_texels * image.face_count() as usize, "texels of '{}'", image.inner.name);
+        assert_eq!(
+            texels.len(),
+            face_texels * image.face_count() as usize,
+            "texels of '{}'",
+            image.inner.name
+        );
         let rows_at_a_time = (STAGED_TEXELS / width).clamp(1, height);
-        let bands = texels.chunks(face_texels).zip(0..).flat_map(|(texels, face)| {
-            let rows = (0..height).step_by(rows_at_a_time as usize);
-            rows.zip(texels.chunks(rows_at_a_time as usize * width as usize)).map(move |band| (face, band))
-        });
+        let bands = texels
+            .chunks(face_texels)
+            .zip(0..)
+            .flat_map(|(texels, face)| {
+                let rows = (0..height).step_by(rows_at_a_time as usize);
+                rows.zip(texels.chunks(rows_at_a_time as usize * width as usize))
+                    .map(move |band| (face, band))
+            });
         for (face, (first, texels)) in bands {
             let halves: Vec<[u16; 4]>;
             let bytes = match image.inner.format {
                 Format::Rgba16Float => {
-                    halves = texels.iter().map(|texel| texel.map(|value| f16::from_f32(value).to_bits())).collect();
+                    halves = texels
+                        .iter()
+                        .map(|texel| texel.map(|value| f16::from_f32(value).to_bits()))
+                        .collect();
                     bytemuck::cast_slice(&halves)
                 }
                 _ => bytemuck::cast_slice(texels),
@@ -228,7 +284,10 @@ impl Gpu {
         recorder.submit()?;
         if is_half {
             let bits: Vec<[u16; 4]> = staging.host_copy();
-            return Ok(bits.iter().map(|texel| texel.map(|half| f16::from_bits(half).to_f32())).collect());
+            return Ok(bits
+                .iter()
+                .map(|texel| texel.map(|half| f16::from_bits(half).to_f32()))
+                .collect());
         }
         Ok(staging.host_copy())
     }
@@ -240,12 +299,14 @@ pub enum Filter {
     Linear,
 }
 
-/// How shaders look an image up, over all levels. Anisotropy stays off: it breaks `textureLod` in Mesa 22.3.6.
+/// How shaders look an image up, over all levels. Anisotropy stays off: it breaks `textureLod` in
+/// Mesa 22.3.6.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub struct Sampler(pub Filter, pub Wrap);
 
 impl Sampler {
-    /// Trilinear, for maps of the sphere in every layout. u repeats; cubes and the octahedral filter ignore that.
+    /// Trilinear, for maps of the sphere in every layout. u repeats; cubes and the octahedral
+    /// filter ignore that.
     pub const MAP: Self = Self(Filter::Linear, Wrap::EQUIRECT);
     /// For shaders that fetch texels.
     pub const TEXELS: Self = Self(Filter::Nearest, Wrap::CLAMP);
@@ -277,8 +338,8 @@ impl Shared {
             .address_mode_w(vk::SamplerAddressMode::CLAMP_TO_EDGE)
             .max_lod(vk::LOD_CLAMP_NONE);
         // SAFETY: the device is alive and the description is complete.
-        let raw =
-            unsafe { self.raw.create_sampler(&info, None) }.map_err(GpuError::call("vkCreateSampler", "sampler"))?;
+        let raw = unsafe { self.raw.create_sampler(&info, None) }
+            .map_err(GpuError::call("vkCreateSampler", "sampler"))?;
         known.insert(sampler, raw);
         Ok(raw)
     }

@@ -1,7 +1,9 @@
-//! Injects faults, for tests only: a test cannot choose when a real device is lost or runs out of memory.
+//! Injects faults, for tests only: a test cannot choose when a real device is lost or runs out of
+//! memory.
 //!
-//! The environment variable `SPLITSUM_TEST_FAULTS` holds words `SITE:COUNT:FAULT` separated by commas. The COUNT-th
-//! call at the site, from 1, fails as the driver would let it; permanent faults also fail all later calls.
+//! The environment variable `SPLITSUM_TEST_FAULTS` holds words `SITE:COUNT:FAULT` separated by
+//! commas. The COUNT-th call at the site, from 1, fails as the driver would let it; permanent
+//! faults also fail all later calls.
 //!
 //! | site | call | faults |
 //! |---|---|---|
@@ -42,27 +44,50 @@ impl Injector {
     pub(super) fn from_environment() -> Result<Self, GpuError> {
         let text = std::env::var(VARIABLE).unwrap_or_default();
         let faults = text.split(',').filter(|word| !word.is_empty()).map(|word| {
-            parse(word).ok_or_else(|| GpuError::UnknownTestFault { variable: VARIABLE, word: word.to_owned() })
+            parse(word).ok_or_else(|| GpuError::UnknownTestFault {
+                variable: VARIABLE,
+                word: word.to_owned(),
+            })
         });
-        Ok(Self { faults: faults.collect::<Result<_, _>>()?, calls: Default::default() })
+        Ok(Self {
+            faults: faults.collect::<Result<_, _>>()?,
+            calls: Default::default(),
+        })
     }
 
     /// Counts a call and fails it if a fault is due.
     pub(super) fn reach(&self, site: Site) -> Result<(), vk::Result> {
         let call = self.calls[site as usize].fetch_add(1, Ordering::Relaxed) + 1;
-        let is_due =
-            |fault: &&Fault| fault.site == site && (call == fault.count || (fault.stays && call > fault.count));
-        self.faults.iter().find(is_due).map_or(Ok(()), |fault| Err(fault.result))
+        let is_due = |fault: &&Fault| {
+            fault.site == site && (call == fault.count || (fault.stays && call > fault.count))
+        };
+        self.faults
+            .iter()
+            .find(is_due)
+            .map_or(Ok(()), |fault| Err(fault.result))
     }
 }
 
 fn parse(word: &str) -> Option<Fault> {
-    let [site, count, fault] = word.split(':').collect::<Vec<_>>()[..] else { return None };
+    let [site, count, fault] = word.split(':').collect::<Vec<_>>()[..] else {
+        return None;
+    };
     let (site, stays, result) = match (site, fault) {
         ("submit", "device-lost") => (Site::Submit, true, vk::Result::ERROR_DEVICE_LOST),
-        ("allocate", "out-of-memory") => (Site::Allocate, false, vk::Result::ERROR_OUT_OF_DEVICE_MEMORY),
-        ("allocate", "memory-is-full") => (Site::Allocate, true, vk::Result::ERROR_OUT_OF_DEVICE_MEMORY),
+        ("allocate", "out-of-memory") => (
+            Site::Allocate,
+            false,
+            vk::Result::ERROR_OUT_OF_DEVICE_MEMORY,
+        ),
+        ("allocate", "memory-is-full") => {
+            (Site::Allocate, true, vk::Result::ERROR_OUT_OF_DEVICE_MEMORY)
+        }
         _ => return None,
     };
-    Some(Fault { site, count: count.parse().ok()?, stays, result })
+    Some(Fault {
+        site,
+        count: count.parse().ok()?,
+        stays,
+        result,
+    })
 }

@@ -7,7 +7,8 @@ use std::sync::{Arc, Mutex};
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum DeviceChoice {
-    /// The first discrete GPU, else the first integrated or virtual one, else the first device (a CPU driver).
+    /// The first discrete GPU, else the first integrated or virtual one, else the first device (a
+    /// CPU driver).
     #[default]
     Default,
     /// The device at this index of [`devices`].
@@ -19,11 +20,13 @@ pub enum DeviceChoice {
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Options {
     pub device: DeviceChoice,
-    /// Enables the Khronos validation layer with synchronization validation; see [`super::Gpu::validation_messages`].
+    /// Enables the Khronos validation layer with synchronization validation; see
+    /// [`super::Gpu::validation_messages`].
     pub validation: bool,
     /// Enables [`super::Gpu::executables`].
     pub executables: bool,
-    /// Makes submissions short, so that [`super::Gpu::interrupt_by`] acts soon. Results are the same.
+    /// Makes submissions short, so that [`super::Gpu::interrupt_by`] acts soon. Results are the
+    /// same.
     pub is_interactive: bool,
 }
 
@@ -39,7 +42,8 @@ pub struct DeviceInfo {
     pub timestamp_period_ns: f32,
     /// Size of the largest device-local heap, bytes.
     pub memory_bytes: u64,
-    /// Whether bilinear filters compute in f32 (lavapipe: error below 3e-6) instead of with 8-bit weights.
+    /// Whether bilinear filters compute in f32 (lavapipe: error below 3e-6) instead of with 8-bit
+    /// weights.
     pub has_exact_filter: bool,
     /// Whether compute shaders filter cubes across edges. SwiftShader returns black there.
     pub has_seamless_cubes: bool,
@@ -68,20 +72,36 @@ impl Instance {
         // SAFETY: the entry is loaded; the call only reads.
         let layers = unsafe { entry.enumerate_instance_layer_properties() }
             .map_err(failed("vkEnumerateInstanceLayerProperties"))?;
-        if validation && !layers.iter().any(|layer| layer.layer_name_as_c_str() == Ok(VALIDATION_LAYER)) {
+        if validation
+            && !layers
+                .iter()
+                .any(|layer| layer.layer_name_as_c_str() == Ok(VALIDATION_LAYER))
+        {
             return Err(GpuError::NoValidationLayer);
         }
         // SAFETY: as above.
         let extensions = unsafe { entry.enumerate_instance_extension_properties(None) }
             .map_err(failed("vkEnumerateInstanceExtensionProperties"))?;
-        let has_debug_utils =
-            extensions.iter().any(|extension| extension.extension_name_as_c_str() == Ok(ext::debug_utils::NAME));
+        let has_debug_utils = extensions
+            .iter()
+            .any(|extension| extension.extension_name_as_c_str() == Ok(ext::debug_utils::NAME));
 
-        let application = vk::ApplicationInfo::default().application_name(c"splitsum").api_version(vk::API_VERSION_1_3);
-        let layer_names = if validation { vec![VALIDATION_LAYER.as_ptr()] } else { Vec::new() };
-        let extension_names = if has_debug_utils { vec![ext::debug_utils::NAME.as_ptr()] } else { Vec::new() };
+        let application = vk::ApplicationInfo::default()
+            .application_name(c"splitsum")
+            .api_version(vk::API_VERSION_1_3);
+        let layer_names = if validation {
+            vec![VALIDATION_LAYER.as_ptr()]
+        } else {
+            Vec::new()
+        };
+        let extension_names = if has_debug_utils {
+            vec![ext::debug_utils::NAME.as_ptr()]
+        } else {
+            Vec::new()
+        };
         let enabled = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
-        let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
+        let mut features =
+            vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
         let mut info = vk::InstanceCreateInfo::default()
             .application_info(&application)
             .enabled_layer_names(&layer_names)
@@ -95,50 +115,74 @@ impl Instance {
             result => failed("vkCreateInstance")(result),
         })?;
         let messages = Arc::new(Mutex::new(Vec::new()));
-        let mut instance = Self { raw, messenger: None, messages, has_debug_utils, _entry: entry };
+        let mut instance = Self {
+            raw,
+            messenger: None,
+            messages,
+            has_debug_utils,
+            _entry: entry,
+        };
         if validation && has_debug_utils {
             instance.messenger = Some(instance.install_messenger()?);
         }
         Ok(instance)
     }
 
-    fn install_messenger(&self) -> Result<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT), GpuError> {
+    fn install_messenger(
+        &self,
+    ) -> Result<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT), GpuError> {
         let loader = ext::debug_utils::Instance::new(&self._entry, &self.raw);
         let info = vk::DebugUtilsMessengerCreateInfoEXT::default()
             .message_severity(
-                vk::DebugUtilsMessageSeverityFlagsEXT::ERROR | vk::DebugUtilsMessageSeverityFlagsEXT::WARNING,
+                vk::DebugUtilsMessageSeverityFlagsEXT::ERROR
+                    | vk::DebugUtilsMessageSeverityFlagsEXT::WARNING,
             )
             .message_type(
-                vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION | vk::DebugUtilsMessageTypeFlagsEXT::PERFORMANCE,
+                vk::DebugUtilsMessageTypeFlagsEXT::VALIDATION
+                    | vk::DebugUtilsMessageTypeFlagsEXT::PERFORMANCE,
             )
             .pfn_user_callback(Some(on_message))
             .user_data(Arc::as_ptr(&self.messages) as *mut c_void);
-        // SAFETY: the user data is the mutex that `self.messages` keeps alive, and the messenger dies before it.
-        let messenger = unsafe { loader.create_debug_utils_messenger(&info, None) }
-            .map_err(GpuError::call("vkCreateDebugUtilsMessengerEXT", "messenger"))?;
+        // SAFETY: the user data is the mutex that `self.messages` keeps alive, and the messenger
+        // dies before it.
+        let messenger = unsafe { loader.create_debug_utils_messenger(&info, None) }.map_err(
+            GpuError::call("vkCreateDebugUtilsMessengerEXT", "messenger"),
+        )?;
         Ok((loader, messenger))
     }
 
     /// Lists every physical device in the loader's order.
-    pub(super) fn physical_devices(&self) -> Result<Vec<(vk::PhysicalDevice, DeviceInfo)>, GpuError> {
+    pub(super) fn physical_devices(
+        &self,
+    ) -> Result<Vec<(vk::PhysicalDevice, DeviceInfo)>, GpuError> {
         // SAFETY: the instance is alive; the calls only read.
         let all = unsafe { self.raw.enumerate_physical_devices() }
             .map_err(GpuError::call("vkEnumeratePhysicalDevices", "instance"))?;
-        Ok(all.into_iter().map(|device| (device, self.info(device))).collect())
+        Ok(all
+            .into_iter()
+            .map(|device| (device, self.info(device)))
+            .collect())
     }
 
     fn info(&self, device: vk::PhysicalDevice) -> DeviceInfo {
         let mut driver = vk::PhysicalDeviceDriverProperties::default();
         let mut properties = vk::PhysicalDeviceProperties2::default().push_next(&mut driver);
         // SAFETY: `device` comes from this instance; the chain outlives the call.
-        unsafe { self.raw.get_physical_device_properties2(device, &mut properties) };
+        unsafe {
+            self.raw
+                .get_physical_device_properties2(device, &mut properties)
+        };
         let core = properties.properties;
         let driver_id = driver.driver_id;
         // SAFETY: as above.
         let memory = unsafe { self.raw.get_physical_device_memory_properties(device) };
         let heaps = &memory.memory_heaps[..memory.memory_heap_count as usize];
-        let local = heaps.iter().filter(|heap| heap.flags.contains(vk::MemoryHeapFlags::DEVICE_LOCAL));
-        let text = |bytes: Result<&CStr, _>| bytes.map_or_else(|_| "?".into(), |s| s.to_string_lossy().into_owned());
+        let local = heaps
+            .iter()
+            .filter(|heap| heap.flags.contains(vk::MemoryHeapFlags::DEVICE_LOCAL));
+        let text = |bytes: Result<&CStr, _>| {
+            bytes.map_or_else(|_| "?".into(), |s| s.to_string_lossy().into_owned())
+        };
         DeviceInfo {
             name: text(core.device_name_as_c_str()),
             device_type: match core.device_type {
@@ -148,7 +192,11 @@ impl Instance {
                 vk::PhysicalDeviceType::VIRTUAL_GPU => "virtual-gpu",
                 _ => "other",
             },
-            driver: format!("{} {}", text(driver.driver_name_as_c_str()), text(driver.driver_info_as_c_str())),
+            driver: format!(
+                "{} {}",
+                text(driver.driver_name_as_c_str()),
+                text(driver.driver_info_as_c_str())
+            ),
             api_version: format!(
                 "{}.{}.{}",
                 vk::api_version_major(core.api_version),
@@ -163,20 +211,28 @@ impl Instance {
         }
     }
 
-    pub(super) fn choose(&self, choice: DeviceChoice) -> Result<(vk::PhysicalDevice, DeviceInfo), GpuError> {
+    pub(super) fn choose(
+        &self,
+        choice: DeviceChoice,
+    ) -> Result<(vk::PhysicalDevice, DeviceInfo), GpuError> {
         let mut all = self.physical_devices()?;
         let count = all.len();
         let index = match choice {
             DeviceChoice::Index(index) if index < count => index,
             DeviceChoice::Index(index) => return Err(GpuError::NoSuchDevice { index, count }),
-            DeviceChoice::Radv => all.iter().position(|(_, info)| info.is_radv).ok_or(GpuError::NoRadv)?,
+            DeviceChoice::Radv => all
+                .iter()
+                .position(|(_, info)| info.is_radv)
+                .ok_or(GpuError::NoRadv)?,
             DeviceChoice::Default => {
                 let rank = |info: &DeviceInfo| match info.device_type {
                     "discrete-gpu" => 0,
                     "integrated-gpu" | "virtual-gpu" => 1,
                     _ => 2,
                 };
-                (0..count).min_by_key(|&i| (rank(&all[i].1), i)).ok_or(GpuError::NoDevice)?
+                (0..count)
+                    .min_by_key(|&i| (rank(&all[i].1), i))
+                    .ok_or(GpuError::NoDevice)?
             }
         };
         Ok(all.swap_remove(index))
@@ -196,7 +252,11 @@ impl Drop for Instance {
 
 /// Lists every device in the order of [`DeviceChoice::Index`].
 pub fn devices() -> Result<Vec<DeviceInfo>, GpuError> {
-    Ok(Instance::new(false)?.physical_devices()?.into_iter().map(|(_, info)| info).collect())
+    Ok(Instance::new(false)?
+        .physical_devices()?
+        .into_iter()
+        .map(|(_, info)| info)
+        .collect())
 }
 
 /// Returns the device that `choice` would open, without opening it.
@@ -204,7 +264,8 @@ pub fn chosen_device(choice: DeviceChoice) -> Result<DeviceInfo, GpuError> {
     Ok(Instance::new(false)?.choose(choice)?.1)
 }
 
-/// SAFETY: called by the loader with a valid message and the user data of [`Instance::install_messenger`].
+/// SAFETY: called by the loader with a valid message and the user data of
+/// [`Instance::install_messenger`].
 unsafe extern "system" fn on_message(
     _severity: vk::DebugUtilsMessageSeverityFlagsEXT,
     _kind: vk::DebugUtilsMessageTypeFlagsEXT,
@@ -216,7 +277,8 @@ unsafe extern "system" fn on_message(
     // SAFETY: its text is null or ends in a zero.
     let message = unsafe { data.message_as_c_str() };
     let text = message.map_or_else(String::new, |s| s.to_string_lossy().into_owned());
-    // SAFETY: the user data points to the mutex that the instance keeps alive longer than the messenger.
+    // SAFETY: the user data points to the mutex that the instance keeps alive longer than the
+    // messenger.
     let messages = unsafe { &*(user as *const Mutex<Vec<String>>) };
     if let Ok(mut messages) = messages.lock() {
         messages.push(text);

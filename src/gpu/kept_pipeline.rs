@@ -25,11 +25,15 @@ pub(super) type Pipelines = Mutex<HashMap<(Vec<String>, Vec<u32>), Arc<Pipeline>
 
 impl Drop for Pipeline {
     fn drop(&mut self) {
-        // SAFETY: no pending command uses these (or they are null): `submit` waits, and closing the device comes last.
+        // SAFETY: no pending command uses these (or they are null): `submit` waits, and closing the
+        // device comes last.
         unsafe { self.device.destroy_pipeline(self.raw, None) };
         // SAFETY: likewise.
         unsafe { self.device.destroy_pipeline_layout(self.layout, None) };
         // SAFETY: likewise.
-        unsafe { self.device.destroy_descriptor_set_layout(self.set_layout, None) };
+        unsafe {
+            self.device
+                .destroy_descriptor_set_layout(self.set_layout, None)
+        };
     }
 }

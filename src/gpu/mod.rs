@@ -1,8 +1,9 @@
 //! Vulkan: device, memory, pipelines, recording, timestamps. The only unsafe code.
 //!
-//! Buffers and images are handles that share a Vulkan object and free it with the last clone. Pipelines and samplers
-//! are made on first use and live as long as the device. A [`Recorder`] keeps what it records alive and derives
-//! barriers and layouts from the tracked access of each buffer and mip level. `submit` waits.
+//! Buffers and images are handles that share a Vulkan object and free it with the last clone.
+//! Pipelines and samplers are made on first use and live as long as the device. A [`Recorder`]
+//! keeps what it records alive and derives barriers and layouts from the tracked access of each
+//! buffer and mip level. `submit` waits.
 #![allow(unsafe_code, reason = "Vulkan is a C interface")]
 
 mod bounded;
@@ -34,6 +35,6 @@ pub use instance::{DeviceChoice, DeviceInfo, Options, chosen_device, devices};
 pub use pipeline::GraphicsDescription;
 pub use recorder::{Bind, DrawCall, PassTime, Recorder, Report, Targets};
 pub use shader::{
-    HOST_FILES, HOST_HASH, add_shader, added_shader, build_hash, code_hash, has_shader, names_read, shader_code,
-    shader_names, shader_sources,
+    HOST_FILES, HOST_HASH, add_shader, added_shader, build_hash, code_hash, has_shader, names_read,
+    shader_code, shader_names, shader_sources,
 };

@@ -7,7 +7,8 @@ use super::{Format, GpuError};
 use ash::vk;
 use std::sync::Arc;
 
-/// A draw: opaque triangles, front counter-clockwise, depth test (less); viewport of the targets, culling of the call.
+/// A draw: opaque triangles, front counter-clockwise, depth test (less); viewport of the targets,
+/// culling of the call.
 #[derive(Clone, Copy, Debug)]
 pub struct GraphicsDescription<'a> {
     pub shaders: [&'a str; 2],
@@ -18,10 +19,18 @@ pub struct GraphicsDescription<'a> {
 }
 
 impl Pipeline {
-    fn new(shared: &Shared, name: &str, interface: Interface, stages: vk::ShaderStageFlags) -> Result<Self, GpuError> {
+    fn new(
+        shared: &Shared,
+        name: &str,
+        interface: Interface,
+        stages: vk::ShaderStageFlags,
+    ) -> Result<Self, GpuError> {
         let (device, push_size) = (shared.raw.clone(), interface.push_size as u32);
         let limit = shared.limits.max_push_constants_size;
-        assert!(push_size <= 128 && push_size <= limit, "'{name}': {push_size} bytes of push constants");
+        assert!(
+            push_size <= 128 && push_size <= limit,
+            "'{name}': {push_size} bytes of push constants"
+        );
         let bindings: Vec<_> = (0..)
             .zip(&interface.kinds)
             .map(|(binding, kind)| {
@@ -33,12 +42,27 @@ impl Pipeline {
             })
             .collect();
         let (raw, layout, set_layout) = Default::default();
-        let mut pipeline = Self { raw, layout, set_layout, stages, interface, device };
+        let mut pipeline = Self {
+            raw,
+            layout,
+            set_layout,
+            stages,
+            interface,
+            device,
+        };
         let set_info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
         // SAFETY: the device is alive and the description is complete.
-        pipeline.set_layout = unsafe { pipeline.device.create_descriptor_set_layout(&set_info, None) }
-            .map_err(GpuError::call("vkCreateDescriptorSetLayout", name))?;
-        let ranges = [vk::PushConstantRange { stage_flags: stages, offset: 0, size: push_size }];
+        pipeline.set_layout = unsafe {
+            pipeline
+                .device
+                .create_descriptor_set_layout(&set_info, None)
+        }
+        .map_err(GpuError::call("vkCreateDescriptorSetLayout", name))?;
+        let ranges = [vk::PushConstantRange {
+            stage_flags: stages,
+            offset: 0,
+            size: push_size,
+        }];
         let set_layouts = [pipeline.set_layout];
         let info = vk::PipelineLayoutCreateInfo::default()
             .set_layouts(&set_layouts)
@@ -80,7 +104,10 @@ impl<'a> Module<'a> {
     }
 
     fn stage(&self, stage: vk::ShaderStageFlags) -> vk::PipelineShaderStageCreateInfo<'static> {
-        vk::PipelineShaderStageCreateInfo::default().stage(stage).module(self.raw).name(c"main")
+        vk::PipelineShaderStageCreateInfo::default()
+            .stage(stage)
+            .module(self.raw)
+            .name(c"main")
     }
 }
 
@@ -92,7 +119,8 @@ impl Drop for Module<'_> {
 }
 
 impl Shared {
-    /// Returns the compute pipeline of a permutation, with specialization constants 0, 1, ... set to `constants`.
+    /// Returns the compute pipeline of a permutation, with specialization constants 0, 1, ... set
+    /// to `constants`.
     pub(super) fn compute_pipeline(
         &self,
         shader: &str,
@@ -100,7 +128,12 @@ impl Shared {
         interface: Interface,
     ) -> Result<Arc<Pipeline>, GpuError> {
         self.pipeline(&[shader], constants, interface, |interface| {
-            self.make_compute_pipeline(shader, constants, interface, vk::PipelineCreateFlags::DISPATCH_BASE)
+            self.make_compute_pipeline(
+                shader,
+                constants,
+                interface,
+                vk::PipelineCreateFlags::DISPATCH_BASE,
+            )
         })
     }
 
@@ -114,14 +147,27 @@ impl Shared {
         let pipeline = Pipeline::new(self, shader, interface, vk::ShaderStageFlags::COMPUTE)?;
         let module = Module::new(self, shader)?;
         let entries: Vec<_> = (0..constants.len() as u32)
-            .map(|id| vk::SpecializationMapEntry { constant_id: id, offset: 4 * id, size: 4 })
+            .map(|id| vk::SpecializationMapEntry {
+                constant_id: id,
+                offset: 4 * id,
+                size: 4,
+            })
             .collect();
-        let specialization =
-            vk::SpecializationInfo::default().map_entries(&entries).data(bytemuck::cast_slice(constants));
-        let stage = module.stage(vk::ShaderStageFlags::COMPUTE).specialization_info(&specialization);
-        let info = [vk::ComputePipelineCreateInfo::default().flags(flags).stage(stage).layout(pipeline.layout)];
+        let specialization = vk::SpecializationInfo::default()
+            .map_entries(&entries)
+            .data(bytemuck::cast_slice(constants));
+        let stage = module
+            .stage(vk::ShaderStageFlags::COMPUTE)
+            .specialization_info(&specialization);
+        let info = [vk::ComputePipelineCreateInfo::default()
+            .flags(flags)
+            .stage(stage)
+            .layout(pipeline.layout)];
         // SAFETY: module and layout are alive; the description is complete.
-        let made = unsafe { self.raw.create_compute_pipelines(vk::PipelineCache::null(), &info, None) };
+        let made = unsafe {
+            self.raw
+                .create_compute_pipelines(vk::PipelineCache::null(), &info, None)
+        };
         pipeline.finish(self, ("vkCreateComputePipelines", shader), made)
     }
 
@@ -145,10 +191,16 @@ impl Shared {
         interface: Interface,
         make: impl FnOnce(Interface) -> Result<Pipeline, GpuError>,
     ) -> Result<Arc<Pipeline>, GpuError> {
-        let key = (shaders.iter().map(|shader| shader.to_string()).collect(), constants.to_vec());
+        let key = (
+            shaders.iter().map(|shader| shader.to_string()).collect(),
+            constants.to_vec(),
+        );
         let mut known = lock(&self.pipelines);
         if let Some(pipeline) = known.get(&key) {
-            assert_eq!(pipeline.interface, interface, "{shaders:?}: bound with another interface before");
+            assert_eq!(
+                pipeline.interface, interface,
+                "{shaders:?}: bound with another interface before"
+            );
             return Ok(pipeline.clone());
         }
         let pipeline = Arc::new(make(interface)?);
@@ -162,8 +214,13 @@ impl Shared {
         color_count: usize,
         interface: Interface,
     ) -> Result<Pipeline, GpuError> {
-        const STAGES: [vk::ShaderStageFlags; 2] = [vk::ShaderStageFlags::VERTEX, vk::ShaderStageFlags::FRAGMENT];
-        let GraphicsDescription { shaders: [vertex_shader, name], attributes, strip } = description;
+        const STAGES: [vk::ShaderStageFlags; 2] =
+            [vk::ShaderStageFlags::VERTEX, vk::ShaderStageFlags::FRAGMENT];
+        let GraphicsDescription {
+            shaders: [vertex_shader, name],
+            attributes,
+            strip,
+        } = description;
         let pipeline = Pipeline::new(self, name, interface, STAGES[0] | STAGES[1])?;
         let modules = [Module::new(self, vertex_shader)?, Module::new(self, name)?];
         let stages = [modules[0].stage(STAGES[0]), modules[1].stage(STAGES[1])];
@@ -175,29 +232,48 @@ impl Shared {
         let (mut bindings, mut locations) = (Vec::new(), Vec::new());
         for (binding, &floats) in (0..).zip(attributes) {
             let (input_rate, format) = (vk::VertexInputRate::VERTEX, attribute_format(floats));
-            bindings.push(vk::VertexInputBindingDescription { binding, stride: 4 * floats, input_rate });
-            locations.push(vk::VertexInputAttributeDescription { location: binding, binding, format, offset: 0 });
+            bindings.push(vk::VertexInputBindingDescription {
+                binding,
+                stride: 4 * floats,
+                input_rate,
+            });
+            locations.push(vk::VertexInputAttributeDescription {
+                location: binding,
+                binding,
+                format,
+                offset: 0,
+            });
         }
         let vertex_input = vk::PipelineVertexInputStateCreateInfo::default()
             .vertex_binding_descriptions(&bindings)
             .vertex_attribute_descriptions(&locations);
-        let topology = if strip { vk::PrimitiveTopology::TRIANGLE_STRIP } else { vk::PrimitiveTopology::TRIANGLE_LIST };
+        let topology = if strip {
+            vk::PrimitiveTopology::TRIANGLE_STRIP
+        } else {
+            vk::PrimitiveTopology::TRIANGLE_LIST
+        };
         let assembly = vk::PipelineInputAssemblyStateCreateInfo::default().topology(topology);
-        let viewport = vk::PipelineViewportStateCreateInfo::default().viewport_count(1).scissor_count(1);
+        let viewport = vk::PipelineViewportStateCreateInfo::default()
+            .viewport_count(1)
+            .scissor_count(1);
         let raster = vk::PipelineRasterizationStateCreateInfo::default()
             .front_face(vk::FrontFace::COUNTER_CLOCKWISE)
             .line_width(1.0);
-        let samples =
-            vk::PipelineMultisampleStateCreateInfo::default().rasterization_samples(vk::SampleCountFlags::TYPE_1);
+        let samples = vk::PipelineMultisampleStateCreateInfo::default()
+            .rasterization_samples(vk::SampleCountFlags::TYPE_1);
         let depth = vk::PipelineDepthStencilStateCreateInfo::default()
             .depth_test_enable(true)
             .depth_write_enable(true)
             .depth_compare_op(vk::CompareOp::LESS);
-        let every_channel =
-            vk::PipelineColorBlendAttachmentState::default().color_write_mask(vk::ColorComponentFlags::RGBA);
+        let every_channel = vk::PipelineColorBlendAttachmentState::default()
+            .color_write_mask(vk::ColorComponentFlags::RGBA);
         let blends = vec![every_channel; color_count];
         let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blends);
-        let dynamic_states = [vk::DynamicState::VIEWPORT, vk::DynamicState::SCISSOR, vk::DynamicState::CULL_MODE];
+        let dynamic_states = [
+            vk::DynamicState::VIEWPORT,
+            vk::DynamicState::SCISSOR,
+            vk::DynamicState::CULL_MODE,
+        ];
         let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&dynamic_states);
         let formats = vec![Format::Rgba32Float.raw(); color_count];
         let mut rendering = vk::PipelineRenderingCreateInfo::default()
@@ -216,7 +292,10 @@ impl Shared {
             .layout(pipeline.layout)
             .push_next(&mut rendering)];
         // SAFETY: modules and layout are alive; the description is complete.
-        let made = unsafe { self.raw.create_graphics_pipelines(vk::PipelineCache::null(), &info, None) };
+        let made = unsafe {
+            self.raw
+                .create_graphics_pipelines(vk::PipelineCache::null(), &info, None)
+        };
         pipeline.finish(self, ("vkCreateGraphicsPipelines", name), made)
     }
 }

@@ -1,24 +1,32 @@
-//! Cooperative games in which some players need others: the contribution of each player to the whole.
+//! Cooperative games in which some players need others: the contribution of each player to the
+//! whole.
 
 /// A set of players, one bit each.
 pub type Coalition = u32;
 
 /// Returns whether every player in the coalition has the players it needs.
 pub fn is_feasible(coalition: Coalition, needs: &[Coalition]) -> bool {
-    let is_served = |(player, need): (usize, &Coalition)| coalition >> player & 1 == 0 || need & !coalition == 0;
+    let is_served = |(player, need): (usize, &Coalition)| {
+        coalition >> player & 1 == 0 || need & !coalition == 0
+    };
     needs.iter().enumerate().all(is_served)
 }
 
 /// Lists every feasible coalition in ascending order.
 pub fn coalitions(needs: &[Coalition]) -> Vec<Coalition> {
-    (0..1 << needs.len()).filter(|coalition| is_feasible(*coalition, needs)).collect()
+    (0..1 << needs.len())
+        .filter(|coalition| is_feasible(*coalition, needs))
+        .collect()
 }
 
-/// Returns all players that this one needs, directly or not: the smallest coalition that it can join.
+/// Returns all players that this one needs, directly or not: the smallest coalition that it can
+/// join.
 pub fn before(player: usize, needs: &[Coalition]) -> Coalition {
     let mut all = needs[player];
     loop {
-        let more = (0..needs.len()).filter(|other| all >> other & 1 == 1).fold(all, |all, other| all | needs[other]);
+        let more = (0..needs.len())
+            .filter(|other| all >> other & 1 == 1)
+            .fold(all, |all, other| all | needs[other]);
         if more == all {
             return all;
         }
@@ -29,15 +37,19 @@ pub fn before(player: usize, needs: &[Coalition]) -> Coalition {
 /// Returns all players but this one and those that need it: the largest coalition without it.
 pub fn without(player: usize, needs: &[Coalition]) -> Coalition {
     let stays = |other: &usize| *other != player && before(*other, needs) >> player & 1 == 0;
-    (0..needs.len()).filter(stays).fold(0, |all, other| all | 1 << other)
+    (0..needs.len())
+        .filter(stays)
+        .fold(0, |all, other| all | 1 << other)
 }
 
-/// Computes Shapley values: a player's contribution averaged over all orders in which each player comes after those it
-/// needs [Shapley53; FaigleKern92 for players with needs]. They sum to the value of all minus the value of none.
+/// Computes Shapley values: a player's contribution averaged over all orders in which each player
+/// comes after those it needs [Shapley53; FaigleKern92 for players with needs]. They sum to the
+/// value of all minus the value of none.
 pub fn shapley(needs: &[Coalition], value: impl Fn(Coalition) -> f64) -> Vec<f64> {
     let (count, all) = (needs.len(), (1 << needs.len()) - 1);
-    let can_join =
-        |coalition: Coalition, player: usize| coalition >> player & 1 == 0 && needs[player] & !coalition == 0;
+    let can_join = |coalition: Coalition, player: usize| {
+        coalition >> player & 1 == 0 && needs[player] & !coalition == 0
+    };
     // Number of orders from the empty coalition to each, and from each to all.
     let mut to = vec![0.0; 1 << count];
     let mut from = vec![0.0; 1 << count];

@@ -1,13 +1,15 @@
 //! The radiance of every coalition of the split sum's steps.
 //!
-//! docs/estimators.md ("The ladder") has the radiance of a coalition with the kernel K, `(f0 A + B) <K F, L>` or `<K, L>`.
-//! K is `D G2 / (4 n·v)`, or with masking approximated `D n·h / (4 v·h) w(l)`; with n = v = r it is `D/4` times G1(l)
-//! or w(l). Before n = v = r the reference's passes draw the means. After it K is isotropic about r, so a mean is a
-//! convolution `m(r, alpha)`, exact by spherical harmonics. Approximations then apply in this order:
+//! docs/estimators.md ("The ladder") has the radiance of a coalition with the kernel K, `(f0 A + B)
+//! <K F, L>` or `<K, L>`. K is `D G2 / (4 n·v)`, or with masking approximated `D n·h / (4 v·h)
+//! w(l)`; with n = v = r it is `D/4` times G1(l) or w(l). Before n = v = r the reference's passes
+//! draw the means. After it K is isotropic about r, so a mean is a convolution `m(r, alpha)`, exact
+//! by spherical harmonics. Approximations then apply in this order:
 //!
 //! - samples: `m` is the prefilter's estimate, for any direction and width;
 //! - storage: `m` is rounded to the number format;
-//! - texels: `m` is linear between the texels of a level, both levels around alpha by their shares; else taken at r;
+//! - texels: `m` is linear between the texels of a level, both levels around alpha by their shares;
+//!   else taken at r;
 //! - levels: a level has its own width; else each has alpha.
 
 use super::game::Coalition;
@@ -83,7 +85,11 @@ struct Looked {
 
 /// Returns `<K F, L>`, or `<K, L>` with Fresnel approximated.
 fn mean([whole, below, grazing]: Means, split: Split, f0: DVec3, is_outside: bool) -> DVec3 {
-    if is_outside { whole } else { (f0 * split.x * below + split.y * grazing) / (f0 * split.x + split.y) }
+    if is_outside {
+        whole
+    } else {
+        (f0 * split.x * below + split.y * grazing) / (f0 * split.x + split.y)
+    }
 }
 
 /// The steps that act on tables.
@@ -99,8 +105,14 @@ impl Radiance {
         let tabulated = Tables::new(&setting).all();
         Self {
             scale: setting.scale,
-            exact: n_dot_v.iter().map(|n_dot_v| setting.albedos.exact(*n_dot_v)).collect(),
-            weighted: n_dot_v.iter().map(|n_dot_v| setting.albedos.weighted(*n_dot_v)).collect(),
+            exact: n_dot_v
+                .iter()
+                .map(|n_dot_v| setting.albedos.exact(*n_dot_v))
+                .collect(),
+            weighted: n_dot_v
+                .iter()
+                .map(|n_dot_v| setting.albedos.weighted(*n_dot_v))
+                .collect(),
             table: setting.table,
             drawn: mean_of(&setting.drawn),
             scrambles: setting.drawn,
@@ -120,22 +132,48 @@ impl Radiance {
     }
 
     fn by(&self, drawn: &Drawn, coalition: Coalition, f0: DVec3) -> Vec<DVec3> {
-        let albedo = if has(coalition, TABLE) { &self.table } else { &self.exact };
+        let albedo = if has(coalition, TABLE) {
+            &self.table
+        } else {
+            &self.exact
+        };
         let (pixels, is_outside) = (0..self.exact.len(), has(coalition, FRESNEL));
         let reflectance = |pixel: usize| f0 * albedo[pixel].x + albedo[pixel].y;
         if has(coalition, VIEW) {
-            let acts = TABULATED.iter().filter(|step| has(coalition, **step)).fold(0, |all, step| all | 1 << step);
+            let acts = TABULATED
+                .iter()
+                .filter(|step| has(coalition, **step))
+                .fold(0, |all, step| all | 1 << step);
             let kernel = usize::from(has(coalition, MASKING));
-            let levels = self.tabulated[&acts].iter().filter(|level| level.share > 0.0);
+            let levels = self.tabulated[&acts]
+                .iter()
+                .filter(|level| level.share > 0.0);
             let of_level = |level: &Looked, pixel: usize| {
-                level.share * mean(level.means[pixel][kernel], level.splits[kernel], f0, is_outside)
+                level.share
+                    * mean(
+                        level.means[pixel][kernel],
+                        level.splits[kernel],
+                        f0,
+                        is_outside,
+                    )
             };
-            let of_pixel = |pixel| levels.clone().map(|level| of_level(level, pixel)).sum::<DVec3>();
-            return pixels.map(|pixel| self.scale * reflectance(pixel) * of_pixel(pixel)).collect();
+            let of_pixel = |pixel| {
+                levels
+                    .clone()
+                    .map(|level| of_level(level, pixel))
+                    .sum::<DVec3>()
+            };
+            return pixels
+                .map(|pixel| self.scale * reflectance(pixel) * of_pixel(pixel))
+                .collect();
         }
         // `B <K Fc, L>` and `(A + B) <K, L>` are drawn.
         let [grazing, white] = &drawn[usize::from(has(coalition, MASKING))];
-        let splits = if has(coalition, MASKING) { &self.weighted } else { &self.exact };
+        let splits = if has(coalition, MASKING) {
+            &self.weighted
+        } else {
+            &self.exact
+        };
         let of_pixel = |pixel: usize| {
             let (exact, split) = (self.exact[pixel], splits[pixel]);
             let (whole, grazing) = (white[pixel] / exact.element_sum(), grazing[pixel] / exact.y);
@@ -149,8 +187,15 @@ impl Radiance {
 fn mean_of(scrambles: &[Drawn]) -> Drawn {
     std::array::from_fn(|masking| {
         std::array::from_fn(|f0| {
-            let mean = |pixel: usize| scrambles.iter().map(|of| of[masking][f0][pixel]).sum::<DVec3>();
-            (0..scrambles[0][0][0].len()).map(|pixel| mean(pixel) / scrambles.len() as f64).collect()
+            let mean = |pixel: usize| {
+                scrambles
+                    .iter()
+                    .map(|of| of[masking][f0][pixel])
+                    .sum::<DVec3>()
+            };
+            (0..scrambles[0][0][0].len())
+                .map(|pixel| mean(pixel) / scrambles.len() as f64)
+                .collect()
         })
     })
 }
@@ -186,16 +231,24 @@ impl<'a> Tables<'a> {
     fn new(setting: &'a Setting<'a>) -> Self {
         let tables = setting.tables;
         let masked = Weight::listed("masking");
-        let kernels =
-            [masked, tables.prefilter_weight].map(|weight| Kernel::new(setting.model, weight, setting.masking));
-        let r: Vec<DVec3> = setting.frames.iter().map(|[n, v]| reflect(*v, *n)).collect();
+        let kernels = [masked, tables.prefilter_weight]
+            .map(|weight| Kernel::new(setting.model, weight, setting.masking));
+        let r: Vec<DVec3> = setting
+            .frames
+            .iter()
+            .map(|[n, v]| reflect(*v, *n))
+            .collect();
         let (mapping, count) = (tables.level_mapping, tables.prefilter_level_count);
         let mip = mapping.mip_from_alpha(setting.alpha, count);
         let low = mip.floor().min(f64::from(count) - 2.0);
         let level = |place: usize| {
             let at = low + place as f64 - 1.0;
             let share = 1.0 - (mip - at).abs();
-            Level { alpha: mapping.alpha_from_mip(at, count), share, places: [0, place] }
+            Level {
+                alpha: mapping.alpha_from_mip(at, count),
+                share,
+                places: [0, place],
+            }
         };
         let size = |level: f64| tables.prefilter_size.map(|side| side >> level as u32);
         let mirrored = Place {
@@ -204,25 +257,52 @@ impl<'a> Tables<'a> {
             is_level: false,
             size: [0; 2],
         };
-        let places = [mirrored, texels(tables, &r, size(low)), texels(tables, &r, size(low + 1.0))];
-        Self { setting, kernels, places, levels: [level(1), level(2)] }
+        let places = [
+            mirrored,
+            texels(tables, &r, size(low)),
+            texels(tables, &r, size(low + 1.0)),
+        ];
+        Self {
+            setting,
+            kernels,
+            places,
+            levels: [level(1), level(2)],
+        }
     }
 
     /// Computes both levels for every subset of the steps.
     fn all(&self) -> HashMap<Coalition, [Looked; 2]> {
         let mut known = HashMap::new();
         let subsets = (0..1 << TABULATED.len()).map(|bits: usize| {
-            TABULATED.iter().enumerate().filter(|(i, _)| bits >> i & 1 == 1).fold(0, |all, (_, step)| all | 1 << step)
+            TABULATED
+                .iter()
+                .enumerate()
+                .filter(|(i, _)| bits >> i & 1 == 1)
+                .fold(0, |all, (_, step)| all | 1 << step)
         });
-        subsets.map(|acts| (acts, self.means(acts, &mut known))).collect()
+        subsets
+            .map(|acts| (acts, self.means(acts, &mut known)))
+            .collect()
     }
 
-    fn means(&self, acts: Coalition, known: &mut HashMap<(u64, usize, bool), Vec<Stored>>) -> [Looked; 2] {
+    fn means(
+        &self,
+        acts: Coalition,
+        known: &mut HashMap<(u64, usize, bool), Vec<Stored>>,
+    ) -> [Looked; 2] {
         self.levels.each_ref().map(|level| {
-            let alpha = if has(acts, LEVELS) { level.alpha } else { self.setting.alpha };
+            let alpha = if has(acts, LEVELS) {
+                level.alpha
+            } else {
+                self.setting.alpha
+            };
             let splits = self.kernels.map(|kernel| split(kernel, alpha));
             if level.share == 0.0 {
-                return Looked { share: 0.0, splits, means: Vec::new() };
+                return Looked {
+                    share: 0.0,
+                    splits,
+                    means: Vec::new(),
+                };
             }
             let mut sums = vec![Stored::default(); self.setting.frames.len()];
             let place = level.places[usize::from(has(acts, TEXELS))];
@@ -238,24 +318,34 @@ impl<'a> Tables<'a> {
                     }
                 }
             }
-            Looked { share: level.share, splits, means: sums }
+            Looked {
+                share: level.share,
+                splits,
+                means: sums,
+            }
         })
     }
 
     /// Computes the means in the directions of a place.
     fn stored(&self, alpha: f64, place: &Place, by_samples: bool) -> Vec<Stored> {
-        let (setting, is_sampled) = (self.setting, self.setting.tables.prefilter == PrefilterBy::Sampled);
+        let (setting, is_sampled) = (
+            self.setting,
+            self.setting.tables.prefilter == PrefilterBy::Sampled,
+        );
         match (alpha == 0.0, by_samples) {
             // The mirror's level is the map filtered to its size, however the others are made.
             (true, _) if place.is_level => {
                 let sides = |[width, height]: [u32; 2]| f64::from(width) * f64::from(height);
                 let lod = 0.5 * (sides(setting.filtered.size()) / sides(place.size)).log2();
-                let value = |direction: &DVec3| [[setting.filtered.value(*direction, lod.max(0.0)); 3]; 2];
+                let value =
+                    |direction: &DVec3| [[setting.filtered.value(*direction, lod.max(0.0)); 3]; 2];
                 place.directions.par_iter().map(value).collect()
             }
-            (true, _) => {
-                place.directions.iter().map(|direction| [[setting.environment.radiance(*direction); 3]; 2]).collect()
-            }
+            (true, _) => place
+                .directions
+                .iter()
+                .map(|direction| [[setting.environment.radiance(*direction); 3]; 2])
+                .collect(),
             (false, true) if is_sampled => self.sampled(alpha, &place.directions),
             (false, _) => self.convolved(alpha, &place.directions),
         }
@@ -268,8 +358,17 @@ impl<'a> Tables<'a> {
             let weight = |n_dot_l: f64| kernel.weight(alpha, n_dot_l) * part(n_dot_l);
             harmonics.convolved(&harmonic::factors_of(kernel.brdf, alpha, degree, weight))
         };
-        let maps = self.kernels.each_ref().map(|kernel| PARTS.map(|part| map(kernel, part)));
-        directions.par_iter().map(|d| maps.each_ref().map(|maps| maps.each_ref().map(|map| map.value(*d)))).collect()
+        let maps = self
+            .kernels
+            .each_ref()
+            .map(|kernel| PARTS.map(|part| map(kernel, part)));
+        directions
+            .par_iter()
+            .map(|d| {
+                maps.each_ref()
+                    .map(|maps| maps.each_ref().map(|map| map.value(*d)))
+            })
+            .collect()
     }
 
     fn sampled(&self, alpha: f64, directions: &[DVec3]) -> Vec<Stored> {
@@ -278,17 +377,24 @@ impl<'a> Tables<'a> {
         let of_point = |i: u32| {
             let h = model.sample_d((SEQUENCES[0].point)(i, count, 0), alpha);
             let l = reflect(DVec3::Z, h);
-            let weights = self.kernels.each_ref().map(|kernel| PARTS.map(|part| kernel.weight(alpha, l.z) * part(l.z)));
+            let weights = self
+                .kernels
+                .each_ref()
+                .map(|kernel| PARTS.map(|part| kernel.weight(alpha, l.z) * part(l.z)));
             (l, 4.0 / (f64::from(count) * model.d(h, alpha)), weights)
         };
-        let points: Vec<_> = (0..count).map(of_point).filter(|(l, ..)| l.z > 0.0).collect();
+        let points: Vec<_> = (0..count)
+            .map(of_point)
+            .filter(|(l, ..)| l.z > 0.0)
+            .collect();
         let mean = |direction: &DVec3| -> Stored {
             let frame = Frame::from_normal(*direction);
             let (mut sums, mut wholes) = (Stored::default(), [[0.0; 3]; 2]);
             for (l_local, omega_s, weights) in &points {
                 let l = frame.to_world(*l_local);
                 let omega_p = setting.filtered.texel_solid_angle(l, *omega_s);
-                let lod = lod_from_solid_angles(*omega_s, omega_p) + f64::from(setting.tables.prefilter_lod_bias);
+                let lod = lod_from_solid_angles(*omega_s, omega_p)
+                    + f64::from(setting.tables.prefilter_lod_bias);
                 let value = setting.filtered.value(l, lod.max(0.0));
                 for (kernel, weights) in weights.iter().enumerate() {
                     for (part, weight) in weights.iter().enumerate() {
@@ -348,7 +454,17 @@ fn texels(tables: &PrecomputeSettings, r: &[DVec3], size: [u32; 2]) -> Place {
             });
             (at, weight)
         };
-        tables.layout.stencil(*r, size).into_iter().map(texel).collect()
+        tables
+            .layout
+            .stencil(*r, size)
+            .into_iter()
+            .map(texel)
+            .collect()
     };
-    Place { stencils: r.iter().map(stencil).collect(), directions, is_level: true, size }
+    Place {
+        stencils: r.iter().map(stencil).collect(),
+        directions,
+        is_level: true,
+        size,
+    }
 }

@@ -1,8 +1,10 @@
 //! A spatio-temporal mask of blue noise by void and cluster \[Ulichney93\] \[Wolfe22\].
 //!
-//! The ranks of the cells of a torus of [`SIDE`] x [`SIDE`] pixels and [`DEPTH`] frames. Cells repel each other by `exp(-d²/(2 σ²))` within
-//! a frame, d in pixels, and within a pixel, d in frames; others do not. So each frame and each pixel over time has few low frequencies.
-//! Cells get their ranks in turn, each in the largest void of the cells before it; the first tenth is spread out from random cells.
+//! The ranks of the cells of a torus of [`SIDE`] x [`SIDE`] pixels and [`DEPTH`] frames. Cells
+//! repel each other by `exp(-d²/(2 σ²))` within a frame, d in pixels, and within a pixel, d in
+//! frames; others do not. So each frame and each pixel over time has few low frequencies. Cells get
+//! their ranks in turn, each in the largest void of the cells before it; the first tenth is spread
+//! out from random cells.
 
 use std::sync::LazyLock;
 
@@ -69,7 +71,12 @@ impl Cells {
     fn new() -> Self {
         let repulsion = std::array::from_fn(|d| (-0.5 * (d as f64 / SIGMA).powi(2)).exp());
         let best = [vec![None; DEPTH], vec![None; DEPTH]];
-        Self { is_in: vec![false; AREA * DEPTH], energy: vec![0.0; AREA * DEPTH], best, repulsion }
+        Self {
+            is_in: vec![false; AREA * DEPTH],
+            energy: vec![0.0; AREA * DEPTH],
+            best,
+            repulsion,
+        }
     }
 
     fn flip(&mut self, cell: usize) {
@@ -77,20 +84,28 @@ impl Cells {
         let sign = if self.is_in[cell] { 1.0 } else { -1.0 };
         let (frame, pixel) = (cell / AREA, cell % AREA);
         let around = |a: usize, b: usize, length: usize| a.abs_diff(b).min(length - a.abs_diff(b));
-        let along_x: [f64; SIDE] = std::array::from_fn(|x| sign * self.repulsion[around(x, pixel % SIDE, SIDE)]);
-        for (y, row) in self.energy[frame * AREA..(frame + 1) * AREA].chunks_exact_mut(SIDE).enumerate() {
+        let along_x: [f64; SIDE] =
+            std::array::from_fn(|x| sign * self.repulsion[around(x, pixel % SIDE, SIDE)]);
+        for (y, row) in self.energy[frame * AREA..(frame + 1) * AREA]
+            .chunks_exact_mut(SIDE)
+            .enumerate()
+        {
             let along_y = self.repulsion[around(y, pixel / SIDE, SIDE)];
-            row.iter_mut().zip(along_x).for_each(|(energy, x)| *energy += x * along_y);
+            row.iter_mut()
+                .zip(along_x)
+                .for_each(|(energy, x)| *energy += x * along_y);
         }
         for other in (0..DEPTH).filter(|&other| other != frame) {
             self.energy[other * AREA + pixel] += sign * self.repulsion[around(other, frame, DEPTH)];
         }
-        // In another frame one energy moved: its extremes may only have become this cell, or no longer be it.
+        // In another frame one energy moved: its extremes may only have become this cell, or no
+        // longer be it.
         for (is_cluster, best) in [false, true].into_iter().zip(&mut self.best) {
             for (other, best) in best.iter_mut().enumerate() {
                 let moved = other * AREA + pixel;
                 let is_beaten = |known: usize| {
-                    self.is_in[moved] == is_cluster && (self.energy[moved] > self.energy[known]) == is_cluster
+                    self.is_in[moved] == is_cluster
+                        && (self.energy[moved] > self.energy[known]) == is_cluster
                 };
                 *best = best.filter(|&known| other != frame && known != moved && !is_beaten(known));
             }
@@ -104,19 +119,24 @@ impl Cells {
             true => energy[*a].total_cmp(&energy[*b]),
             false => energy[*b].total_cmp(&energy[*a]),
         };
-        let best = self.best[usize::from(is_cluster)].iter_mut().enumerate().filter_map(|(frame, best)| {
-            if best.is_none() {
-                let own = frame * AREA..(frame + 1) * AREA;
-                *best = own.filter(|&cell| is_in[cell] == is_cluster).max_by(order);
-            }
-            *best
-        });
-        best.max_by(order).expect("the set is neither empty nor whole")
+        let best = self.best[usize::from(is_cluster)]
+            .iter_mut()
+            .enumerate()
+            .filter_map(|(frame, best)| {
+                if best.is_none() {
+                    let own = frame * AREA..(frame + 1) * AREA;
+                    *best = own.filter(|&cell| is_in[cell] == is_cluster).max_by(order);
+                }
+                *best
+            });
+        best.max_by(order)
+            .expect("the set is neither empty nor whole")
     }
 }
 
 /// Returns the mask at a column, row and frame; it repeats in all three.
 pub fn value([x, y]: [u32; 2], frame: u32) -> f64 {
-    let [x, y, frame] = [(x, SIDE), (y, SIDE), (frame, DEPTH)].map(|(at, length)| at as usize % length);
+    let [x, y, frame] =
+        [(x, SIDE), (y, SIDE), (frame, DEPTH)].map(|(at, length)| at as usize % length);
     MASK[frame * AREA + y * SIDE + x]
 }

@@ -1,7 +1,9 @@
-//! The equirectangular mapping of the project: y up, the image's centre is +z, u = 0.25 is +x, row 0 is +y.
+//! The equirectangular mapping of the project: y up, the image's centre is +z, u = 0.25 is +x, row
+//! 0 is +y.
 //!
-//! `u = 0.5 - atan2(x, z) / 2π`, `v = acos(y) / π`; inverse `φ = 2π (0.5 - u)`, `θ = π v`,
-//! `d = (sin φ sin θ, cos θ, cos φ sin θ)`. Texel centres lie at `((i + 0.5)/W, (j + 0.5)/H)`; u wraps, v clamps.
+//! `u = 0.5 - atan2(x, z) / 2π`, `v = acos(y) / π`; inverse `φ = 2π (0.5 - u)`, `θ = π v`, `d =
+//! (sin φ sin θ, cos θ, cos φ sin θ)`. Texel centres lie at `((i + 0.5)/W, (j + 0.5)/H)`; u wraps,
+//! v clamps.
 
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
@@ -29,7 +31,10 @@ pub fn polar_angle(v: f64) -> (f64, f64) {
 }
 
 /// Returns the unit direction of a [`longitude`] and a [`polar_angle`].
-pub fn direction_from_angles((sin_phi, cos_phi): (f64, f64), (sin_theta, cos_theta): (f64, f64)) -> DVec3 {
+pub fn direction_from_angles(
+    (sin_phi, cos_phi): (f64, f64),
+    (sin_theta, cos_theta): (f64, f64),
+) -> DVec3 {
     DVec3::new(sin_phi * sin_theta, cos_theta, cos_phi * sin_theta)
 }
 
@@ -39,9 +44,11 @@ pub fn texel_solid_angle(row: u32, width: u32, height: u32) -> f64 {
     TAU / f64::from(width) * (theta(row).cos() - theta(row + 1).cos())
 }
 
-/// Returns the solid angle (sr) of a texel of a `width` x `height` map at this sine of θ, `2π² sin θ/(W H)`.
+/// Returns the solid angle (sr) of a texel of a `width` x `height` map at this sine of θ, `2π² sin
+/// θ/(W H)`.
 ///
-/// The sine is floored at its value half a texel from a pole: no texel is smaller than in the first row.
+/// The sine is floored at its value half a texel from a pole: no texel is smaller than in the first
+/// row.
 pub fn texel_solid_angle_at(sin_theta: f64, width: u32, height: u32) -> f64 {
     let (width, height) = (f64::from(width), f64::from(height));
     2.0 * PI * PI * sin_theta.max(0.5 * PI / height) / (width * height)

@@ -1,31 +1,37 @@
-//! Integrals `∫ L(l) k(l) dl` of a bilinear equirectangular map L against a smooth kernel k, with an error bound.
+//! Integrals `∫ L(l) k(l) dl` of a bilinear equirectangular map L against a smooth kernel k, with
+//! an error bound.
 //!
-//! The map is the rough factor (one texel may be a sun of 7e4 beside 0.1), the kernel the smooth one. So the map is
-//! integrated exactly, once, and only the kernel is approximated: on a rectangle R of the (u, v) plane, by the
-//! polynomial through its values at the tensor Gauss-Legendre nodes `x_ij`:
+//! The map is the rough factor (one texel may be a sun of 7e4 beside 0.1), the kernel the smooth
+//! one. So the map is integrated exactly, once, and only the kernel is approximated: on a rectangle
+//! R of the (u, v) plane, by the polynomial through its values at the tensor Gauss-Legendre nodes
+//! `x_ij`:
 //!
 //! `∫_R L k dω ≈ Σ k(x_ij) W_ij`, `W_ij = ∫_R L ℓ_i(u) ℓ_j(v) dω`, `dω = 2π² sin(π v) du dv`,
 //!
-//! with `ℓ` the Lagrange polynomials of the nodes. The error is at most `max |k - polynomial| · ∫_R |L| dω`; the maximum is estimated at
-//! corners, edge middles and centre of R, where an interpolant through Gauss nodes is worst. A quadtree holds the weights W of blocks of
-//! texels; a parent's follow from its children's, since its `ℓ` restricted to a child is a polynomial of the same degree. Weights of
-//! smaller rectangles, down to parts of one bilinear cell, are computed on demand.
+//! with `ℓ` the Lagrange polynomials of the nodes. The error is at most `max |k - polynomial| · ∫_R
+//! |L| dω`; the maximum is estimated at corners, edge middles and centre of R, where an interpolant
+//! through Gauss nodes is worst. A quadtree holds the weights W of blocks of texels; a parent's
+//! follow from its children's, since its `ℓ` restricted to a child is a polynomial of the same
+//! degree. Weights of smaller rectangles, down to parts of one bilinear cell, are computed on
+//! demand.
 
 use super::equirect::{direction_from_uv, uv_from_direction};
 use super::quadrature::{Estimate, NODE_COUNT, TensorRule, Tolerance, integrate_adaptively};
 use glam::{DVec2, DVec3};
 use std::f64::consts::PI;
 
-/// Most bilinear cells per side of a leaf of the quadtree: 12 halves to 6, and 8 (a power of two) plus the row that the
-/// poles' half cells add still fits.
+/// Most bilinear cells per side of a leaf of the quadtree: 12 halves to 6, and 8 (a power of two)
+/// plus the row that the poles' half cells add still fits.
 const LEAF_CELLS: usize = 12;
-/// Regions at the start are at most 1/8 of the width, so that no lobe of the hemisphere's size is missed.
+/// Regions at the start are at most 1/8 of the width, so that no lobe of the hemisphere's size is
+/// missed.
 const ROOT_WIDTH: f64 = 0.125;
 
 /// `W_ij` of a region, three channels.
 type Weights = [[DVec3; NODE_COUNT]; NODE_COUNT];
 
-/// A rectangle of the (u, v) plane in texels: x in [-1/2, W - 1/2], y in [-1/2, H - 1/2], centres at integers.
+/// A rectangle of the (u, v) plane in texels: x in [-1/2, W - 1/2], y in [-1/2, H - 1/2], centres
+/// at integers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Region {
     low: DVec2,
@@ -42,18 +48,21 @@ struct Node {
     children: Vec<Region>,
 }
 
-/// A direction about which a kernel is narrow: regions near it are split down to `radius` before errors are estimated.
+/// A direction about which a kernel is narrow: regions near it are split down to `radius` before
+/// errors are estimated.
 #[derive(Clone, Copy)]
 pub struct Focus<'a> {
     pub direction: DVec3,
     /// Angular width of the feature where it is narrowest, radians.
     pub radius: f64,
-    /// Of a feature that is not round: the place of a direction in a plane, in widths from the feature's centre, and its height above
-    /// the horizon. Regions that the feature may reach are split down to its width there.
+    /// Of a feature that is not round: the place of a direction in a plane, in widths from the
+    /// feature's centre, and its height above the horizon. Regions that the feature may reach are
+    /// split down to its width there.
     pub place: Option<&'a dyn Fn(DVec3) -> DVec3>,
 }
 
-/// Widths from the centre to the end of a feature: a Gaussian is 5e-6 there. And from the centre of a region to its corners.
+/// Widths from the centre to the end of a feature: a Gaussian is 5e-6 there. And from the centre of
+/// a region to its corners.
 const FEATURE_END: f64 = 3.5;
 const FEATURE_REACH: f64 = 2.0;
 
@@ -69,28 +78,46 @@ pub struct EquirectQuadrature {
 }
 
 impl EquirectQuadrature {
-    /// Prepares a map of `width` x `height` texels (row 0 at +y). Takes about 1 kB per leaf of 36 to 144 texels.
+    /// Prepares a map of `width` x `height` texels (row 0 at +y). Takes about 1 kB per leaf of 36
+    /// to 144 texels.
     pub fn new(width: u32, height: u32, texel: impl Fn(u32, u32) -> [f32; 3]) -> Self {
         let mut texels = Vec::with_capacity(width as usize * height as usize);
-        texels.extend((0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| texel(x, y)));
+        texels.extend(
+            (0..height)
+                .flat_map(|y| (0..width).map(move |x| (x, y)))
+                .map(|(x, y)| texel(x, y)),
+        );
         let (width, height) = (width as usize, height as usize);
-        let root =
-            Region { low: DVec2::splat(-0.5), high: DVec2::new(width as f64 - 0.5, height as f64 - 0.5), node: None };
-        let mut quadrature = Self { width, height, texels, rule: TensorRule::default(), nodes: Vec::new(), root };
+        let root = Region {
+            low: DVec2::splat(-0.5),
+            high: DVec2::new(width as f64 - 0.5, height as f64 - 0.5),
+            node: None,
+        };
+        let mut quadrature = Self {
+            width,
+            height,
+            texels,
+            rule: TensorRule::default(),
+            nodes: Vec::new(),
+            root,
+        };
         quadrature.nodes.reserve_exact(quadrature.node_count(&root));
         quadrature.root = quadrature.build(root);
         quadrature
     }
 
     pub fn radiance(&self, direction: DVec3) -> DVec3 {
-        let place = uv_from_direction(direction) * DVec2::new(self.width as f64, self.height as f64) - 0.5;
+        let place =
+            uv_from_direction(direction) * DVec2::new(self.width as f64, self.height as f64) - 0.5;
         let (corner, t) = (place.floor(), place - place.floor());
         let texel = |x: f64, y: f64| {
             let x = (corner.x + x).rem_euclid(self.width as f64) as usize;
             let y = (corner.y + y).clamp(0.0, self.height as f64 - 1.0) as usize;
             DVec3::from(self.texels[y * self.width + x].map(f64::from))
         };
-        texel(0.0, 0.0).lerp(texel(1.0, 0.0), t.x).lerp(texel(0.0, 1.0).lerp(texel(1.0, 1.0), t.x), t.y)
+        texel(0.0, 0.0)
+            .lerp(texel(1.0, 0.0), t.x)
+            .lerp(texel(0.0, 1.0).lerp(texel(1.0, 1.0), t.x), t.y)
     }
 
     /// Integrates `∫ L k dl` for `K` kernels at once; `error` bounds each number. Kinks cost time.
@@ -103,14 +130,22 @@ impl EquirectQuadrature {
         let mut roots = Vec::new();
         let mut pending = vec![self.root];
         while let Some(region) = pending.pop() {
-            // A focus narrower than rounding would be split forever; the error bound covers the rest.
-            if roots.len() + pending.len() < tolerance.max_part_count && self.must_split(&region, focus.as_ref()) {
+            // A focus narrower than rounding would be split forever; the error bound covers the
+            // rest.
+            if roots.len() + pending.len() < tolerance.max_part_count
+                && self.must_split(&region, focus.as_ref())
+            {
                 pending.extend(self.split_towards_square(&region));
             } else {
                 roots.push(region);
             }
         }
-        integrate_adaptively(roots, |region| self.estimate(region, &kernel), |region| self.split(region), tolerance)
+        integrate_adaptively(
+            roots,
+            |region| self.estimate(region, &kernel),
+            |region| self.split(region),
+            tolerance,
+        )
     }
 
     fn must_split(&self, region: &Region, focus: Option<&Focus>) -> bool {
@@ -121,16 +156,29 @@ impl EquirectQuadrature {
         let diagonal = self.extent(region).length();
         let center = direction_from_uv(self.uv(0.5 * (region.low + region.high)));
         focus.is_some_and(|focus| {
-            diagonal > focus.radius && center.angle_between(focus.direction) < focus.radius + 0.5 * diagonal
-                || focus.place.is_some_and(|place| self.is_too_wide(region, place))
+            diagonal > focus.radius
+                && center.angle_between(focus.direction) < focus.radius + 0.5 * diagonal
+                || focus
+                    .place
+                    .is_some_and(|place| self.is_too_wide(region, place))
         })
     }
 
     /// Whether all nodes of a region could miss a feature in it.
     fn is_too_wide(&self, region: &Region, place: &dyn Fn(DVec3) -> DVec3) -> bool {
-        let at = |x, y| place(direction_from_uv(self.uv(region.low + DVec2::new(x, y) * (region.high - region.low))));
-        let (center, corners) = (at(0.5, 0.5), [at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0), at(1.0, 1.0)]);
-        let reach = corners.map(|corner| corner.truncate().distance(center.truncate())).into_iter().fold(0.0, f64::max);
+        let at = |x, y| {
+            place(direction_from_uv(self.uv(
+                region.low + DVec2::new(x, y) * (region.high - region.low)
+            )))
+        };
+        let (center, corners) = (
+            at(0.5, 0.5),
+            [at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0), at(1.0, 1.0)],
+        );
+        let reach = corners
+            .map(|corner| corner.truncate().distance(center.truncate()))
+            .into_iter()
+            .fold(0.0, f64::max);
         let is_above = center.z > 0.0 || corners.iter().any(|corner| corner.z > 0.0);
         is_above && reach > FEATURE_REACH && center.truncate().length() < 1.5 * reach + FEATURE_END
     }
@@ -144,17 +192,35 @@ impl EquirectQuadrature {
         PI * DVec2::new(2.0 * size.x * widest, size.y)
     }
 
-    /// Splits a region into parts closer to squares on the sphere: at poles, quarters would become needles.
+    /// Splits a region into parts closer to squares on the sphere: at poles, quarters would become
+    /// needles.
     fn split_towards_square(&self, region: &Region) -> Vec<Region> {
-        let has_children = region.node.is_some_and(|index| !self.nodes[index].children.is_empty());
-        let DVec2 { x: width, y: height } = self.extent(region);
-        let is_narrow = self.uv(region.high).x - self.uv(region.low).x <= ROOT_WIDTH && width < 0.5 * height;
+        let has_children = region
+            .node
+            .is_some_and(|index| !self.nodes[index].children.is_empty());
+        let DVec2 {
+            x: width,
+            y: height,
+        } = self.extent(region);
+        let is_narrow =
+            self.uv(region.high).x - self.uv(region.low).x <= ROOT_WIDTH && width < 0.5 * height;
         if has_children || !is_narrow {
             return self.split(region);
         }
         let y = middle_knot(region.low.y, region.high.y);
-        let upper = Region { high: DVec2::new(region.high.x, y), node: None, ..*region };
-        vec![upper, Region { low: DVec2::new(region.low.x, y), node: None, ..*region }]
+        let upper = Region {
+            high: DVec2::new(region.high.x, y),
+            node: None,
+            ..*region
+        };
+        vec![
+            upper,
+            Region {
+                low: DVec2::new(region.low.x, y),
+                node: None,
+                ..*region
+            },
+        ]
     }
 
     /// Splits a region into quarters, along the edges of bilinear cells if it has several.
@@ -175,7 +241,11 @@ impl EquirectQuadrature {
         vec![part(0, 0), part(1, 0), part(0, 1), part(1, 1)]
     }
 
-    fn estimate<const K: usize>(&self, region: &Region, kernel: &impl Fn(DVec3) -> [f64; K]) -> Estimate<K> {
+    fn estimate<const K: usize>(
+        &self,
+        region: &Region,
+        kernel: &impl Fn(DVec3) -> [f64; K],
+    ) -> Estimate<K> {
         // Sines and cosines by row and column: a region has 81 points but only 18 angles.
         let coordinates = self.rule.coordinates();
         let (low, high) = (self.uv(region.low), self.uv(region.high));
@@ -184,10 +254,23 @@ impl EquirectQuadrature {
         let polar = coordinates.map(|x| (PI * at(low.y, high.y, x)).sin_cos());
         let (values, residual) = self.rule.evaluate(|i, j| {
             let ((sin_phi, cos_phi), (sin_theta, cos_theta)) = (azimuths[i], polar[j]);
-            kernel(DVec3::new(sin_phi * sin_theta, cos_theta, cos_phi * sin_theta))
+            kernel(DVec3::new(
+                sin_phi * sin_theta,
+                cos_theta,
+                cos_phi * sin_theta,
+            ))
         });
-        if values.iter().flatten().chain([&residual]).flatten().all(|&value| value == 0.0) {
-            return Estimate { value: [DVec3::ZERO; K], error: [DVec3::ZERO; K] };
+        if values
+            .iter()
+            .flatten()
+            .chain([&residual])
+            .flatten()
+            .all(|&value| value == 0.0)
+        {
+            return Estimate {
+                value: [DVec3::ZERO; K],
+                error: [DVec3::ZERO; K],
+            };
         }
         let own;
         let (weights, mass) = match region.node {
@@ -203,7 +286,10 @@ impl EquirectQuadrature {
                 value[k] += *weight * kernels[k];
             }
         }
-        Estimate { value, error: residual.map(|residual| mass * residual) }
+        Estimate {
+            value,
+            error: residual.map(|residual| mass * residual),
+        }
     }
 
     fn uv(&self, texel: DVec2) -> DVec2 {
@@ -212,40 +298,67 @@ impl EquirectQuadrature {
 
     /// Counts the nodes of a region and everything below it.
     fn node_count(&self, region: &Region) -> usize {
-        let below = if is_leaf(region) { Vec::new() } else { branches(region) };
-        1 + below.iter().map(|child| self.node_count(child)).sum::<usize>()
+        let below = if is_leaf(region) {
+            Vec::new()
+        } else {
+            branches(region)
+        };
+        1 + below
+            .iter()
+            .map(|child| self.node_count(child))
+            .sum::<usize>()
     }
 
     /// Builds the node of a region and everything below it.
     fn build(&mut self, region: Region) -> Region {
         let node = if is_leaf(&region) {
             let (weights, mass) = self.weights(&region);
-            Node { weights, mass, children: Vec::new() }
+            Node {
+                weights,
+                mass,
+                children: Vec::new(),
+            }
         } else {
-            let children: Vec<Region> = branches(&region).into_iter().map(|child| self.build(child)).collect();
+            let children: Vec<Region> = branches(&region)
+                .into_iter()
+                .map(|child| self.build(child))
+                .collect();
             self.merge(&region, children)
         };
         self.nodes.push(node);
-        Region { node: Some(self.nodes.len() - 1), ..region }
+        Region {
+            node: Some(self.nodes.len() - 1),
+            ..region
+        }
     }
 
-    /// Makes the node over `children`: `W_ij = Σ_children Σ_kl ℓ_i(x_k) ℓ_j(y_l) W_kl`, in the parent's coordinates.
+    /// Makes the node over `children`: `W_ij = Σ_children Σ_kl ℓ_i(x_k) ℓ_j(y_l) W_kl`, in the
+    /// parent's coordinates.
     fn merge(&self, region: &Region, children: Vec<Region>) -> Node {
         let mut weights = [[DVec3::ZERO; NODE_COUNT]; NODE_COUNT];
         let mut mass = DVec3::ZERO;
         for child in &children {
-            let Some(node) = child.node.map(|index| &self.nodes[index]) else { continue };
+            let Some(node) = child.node.map(|index| &self.nodes[index]) else {
+                continue;
+            };
             let lagrange = |low: f64, high: f64, parent_low: f64, parent_high: f64| {
                 self.rule.gauss.nodes.map(|x| {
                     let position = 0.5 * (low + high) + 0.5 * (high - low) * x;
-                    self.rule.gauss.lagrange((2.0 * position - parent_low - parent_high) / (parent_high - parent_low))
+                    self.rule.gauss.lagrange(
+                        (2.0 * position - parent_low - parent_high) / (parent_high - parent_low),
+                    )
                 })
             };
             let along_x = lagrange(child.low.x, child.high.x, region.low.x, region.high.x);
             let along_y = lagrange(child.low.y, child.high.y, region.low.y, region.high.y);
             for (column, x) in node.weights.iter().zip(&along_x) {
-                let partial: [DVec3; NODE_COUNT] =
-                    std::array::from_fn(|j| column.iter().zip(&along_y).map(|(&weight, y)| weight * y[j]).sum());
+                let partial: [DVec3; NODE_COUNT] = std::array::from_fn(|j| {
+                    column
+                        .iter()
+                        .zip(&along_y)
+                        .map(|(&weight, y)| weight * y[j])
+                        .sum()
+                });
                 for i in 0..NODE_COUNT {
                     for j in 0..NODE_COUNT {
                         weights[i][j] += partial[j] * x[i];
@@ -254,12 +367,19 @@ impl EquirectQuadrature {
             }
             mass += node.mass;
         }
-        Node { weights, mass, children }
+        Node {
+            weights,
+            mass,
+            children,
+        }
     }
 
-    /// Computes `W_ij` and `∫ |L| dω` of a region exactly: hat functions and sin(π v) are integrated by cell.
+    /// Computes `W_ij` and `∫ |L| dω` of a region exactly: hat functions and sin(π v) are
+    /// integrated by cell.
     fn weights(&self, region: &Region) -> (Weights, DVec3) {
-        let columns = self.hat_integrals(region.low.x, region.high.x, |_| 2.0 * PI / self.width as f64);
+        let columns = self.hat_integrals(region.low.x, region.high.x, |_| {
+            2.0 * PI / self.width as f64
+        });
         let rows = self.hat_integrals(region.low.y, region.high.y, |y| {
             let step = PI / self.height as f64;
             step * (step * (y + 0.5)).sin()
@@ -287,12 +407,22 @@ impl EquirectQuadrature {
         (weights, mass)
     }
 
-    /// Integrates `∫ hat_t(x) ℓ_i(x) measure(x) dx` over `[low, high]` for every texel t with a hat in it.
-    fn hat_integrals(&self, low: f64, high: f64, measure: impl Fn(f64) -> f64) -> Vec<HatIntegrals> {
+    /// Integrates `∫ hat_t(x) ℓ_i(x) measure(x) dx` over `[low, high]` for every texel t with a hat
+    /// in it.
+    fn hat_integrals(
+        &self,
+        low: f64,
+        high: f64,
+        measure: impl Fn(f64) -> f64,
+    ) -> Vec<HatIntegrals> {
         let gauss = &self.rule.gauss;
         let first = low.floor() as i64;
         let mut hats: Vec<HatIntegrals> = (first..=high.ceil() as i64)
-            .map(|texel| HatIntegrals { texel, integrals: [0.0; NODE_COUNT], total: 0.0 })
+            .map(|texel| HatIntegrals {
+                texel,
+                integrals: [0.0; NODE_COUNT],
+                total: 0.0,
+            })
             .collect();
         let mut start = low;
         while start < high {
@@ -327,24 +457,37 @@ fn is_leaf(region: &Region) -> bool {
     (region.high - region.low).max_element() <= LEAF_CELLS as f64
 }
 
-/// Splits a node along each axis that is longer than a leaf. A map of one row has no thinner leaves.
+/// Splits a node along each axis that is longer than a leaf. A map of one row has no thinner
+/// leaves.
 fn branches(region: &Region) -> Vec<Region> {
     let parts = |low: f64, high: f64| match high - low > LEAF_CELLS as f64 {
-        true => vec![(low, middle_knot(low, high)), (middle_knot(low, high), high)],
+        true => vec![
+            (low, middle_knot(low, high)),
+            (middle_knot(low, high), high),
+        ],
         false => vec![(low, high)],
     };
     let columns = parts(region.low.x, region.high.x);
     let rows = parts(region.low.y, region.high.y).into_iter();
     rows.flat_map(|y| {
-        columns.iter().map(move |x| Region { low: DVec2::new(x.0, y.0), high: DVec2::new(x.1, y.1), node: None })
+        columns.iter().map(move |x| Region {
+            low: DVec2::new(x.0, y.0),
+            high: DVec2::new(x.1, y.1),
+            node: None,
+        })
     })
     .collect()
 }
 
-/// Returns the edge of bilinear cells nearest to the middle of an interval, or the middle if no edge is inside.
+/// Returns the edge of bilinear cells nearest to the middle of an interval, or the middle if no
+/// edge is inside.
 fn middle_knot(low: f64, high: f64) -> f64 {
     let knot = (0.5 * (low + high)).round();
-    if knot > low && knot < high { knot } else { 0.5 * (low + high) }
+    if knot > low && knot < high {
+        knot
+    } else {
+        0.5 * (low + high)
+    }
 }
 
 /// Integrals of one texel's hat function along one axis.

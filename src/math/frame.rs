@@ -2,7 +2,8 @@
 
 use glam::{DQuat, DVec3};
 
-/// Returns the tangent of spheres and queries: east about +y, at the poles +x, turned counter-clockwise about `n` by an angle in radians.
+/// Returns the tangent of spheres and queries: east about +y, at the poles +x, turned
+/// counter-clockwise about `n` by an angle in radians.
 pub fn east(n: DVec3, turn: f64) -> DVec3 {
     let horizontal = DVec3::new(n.z, 0.0, -n.x);
     DQuat::from_axis_angle(n, turn) * horizontal.try_normalize().unwrap_or(DVec3::X)
@@ -32,7 +33,11 @@ impl Frame {
 
     /// Makes the frame whose x axis is `tangent`, a unit vector orthogonal to `n`.
     pub fn from_tangent(n: DVec3, tangent: DVec3) -> Self {
-        Self { tangent, bitangent: n.cross(tangent), n }
+        Self {
+            tangent,
+            bitangent: n.cross(tangent),
+            n,
+        }
     }
 
     pub fn to_world(&self, local: DVec3) -> DVec3 {
@@ -40,6 +45,10 @@ impl Frame {
     }
 
     pub fn to_local(&self, world: DVec3) -> DVec3 {
-        DVec3::new(self.tangent.dot(world), self.bitangent.dot(world), self.n.dot(world))
+        DVec3::new(
+            self.tangent.dot(world),
+            self.bitangent.dot(world),
+            self.n.dot(world),
+        )
     }
 }

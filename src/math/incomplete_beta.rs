@@ -1,15 +1,23 @@
 //! The regularised incomplete beta function `I_x(n, 1/2)` in f64, for `n >= 1`.
 //!
-//! With `x = sin² θ = exp(-w²)`, `∫_0^θ sin^(2n-1) ψ dψ = ∫_w^∞ exp(-κ t²) S(t²) dt`, `κ = n - 1/4`, where `S(u) = √((u/2)/sinh(u/2))` is
-//! even and flat at 0. Its Taylor series, integrated term by term, is asymptotic in `1/κ²`. For small n, the recurrence `I_x(n, 1/2) =
-//! I_x(n + 1, 1/2) + x^n √(1 - x) / (n B(n, 1/2))`, a sum of positive terms, leads to a large n. The exponent n - 1/4 makes S even.
+//! With `x = sin² θ = exp(-w²)`, `∫_0^θ sin^(2n-1) ψ dψ = ∫_w^∞ exp(-κ t²) S(t²) dt`, `κ = n -
+//! 1/4`, where `S(u) = √((u/2)/sinh(u/2))` is even and flat at 0. Its Taylor series, integrated
+//! term by term, is asymptotic in `1/κ²`. For small n, the recurrence `I_x(n, 1/2) = I_x(n + 1,
+//! 1/2) + x^n √(1 - x) / (n B(n, 1/2))`, a sum of positive terms, leads to a large n. The exponent
+//! n - 1/4 makes S even.
 
 use libm::erfc;
 use std::f64::consts::PI;
 
 /// Coefficients of `u^(2j)` in S(u).
-const SERIES: [f64; 6] =
-    [1.0, -1.0 / 48.0, 1.0 / 2560.0, -61.0 / 7_741_440.0, 1261.0 / 7_431_782_400.0, -79.0 / 20_761_804_800.0];
+const SERIES: [f64; 6] = [
+    1.0,
+    -1.0 / 48.0,
+    1.0 / 2560.0,
+    -61.0 / 7_741_440.0,
+    1261.0 / 7_431_782_400.0,
+    -79.0 / 20_761_804_800.0,
+];
 /// From this n on, the first dropped term is below 1e-15.
 const ASYMPTOTIC_FROM: f64 = 25.0;
 
@@ -38,7 +46,10 @@ fn scaled_integral(kappa: f64, z: f64) -> f64 {
 /// Computes `Γ(n + 1/2) / Γ(n)`, relative error about 1e-15.
 pub fn gamma_ratio_half(n: f64) -> f64 {
     let steps = step_count(n);
-    let ratio: f64 = (0..steps).map(|k| n + f64::from(k)).map(|m| m / (m + 0.5)).product();
+    let ratio: f64 = (0..steps)
+        .map(|k| n + f64::from(k))
+        .map(|m| m / (m + 0.5))
+        .product();
     // At x = 1 the integral is B(n, 1/2)/2 = √π Γ(n) / (2 Γ(n + 1/2)).
     let kappa = n + f64::from(steps) - 0.25;
     ratio * 0.5 * (PI * kappa).sqrt() / scaled_integral(kappa, 0.0)
@@ -55,7 +66,11 @@ pub fn incomplete_beta_half(n: f64, c: f64) -> f64 {
     let kappa = n + f64::from(steps) - 0.25;
     let top = scaled_integral(kappa, (-kappa * log_x).sqrt()) / scaled_integral(kappa, 0.0);
     // 1 / (n B(n, 1/2)) = Γ(n + 1/2) / (√π n Γ(n)).
-    let mut term = if steps > 0 { c * (n * log_x).exp() * gamma_ratio_half(n) / (PI.sqrt() * n) } else { 0.0 };
+    let mut term = if steps > 0 {
+        c * (n * log_x).exp() * gamma_ratio_half(n) / (PI.sqrt() * n)
+    } else {
+        0.0
+    };
     let mut sum = top;
     for m in (0..steps).map(|k| n + f64::from(k)) {
         sum += term;

@@ -1,4 +1,5 @@
-//! f64 mathematics without rendering: frames, the equirectangular mapping, point sets, quadrature, spherical harmonics.
+//! f64 mathematics without rendering: frames, the equirectangular mapping, point sets, quadrature,
+//! spherical harmonics.
 
 pub mod blue_noise;
 pub mod design;

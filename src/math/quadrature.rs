@@ -4,7 +4,8 @@ use glam::{DVec2, DVec3};
 use std::collections::BinaryHeap;
 use std::f64::consts::PI;
 
-/// The `N`-point Gauss-Legendre rule: ascending nodes in (-1, 1) and weights; exact for polynomials of degree `2N - 1`.
+/// The `N`-point Gauss-Legendre rule: ascending nodes in (-1, 1) and weights; exact for polynomials
+/// of degree `2N - 1`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct GaussLegendre<const N: usize> {
     pub nodes: [f64; N],
@@ -15,7 +16,10 @@ impl<const N: usize> GaussLegendre<N> {
     /// Computes the rule by Newton's method on the Legendre polynomial.
     pub fn new() -> Self {
         const NEWTON_STEPS: u32 = 8;
-        let mut rule = Self { nodes: [0.0; N], weights: [0.0; N] };
+        let mut rule = Self {
+            nodes: [0.0; N],
+            weights: [0.0; N],
+        };
         for k in 0..N {
             // The classical first guess (descending) is close enough for quadratic convergence.
             let mut x = (PI * (k as f64 + 0.75) / (N as f64 + 0.5)).cos();
@@ -33,13 +37,18 @@ impl<const N: usize> GaussLegendre<N> {
 
     pub fn integrate(&self, low: f64, high: f64, f: impl Fn(f64) -> f64) -> f64 {
         let (center, half) = (0.5 * (low + high), 0.5 * (high - low));
-        half * (0..N).map(|k| self.weights[k] * f(center + half * self.nodes[k])).sum::<f64>()
+        half * (0..N)
+            .map(|k| self.weights[k] * f(center + half * self.nodes[k]))
+            .sum::<f64>()
     }
 
     /// Returns the values at `x` of the `N` polynomials that are 1 at one node and 0 at the others.
     pub fn lagrange(&self, x: f64) -> [f64; N] {
         std::array::from_fn(|k| {
-            (0..N).filter(|&j| j != k).map(|j| (x - self.nodes[j]) / (self.nodes[k] - self.nodes[j])).product()
+            (0..N)
+                .filter(|&j| j != k)
+                .map(|j| (x - self.nodes[j]) / (self.nodes[k] - self.nodes[j]))
+                .product()
         })
     }
 }
@@ -78,7 +87,8 @@ pub struct Bounded {
 
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tolerance {
-    /// Error of each number relative to it, or to [`SCALE_FLOOR`] times the largest number if that is more.
+    /// Error of each number relative to it, or to [`SCALE_FLOOR`] times the largest number if that
+    /// is more.
     pub relative: f64,
     /// Most parts, for integrands that never converge. The estimate has the reached error.
     pub max_part_count: usize,
@@ -88,7 +98,10 @@ pub struct Tolerance {
 pub const SCALE_FLOOR: f64 = 0.01;
 
 impl<const K: usize> Estimate<K> {
-    const ZERO: Self = Self { value: [DVec3::ZERO; K], error: [DVec3::ZERO; K] };
+    const ZERO: Self = Self {
+        value: [DVec3::ZERO; K],
+        error: [DVec3::ZERO; K],
+    };
 
     fn add(&mut self, other: &Self, factor: f64) {
         for k in 0..K {
@@ -99,14 +112,24 @@ impl<const K: usize> Estimate<K> {
 
     /// Returns `Σ factors[k] value[k]` with its bound.
     pub fn combine(&self, factors: [DVec3; K]) -> Bounded {
-        let sum = |numbers: &[DVec3; K], factor: &dyn Fn(usize) -> DVec3| (0..K).map(|k| numbers[k] * factor(k)).sum();
-        Bounded { value: sum(&self.value, &|k| factors[k]), error: sum(&self.error, &|k| factors[k].abs()) }
+        let sum = |numbers: &[DVec3; K], factor: &dyn Fn(usize) -> DVec3| {
+            (0..K).map(|k| numbers[k] * factor(k)).sum()
+        };
+        Bounded {
+            value: sum(&self.value, &|k| factors[k]),
+            error: sum(&self.error, &|k| factors[k].abs()),
+        }
     }
 
     /// Returns the number that each error is relative to.
     fn scale(&self) -> [DVec3; K] {
-        let largest = self.value.iter().map(|value| value.abs().max_element()).fold(0.0, f64::max);
-        self.value.map(|value| value.abs().max(DVec3::splat(SCALE_FLOOR * largest)))
+        let largest = self
+            .value
+            .iter()
+            .map(|value| value.abs().max_element())
+            .fold(0.0, f64::max);
+        self.value
+            .map(|value| value.abs().max(DVec3::splat(SCALE_FLOOR * largest)))
     }
 
     /// Returns the largest error relative to `scale`; 0/0 counts as 0, NaN as infinite.
@@ -116,12 +139,17 @@ impl<const K: usize> Estimate<K> {
             _ if error == 0.0 => 0.0,
             _ => f64::INFINITY,
         };
-        let largest = |k: usize| (0..3).map(|c| channel(self.error[k][c], scale[k][c])).fold(0.0, f64::max);
+        let largest = |k: usize| {
+            (0..3)
+                .map(|c| channel(self.error[k][c], scale[k][c]))
+                .fold(0.0, f64::max)
+        };
         (0..K).map(largest).fold(0.0, f64::max)
     }
 }
 
-/// Integrates adaptively: splits the region with the largest error until the sum of errors meets `tolerance`.
+/// Integrates adaptively: splits the region with the largest error until the sum of errors meets
+/// `tolerance`.
 ///
 /// The sum of the regions' errors is an upper estimate of the total error if each region's is.
 pub fn integrate_adaptively<R, I: IntoIterator<Item = R>, const K: usize>(
@@ -136,14 +164,24 @@ pub fn integrate_adaptively<R, I: IntoIterator<Item = R>, const K: usize>(
     };
     let mut parts: Vec<(R, Estimate<K>)> = roots.into_iter().map(estimated).collect();
     let mut total = Estimate::ZERO;
-    parts.iter().for_each(|(_, estimate)| total.add(estimate, 1.0));
+    parts
+        .iter()
+        .for_each(|(_, estimate)| total.add(estimate, 1.0));
     let mut scale = total.scale();
     // Errors are not negative, so their bits have the same order.
-    let priority = |estimate: &Estimate<K>, scale: &[DVec3; K]| estimate.relative_error(scale).to_bits();
-    let first = parts.iter().enumerate().map(|(place, (_, estimate))| (priority(estimate, &scale), place));
+    let priority =
+        |estimate: &Estimate<K>, scale: &[DVec3; K]| estimate.relative_error(scale).to_bits();
+    let first = parts
+        .iter()
+        .enumerate()
+        .map(|(place, (_, estimate))| (priority(estimate, &scale), place));
     let mut worst_first: BinaryHeap<(u64, usize)> = first.collect();
-    while total.relative_error(&scale) > tolerance.relative && parts.len() < tolerance.max_part_count {
-        let Some((_, worst)) = worst_first.pop() else { break };
+    while total.relative_error(&scale) > tolerance.relative
+        && parts.len() < tolerance.max_part_count
+    {
+        let Some((_, worst)) = worst_first.pop() else {
+            break;
+        };
         total.add(&parts[worst].1, -1.0);
         for (k, region) in split(&parts[worst].0).into_iter().enumerate() {
             let part = estimated(region);
@@ -151,22 +189,30 @@ pub fn integrate_adaptively<R, I: IntoIterator<Item = R>, const K: usize>(
             // The first takes the place of the whole.
             let place = if k == 0 { worst } else { parts.len() };
             worst_first.push((priority(&part.1, &scale), place));
-            if k == 0 { parts[worst] = part } else { parts.push(part) }
+            if k == 0 {
+                parts[worst] = part
+            } else {
+                parts.push(part)
+            }
         }
         scale = total.scale();
     }
     // Summed again: the running total carries the rounding of all parts added and removed.
     let mut sum = Estimate::ZERO;
-    parts.iter().for_each(|(_, estimate)| sum.add(estimate, 1.0));
+    parts
+        .iter()
+        .for_each(|(_, estimate)| sum.add(estimate, 1.0));
     sum
 }
 
 /// Gauss-Legendre nodes along each side of a region.
 pub const NODE_COUNT: usize = 6;
-/// Positions along each side where an interpolant is checked. The ends, outside the nodes, are worst.
+/// Positions along each side where an interpolant is checked. The ends, outside the nodes, are
+/// worst.
 const CHECKS: [f64; 3] = [-1.0, 0.0, 1.0];
 
-/// Interpolates on a rectangle by values at the tensor Gauss-Legendre nodes, and checks the interpolant.
+/// Interpolates on a rectangle by values at the tensor Gauss-Legendre nodes, and checks the
+/// interpolant.
 #[derive(Clone, Debug, PartialEq)]
 pub struct TensorRule {
     pub gauss: GaussLegendre<NODE_COUNT>,
@@ -176,28 +222,47 @@ pub struct TensorRule {
 impl Default for TensorRule {
     fn default() -> Self {
         let gauss = GaussLegendre::new();
-        Self { lagrange_at_checks: CHECKS.map(|x| gauss.lagrange(x)), gauss }
+        Self {
+            lagrange_at_checks: CHECKS.map(|x| gauss.lagrange(x)),
+            gauss,
+        }
     }
 }
 
 impl TensorRule {
     /// Returns the coordinates in [-1, 1] of [`TensorRule::evaluate`]: the nodes, then the checks.
     pub fn coordinates(&self) -> [f64; NODE_COUNT + CHECKS.len()] {
-        std::array::from_fn(|k| if k < NODE_COUNT { self.gauss.nodes[k] } else { CHECKS[k - NODE_COUNT] })
+        std::array::from_fn(|k| {
+            if k < NODE_COUNT {
+                self.gauss.nodes[k]
+            } else {
+                CHECKS[k - NODE_COUNT]
+            }
+        })
     }
 
-    /// Returns the values of `K` functions at the nodes, and the largest error of each interpolant at the checks.
+    /// Returns the values of `K` functions at the nodes, and the largest error of each interpolant
+    /// at the checks.
     ///
-    /// `f(i, j)` gives the functions at coordinates i and j of the sides (see [`TensorRule::coordinates`]).
-    pub fn evaluate<const K: usize>(&self, f: impl Fn(usize, usize) -> [f64; K]) -> ([Line<K>; NODE_COUNT], [f64; K]) {
+    /// `f(i, j)` gives the functions at coordinates i and j of the sides (see
+    /// [`TensorRule::coordinates`]).
+    pub fn evaluate<const K: usize>(
+        &self,
+        f: impl Fn(usize, usize) -> [f64; K],
+    ) -> ([Line<K>; NODE_COUNT], [f64; K]) {
         let mut values = [[[0.0; K]; NODE_COUNT]; NODE_COUNT];
         (0..NODE_COUNT).for_each(|i| (0..NODE_COUNT).for_each(|j| values[i][j] = f(i, j)));
         let (mut residual, mut column) = ([0.0_f64; K], [[0.0; K]; NODE_COUNT]);
         for (b, along_second) in self.lagrange_at_checks.iter().enumerate() {
             (0..NODE_COUNT).for_each(|i| column[i] = combine(along_second, &values[i]));
             for (a, along_first) in self.lagrange_at_checks.iter().enumerate() {
-                let (found, interpolated) = (f(NODE_COUNT + a, NODE_COUNT + b), combine(along_first, &column));
-                (0..K).for_each(|k| residual[k] = residual[k].max((found[k] - interpolated[k]).abs()));
+                let (found, interpolated) = (
+                    f(NODE_COUNT + a, NODE_COUNT + b),
+                    combine(along_first, &column),
+                );
+                (0..K).for_each(|k| {
+                    residual[k] = residual[k].max((found[k] - interpolated[k]).abs())
+                });
             }
         }
         (values, residual)
@@ -224,8 +289,14 @@ impl Rectangle {
         let Self { low, high } = *self;
         [
             Self { low, high: middle },
-            Self { low: DVec2::new(middle.x, low.y), high: DVec2::new(high.x, middle.y) },
-            Self { low: DVec2::new(low.x, middle.y), high: DVec2::new(middle.x, high.y) },
+            Self {
+                low: DVec2::new(middle.x, low.y),
+                high: DVec2::new(high.x, middle.y),
+            },
+            Self {
+                low: DVec2::new(low.x, middle.y),
+                high: DVec2::new(middle.x, high.y),
+            },
             Self { low: middle, high },
         ]
     }
@@ -235,9 +306,11 @@ impl Rectangle {
     }
 }
 
-/// Integrates `f(column(x), y)` over a rectangle: `column` is computed once for all y of a part. Kinks and cliffs cost time, not accuracy.
+/// Integrates `f(column(x), y)` over a rectangle: `column` is computed once for all y of a part.
+/// Kinks and cliffs cost time, not accuracy.
 ///
-/// The error of a part is its area times the largest residual of its interpolant: pessimistic for smooth parts.
+/// The error of a part is its area times the largest residual of its interpolant: pessimistic for
+/// smooth parts.
 pub fn integrate_columns<C>(
     rectangle: Rectangle,
     tolerance: Tolerance,
@@ -249,14 +322,23 @@ pub fn integrate_columns<C>(
     let estimate = |part: &Rectangle| {
         let (center, half) = (part.center(), 0.5 * (part.high - part.low));
         let columns = coordinates.map(|x| column(center.x + half.x * x));
-        let (values, residual) = rule.evaluate(|i, j| f(&columns[i], center.y + half.y * coordinates[j]).to_array());
+        let (values, residual) =
+            rule.evaluate(|i, j| f(&columns[i], center.y + half.y * coordinates[j]).to_array());
         let weights = &rule.gauss.weights;
-        let mean = DVec3::from(combine(weights, &values.map(|column| combine(weights, &column))));
+        let mean = DVec3::from(combine(
+            weights,
+            &values.map(|column| combine(weights, &column)),
+        ));
         let area = half.x * half.y;
-        Estimate { value: [area * mean], error: [4.0 * area * DVec3::from(residual)] }
+        Estimate {
+            value: [area * mean],
+            error: [4.0 * area * DVec3::from(residual)],
+        }
     };
     // Sixteen roots: a single one could miss a feature between its nodes.
     let quarters = |part: &Rectangle| part.split_at(part.center());
-    let roots = quarters(&rectangle).into_iter().flat_map(|part| quarters(&part));
+    let roots = quarters(&rectangle)
+        .into_iter()
+        .flat_map(|part| quarters(&part));
     integrate_adaptively(roots, estimate, quarters, tolerance).combine([DVec3::ONE])
 }

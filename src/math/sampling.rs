@@ -1,6 +1,7 @@
 //! Point sets and mappings of the unit square that need no BRDF.
 //!
-//! By convention `xi.x` drives the polar angle and is 0 at the lobe's centre; `xi.y` drives the azimuth, `φ = 2π xi.y`.
+//! By convention `xi.x` drives the polar angle and is 0 at the lobe's centre; `xi.y` drives the
+//! azimuth, `φ = 2π xi.y`.
 
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
@@ -10,11 +11,15 @@ pub fn radical_inverse_2(i: u32) -> f64 {
     f64::from(i.reverse_bits()) / 4_294_967_296.0
 }
 
-/// Returns point `i` of the Hammersley set of `count` points, `((i + 1/2)/count, radical_inverse_2(i))`.
+/// Returns point `i` of the Hammersley set of `count` points, `((i + 1/2)/count,
+/// radical_inverse_2(i))`.
 ///
 /// The half keeps `xi.x` off 0 and 1, where the lobes' mappings are singular.
 pub fn hammersley(i: u32, count: u32) -> DVec2 {
-    DVec2::new((f64::from(i) + 0.5) / f64::from(count), radical_inverse_2(i))
+    DVec2::new(
+        (f64::from(i) + 0.5) / f64::from(count),
+        radical_inverse_2(i),
+    )
 }
 
 /// Returns the unit vector of azimuth `2π xi_azimuth`, given sine and cosine of its polar angle.

@@ -1,7 +1,8 @@
 //! Sequences of points in the unit square, and independent sets of each.
 //!
-//! Set 0 is the plain sequence if there is one; set k > 0 is a randomised copy. Sets of one sequence are repetitions
-//! that separate bias from variance. No coordinate is 0 or 1, where lobes and level formulas are singular.
+//! Set 0 is the plain sequence if there is one; set k > 0 is a randomised copy. Sets of one
+//! sequence are repetitions that separate bias from variance. No coordinate is 0 or 1, where lobes
+//! and level formulas are singular.
 
 use super::blue_noise;
 use super::sampling::hammersley;
@@ -21,12 +22,14 @@ pub struct Sequence {
 pub static SEQUENCES: &[Sequence] = &[
     Sequence {
         name: "hammersley",
-        about: "((i + 1/2) / n, radical inverse); set k is shifted on the torus by the k-th point of R2 [CranleyPatterson76]",
+        about: "((i + 1/2) / n, radical inverse); set k is shifted on the torus by the k-th point \
+                of R2 [CranleyPatterson76]",
         point: |i, count, set| (hammersley(i, count) + (f64::from(set) * R2).fract()).fract(),
     },
     Sequence {
         name: "sobol-owen",
-        about: "the first two Sobol dimensions with a nested uniform scramble by hash; each set has its own [Burley20]",
+        about: "the first two Sobol dimensions with a nested uniform scramble by hash; each set \
+                has its own [Burley20]",
         point: |i, _, set| {
             let key = hash(set);
             let first = scramble_reversed(i, hash(key ^ 1));
@@ -36,9 +39,14 @@ pub static SEQUENCES: &[Sequence] = &[
     },
     Sequence {
         name: "r2",
-        about: "the additive recurrence of the plastic number [Roberts18] from (1/2, 1/2); further sets start at a random point",
+        about: "the additive recurrence of the plastic number [Roberts18] from (1/2, 1/2); further \
+                sets start at a random point",
         point: |i, _, set| {
-            let start = if set == 0 { DVec2::splat(0.5) } else { random(set, 0) };
+            let start = if set == 0 {
+                DVec2::splat(0.5)
+            } else {
+                random(set, 0)
+            };
             let point = (start + f64::from(i) * R2).fract() * CELLS;
             (point.floor() + 0.5) / CELLS
         },
@@ -58,20 +66,24 @@ pub enum PixelPoints {
     /// All pixels use the set: errors of neighbours are similar and show as ghosts and bands.
     #[default]
     Shared = 0,
-    /// Each pixel scrambles both coordinates of the set: errors of neighbours are independent and show as noise.
+    /// Each pixel scrambles both coordinates of the set: errors of neighbours are independent and
+    /// show as noise.
     Owen = 1,
 }
 
 listed!(PixelPoints, "kind of pixel points", { "shared": Shared, "owen": Owen });
 
-/// Returns the point of a set as the pixel at column x and row y scrambles it: nested uniform scrambles of both coordinates \[Owen97\] by
-/// hash \[Burley20\], each with its own key. The mean over pixels or sets is uniform for any point.
+/// Returns the point of a set as the pixel at column x and row y scrambles it: nested uniform
+/// scrambles of both coordinates \[Owen97\] by hash \[Burley20\], each with its own key. The mean
+/// over pixels or sets is uniform for any point.
 pub fn scrambled(point: DVec2, [x, y]: [u32; 2], set: u32) -> DVec2 {
     /// The reference uses streams 0 and 1.
     const STREAM: u32 = 2;
     let seed = 0;
     let parts = [STREAM + 1, seed, set, y, x];
-    let mut key = parts.iter().fold(0, |key: u32, part: &u32| hash(part.wrapping_add(key)));
+    let mut key = parts
+        .iter()
+        .fold(0, |key: u32, part: &u32| hash(part.wrapping_add(key)));
     centre(point.as_vec2().to_array().map(|coordinate| {
         key = hash(key.wrapping_add(1));
         // f32, as in the table on the device.
@@ -94,7 +106,8 @@ pub enum FramePoints {
 
 listed!(FramePoints, "kind of frame points", { "owen": Owen, "r2": R2, "blue": Blue });
 
-/// Steps of R2 in fixed point, in whole cells: then the points of successive frames are bit by bit the points of one set.
+/// Steps of R2 in fixed point, in whole cells: then the points of successive frames are bit by bit
+/// the points of one set.
 const R2_CELLS: [u32; 2] = [((R2.x * CELLS) as u32) << 9, ((R2.y * CELLS) as u32) << 9];
 
 /// The points of a frame that continues R2, before their shift.
@@ -104,27 +117,40 @@ pub static R2_OF_FRAMES: Sequence = Sequence {
     point: |i, _, _| centre(R2_CELLS.map(|step| step.wrapping_mul(i))),
 };
 
-/// Returns the shift of the points of the pixel at column x and row y in a frame of `samples` points, as fixed point;
-/// 0 for scrambled points.
-pub fn frame_shift(points: FramePoints, [x, y]: [u32; 2], frame: u32, samples: u32, set: u32) -> [u32; 2] {
+/// Returns the shift of the points of the pixel at column x and row y in a frame of `samples`
+/// points, as fixed point; 0 for scrambled points.
+pub fn frame_shift(
+    points: FramePoints,
+    [x, y]: [u32; 2],
+    frame: u32,
+    samples: u32,
+    set: u32,
+) -> [u32; 2] {
     match points {
         FramePoints::Owen => [0; 2],
         FramePoints::R2 => {
             let first = hash(x.wrapping_add(hash(y.wrapping_add(hash(set.wrapping_add(1))))));
             let steps = R2_CELLS.map(|step| step.wrapping_mul(frame.wrapping_mul(samples)));
-            [first.wrapping_add(steps[0]), hash(first.wrapping_add(1)).wrapping_add(steps[1])]
+            [
+                first.wrapping_add(steps[0]),
+                hash(first.wrapping_add(1)).wrapping_add(steps[1]),
+            ]
         }
-        FramePoints::Blue => blue_pair([x, y], frame, set).map(|value| (value * 2f64.powi(32)) as u32),
+        FramePoints::Blue => {
+            blue_pair([x, y], frame, set).map(|value| (value * 2f64.powi(32)) as u32)
+        }
     }
 }
 
-/// Returns two values of a pixel in a frame: the second from another place of the mask. Every 32 frames both move
-/// to other places, by R2; so does each set.
+/// Returns two values of a pixel in a frame: the second from another place of the mask. Every 32
+/// frames both move to other places, by R2; so does each set.
 fn blue_pair([x, y]: [u32; 2], frame: u32, set: u32) -> [f64; 2] {
     let cycle = frame / blue_noise::DEPTH as u32 + set.wrapping_mul(1 << 12);
     [0.0, 0.5].map(|half| {
-        let [right, down] =
-            ((f64::from(cycle) + half) * R2).fract().to_array().map(|part| (part * blue_noise::SIDE as f64) as u32);
+        let [right, down] = ((f64::from(cycle) + half) * R2)
+            .fract()
+            .to_array()
+            .map(|part| (part * blue_noise::SIDE as f64) as u32);
         blue_noise::value([x.wrapping_add(right), y.wrapping_add(down)], frame)
     })
 }
@@ -132,7 +158,10 @@ fn blue_pair([x, y]: [u32; 2], frame: u32, set: u32) -> [f64; 2] {
 /// Returns a point that is shifted on the torus.
 pub fn shifted(point: DVec2, shift: [u32; 2]) -> DVec2 {
     // f32, as in the table on the device.
-    let [x, y] = point.as_vec2().to_array().map(|coordinate| (f64::from(coordinate) * 2f64.powi(32)) as u32);
+    let [x, y] = point
+        .as_vec2()
+        .to_array()
+        .map(|coordinate| (f64::from(coordinate) * 2f64.powi(32)) as u32);
     centre([x.wrapping_add(shift[0]), y.wrapping_add(shift[1])])
 }
 
@@ -140,7 +169,11 @@ pub fn shifted(point: DVec2, shift: [u32; 2]) -> DVec2 {
 const R2: DVec2 = DVec2::new(0.754_877_666_246_692_8, 0.569_840_290_998_053_3);
 
 /// Steps of the R3 sequence: 1/g, 1/g² and 1/g³ for the root g of g⁴ = g + 1.
-pub const R3: DVec3 = DVec3::new(0.819_172_513_396_164_5, 0.671_043_606_703_789_3, 0.549_700_477_901_970_1);
+pub const R3: DVec3 = DVec3::new(
+    0.819_172_513_396_164_5,
+    0.671_043_606_703_789_3,
+    0.549_700_477_901_970_1,
+);
 
 /// Cells per side: the most for which f32 holds every centre.
 const CELLS: f64 = (1u32 << 23) as f64;
@@ -167,7 +200,8 @@ pub fn hash(mut x: u32) -> u32 {
     x ^ (x >> 16)
 }
 
-/// As in `shaders/lib/sobol.glsl`: the second Sobol dimension with its bits reversed. The first is the index itself.
+/// As in `shaders/lib/sobol.glsl`: the second Sobol dimension with its bits reversed. The first is
+/// the index itself.
 pub fn sobol_second_reversed(mut index: u32) -> u32 {
     index ^= index >> 16;
     index ^= (index & 0xff00_ff00) >> 8;
@@ -176,7 +210,8 @@ pub fn sobol_second_reversed(mut index: u32) -> u32 {
     index ^ ((index & 0xaaaa_aaaa) >> 1)
 }
 
-/// As `sobol_scramble_reversed` of `shaders/lib/sobol.glsl` [Burley20, Vegdahl21]: lower bits flip bit k.
+/// As `sobol_scramble_reversed` of `shaders/lib/sobol.glsl` [Burley20, Vegdahl21]: lower bits flip
+/// bit k.
 pub fn scramble_reversed(mut x: u32, key: u32) -> u32 {
     x ^= x.wrapping_mul(0x3d20_adea);
     x = x.wrapping_add(key);

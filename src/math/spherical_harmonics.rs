@@ -1,8 +1,9 @@
 //! Real spherical harmonics up to degree 2, in the order, axes and signs of \[Kim22\].
 //!
-//! Order: `Y00; Y1-1 (y), Y10 (z), Y11 (x); Y2-2 (xy), Y2-1 (yz), Y20 (3z² - 1), Y21 (xz), Y22 (x² - y²)`, with x, y, z world coordinates
-//! (y up) and positive constants (no Condon-Shortley phase). The functions are orthonormal on the sphere. Irradiance from the coefficients
-//! `L_lm` of radiance: `E(n) = Σ A_l L_lm Y_lm(n)` with `A = π, 2π/3, π/4` \[Ramamoorthi01\].
+//! Order: `Y00; Y1-1 (y), Y10 (z), Y11 (x); Y2-2 (xy), Y2-1 (yz), Y20 (3z² - 1), Y21 (xz), Y22 (x²
+//! - y²)`, with x, y, z world coordinates (y up) and positive constants (no Condon-Shortley phase).
+//! The functions are orthonormal on the sphere. Irradiance from the coefficients `L_lm` of
+//! radiance: `E(n) = Σ A_l L_lm Y_lm(n)` with `A = π, 2π/3, π/4` \[Ramamoorthi01\].
 
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -38,5 +39,7 @@ pub fn basis(d: DVec3) -> [f64; COUNT] {
 /// Returns irradiance (radiance × sr) at the unit normal `n`. May be negative: degree 2 rings.
 pub fn irradiance(radiance: &[DVec3; COUNT], n: DVec3) -> DVec3 {
     let y = basis(n);
-    (0..COUNT).map(|k| radiance[k] * (COSINE_LOBE[DEGREE[k]] * y[k])).sum()
+    (0..COUNT)
+        .map(|k| radiance[k] * (COSINE_LOBE[DEGREE[k]] * y[k]))
+        .sum()
 }

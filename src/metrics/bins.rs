@@ -26,31 +26,44 @@ pub struct BinRow {
 }
 
 impl Comparison<'_> {
-    /// Evaluates metrics per bin of n·v. Values outside the edges count in the first or last bin. Display metrics pool
-    /// the maps of the whole image.
+    /// Evaluates metrics per bin of n·v. Values outside the edges count in the first or last bin.
+    /// Display metrics pool the maps of the whole image.
     pub fn evaluate_bins(
         &self,
         n_dot_v: &GrayImage,
         edges: &[f64],
         metrics: &[&Metric],
     ) -> Result<Vec<BinRow>, MetricsError> {
-        let bins = self.bin_pixels(n_dot_v, edges)?.into_iter().zip(edges.windows(2));
+        let bins = self
+            .bin_pixels(n_dot_v, edges)?
+            .into_iter()
+            .zip(edges.windows(2));
         let row = |(pixels, edge): (Vec<usize>, &[f64])| BinRow {
             lo: edge[0],
             hi: edge[1],
             pixel_count: pixels.len(),
             reference_mean: self.reference_mean(&pixels),
-            values: if pixels.is_empty() { Vec::new() } else { self.evaluate_pixels(metrics, &pixels) },
+            values: if pixels.is_empty() {
+                Vec::new()
+            } else {
+                self.evaluate_pixels(metrics, &pixels)
+            },
         };
         Ok(bins.map(row).collect())
     }
 
     /// Returns the row-major indices of the masked pixels of each bin.
-    pub fn bin_pixels(&self, n_dot_v: &GrayImage, edges: &[f64]) -> Result<Vec<Vec<usize>>, MetricsError> {
+    pub fn bin_pixels(
+        &self,
+        n_dot_v: &GrayImage,
+        edges: &[f64],
+    ) -> Result<Vec<Vec<usize>>, MetricsError> {
         check_size("n_dot_v image", n_dot_v, self.size())?;
         let increasing = edges.windows(2).all(|pair| pair[0] < pair[1]);
         if edges.len() < 2 || !increasing || !edges.iter().all(|edge| edge.is_finite()) {
-            return Err(MetricsError::BinEdges { edges: edges.to_vec() });
+            return Err(MetricsError::BinEdges {
+                edges: edges.to_vec(),
+            });
         }
         let bin_count = edges.len() - 1;
         let mut bins = vec![Vec::new(); bin_count];

@@ -10,23 +10,35 @@ use std::sync::{Arc, OnceLock};
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MetricsError {
     #[error("the {image} is {}x{} pixels, but the reference is {}x{}", found[0], found[1], expected[0], expected[1])]
-    Size { image: &'static str, found: [u32; 2], expected: [u32; 2] },
+    Size {
+        image: &'static str,
+        found: [u32; 2],
+        expected: [u32; 2],
+    },
     #[error("the mask has value {value} at column {x}, row {y}; a mask holds only 0 and 1")]
     MaskValue { x: u32, y: u32, value: f32 },
     #[error("the {width}x{height} mask is 0 everywhere; at least one pixel must be 1")]
     EmptyMask { width: u32, height: u32 },
     #[error(
-        "the {image} has {count} masked pixels with a NaN, infinite or negative value, the first {value:?} at column {x}, \
+        "the {image} has {count} masked pixels with a NaN, infinite or negative value, the first \
+         {value:?} at column {x}, \
          row {y}; values must be finite and not negative"
     )]
-    Value { image: &'static str, count: usize, x: u32, y: u32, value: [f32; 3] },
+    Value {
+        image: &'static str,
+        count: usize,
+        x: u32,
+        y: u32,
+        value: [f32; 3],
+    },
     #[error("n_dot_v is {value} at column {x}, row {y}; a masked pixel needs a finite cosine")]
     Cosine { x: u32, y: u32, value: f32 },
     #[error("bin edges {edges:?}: at least two finite values in increasing order are needed")]
     BinEdges { edges: Vec<f64> },
 }
 
-/// An image after the tone curve, black off the mask so that the background does not affect windows of FLIP.
+/// An image after the tone curve, black off the mask so that the background does not affect windows
+/// of FLIP.
 #[derive(Debug)]
 pub struct Displayed {
     image: Rgb8Image,
@@ -42,7 +54,10 @@ impl Displayed {
         for &pixel in pixels {
             display.data[pixel] = curve.apply_rgb8(image.data[pixel]);
         }
-        Self { image: display, flip: OnceLock::new() }
+        Self {
+            image: display,
+            flip: OnceLock::new(),
+        }
     }
 
     fn flip(&self) -> &FlipView {
@@ -64,8 +79,8 @@ pub struct Comparison<'a> {
 }
 
 impl<'a> Comparison<'a> {
-    /// Checks sizes, mask (0 or 1, not empty) and masked values (finite, not negative). Display metrics use `curve`,
-    /// relative metrics `epsilon`.
+    /// Checks sizes, mask (0 or 1, not empty) and masked values (finite, not negative). Display
+    /// metrics use `curve`, relative metrics `epsilon`.
     pub fn new(
         test: &'a RgbImage,
         reference: &'a RgbImage,
@@ -100,8 +115,15 @@ impl<'a> Comparison<'a> {
         self.evaluate_pixels(metrics, &self.pixels)
     }
 
-    pub(super) fn evaluate_pixels(&self, metrics: &[&Metric], pixels: &[usize]) -> Vec<(&'static str, f64)> {
-        metrics.iter().map(|metric| (metric.name, metric.evaluate(self, pixels))).collect()
+    pub(super) fn evaluate_pixels(
+        &self,
+        metrics: &[&Metric],
+        pixels: &[usize],
+    ) -> Vec<(&'static str, f64)> {
+        metrics
+            .iter()
+            .map(|metric| (metric.name, metric.evaluate(self, pixels)))
+            .collect()
     }
 
     /// Row-major indices of masked pixels, ascending.
@@ -113,7 +135,8 @@ impl<'a> Comparison<'a> {
         [self.reference.width, self.reference.height]
     }
 
-    /// Returns relative error per pixel: the root of the RGB mean of `d² / (r² + ε)`; 0 off the mask.
+    /// Returns relative error per pixel: the root of the RGB mean of `d² / (r² + ε)`; 0 off the
+    /// mask.
     pub fn relative_error_map(&self) -> GrayImage {
         let squares = self.relative_squares();
         self.map(|pixel| squares[pixel].sqrt() as f32)
@@ -149,7 +172,10 @@ impl<'a> Comparison<'a> {
 
     /// RGB mean of the reference over these pixels; 0 for none.
     pub(super) fn reference_mean(&self, pixels: &[usize]) -> f64 {
-        let sum: f64 = pixels.iter().map(|&pixel| self.radiance(pixel)[1].iter().sum::<f64>()).sum();
+        let sum: f64 = pixels
+            .iter()
+            .map(|&pixel| self.radiance(pixel)[1].iter().sum::<f64>())
+            .sum();
         sum / (3 * pixels.len().max(1)) as f64
     }
 
@@ -170,17 +196,23 @@ impl<'a> Comparison<'a> {
     }
 
     pub fn reference_display(&self) -> &Arc<Displayed> {
-        self.reference_display.get_or_init(|| Arc::new(Displayed::new(self.reference, &self.pixels, self.curve)))
+        self.reference_display
+            .get_or_init(|| Arc::new(Displayed::new(self.reference, &self.pixels, self.curve)))
     }
 
-    /// Shares the tone-mapped reference of another comparison with the same reference, mask and curve.
+    /// Shares the tone-mapped reference of another comparison with the same reference, mask and
+    /// curve.
     pub fn with_reference_display(self, display: Arc<Displayed>) -> Self {
-        Self { reference_display: display.into(), ..self }
+        Self {
+            reference_display: display.into(),
+            ..self
+        }
     }
 
     pub(super) fn display(&self) -> [&Displayed; 2] {
         [
-            self.test_display.get_or_init(|| Displayed::new(self.test, &self.pixels, self.curve)),
+            self.test_display
+                .get_or_init(|| Displayed::new(self.test, &self.pixels, self.curve)),
             self.reference_display(),
         ]
     }
@@ -194,30 +226,71 @@ impl<'a> Comparison<'a> {
 }
 
 /// Fails unless an image has the reference's size.
-pub(super) fn check_size<T>(image: &'static str, found: &Pixels<T>, expected: [u32; 2]) -> Result<(), MetricsError> {
+pub(super) fn check_size<T>(
+    image: &'static str,
+    found: &Pixels<T>,
+    expected: [u32; 2],
+) -> Result<(), MetricsError> {
     let found = [found.width, found.height];
-    if found == expected { Ok(()) } else { Err(MetricsError::Size { image, found, expected }) }
+    if found == expected {
+        Ok(())
+    } else {
+        Err(MetricsError::Size {
+            image,
+            found,
+            expected,
+        })
+    }
 }
 
 pub(super) fn masked_pixels(mask: &GrayImage, size: [u32; 2]) -> Result<Vec<usize>, MetricsError> {
     check_size("mask", mask, size)?;
-    if let Some(pixel) = mask.data.iter().position(|&value| value != 0.0 && value != 1.0) {
+    if let Some(pixel) = mask
+        .data
+        .iter()
+        .position(|&value| value != 0.0 && value != 1.0)
+    {
         let [x, y] = column_and_row(pixel, mask.width);
-        return Err(MetricsError::MaskValue { x, y, value: mask.data[pixel] });
+        return Err(MetricsError::MaskValue {
+            x,
+            y,
+            value: mask.data[pixel],
+        });
     }
-    let pixels: Vec<usize> = (0..mask.data.len()).filter(|&pixel| mask.data[pixel] == 1.0).collect();
+    let pixels: Vec<usize> = (0..mask.data.len())
+        .filter(|&pixel| mask.data[pixel] == 1.0)
+        .collect();
     if pixels.is_empty() {
-        return Err(MetricsError::EmptyMask { width: mask.width, height: mask.height });
+        return Err(MetricsError::EmptyMask {
+            width: mask.width,
+            height: mask.height,
+        });
     }
     Ok(pixels)
 }
 
 /// Fails if a masked pixel is NaN, infinite or negative.
-pub(super) fn check_values(image: &'static str, values: &RgbImage, pixels: &[usize]) -> Result<(), MetricsError> {
-    let is_bad = |&&pixel: &&usize| !values.data[pixel].iter().all(|v| v.is_finite() && *v >= 0.0);
-    let Some(&first) = pixels.iter().find(is_bad) else { return Ok(()) };
+pub(super) fn check_values(
+    image: &'static str,
+    values: &RgbImage,
+    pixels: &[usize],
+) -> Result<(), MetricsError> {
+    let is_bad = |&&pixel: &&usize| {
+        !values.data[pixel]
+            .iter()
+            .all(|v| v.is_finite() && *v >= 0.0)
+    };
+    let Some(&first) = pixels.iter().find(is_bad) else {
+        return Ok(());
+    };
     let [x, y] = column_and_row(first, values.width);
-    Err(MetricsError::Value { image, count: pixels.iter().filter(is_bad).count(), x, y, value: values.data[first] })
+    Err(MetricsError::Value {
+        image,
+        count: pixels.iter().filter(is_bad).count(),
+        x,
+        y,
+        value: values.data[first],
+    })
 }
 
 pub(super) fn column_and_row(pixel: usize, width: u32) -> [u32; 2] {

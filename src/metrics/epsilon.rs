@@ -2,7 +2,8 @@
 
 use glam::DVec3;
 
-/// ε of relative metrics, proportional to the light, so that scores do not depend on its brightness.
+/// ε of relative metrics, proportional to the light, so that scores do not depend on its
+/// brightness.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Epsilon {
     mean: f64,
@@ -14,9 +15,14 @@ impl Epsilon {
     /// ε of light with mean luminance 1.
     pub const ABSOLUTE: Self = Self { mean: 1.0 };
 
-    /// Returns ε of an environment with this mean luminance over the sphere, clip and scale included; [`Self::ABSOLUTE`] if black.
+    /// Returns ε of an environment with this mean luminance over the sphere, clip and scale
+    /// included; [`Self::ABSOLUTE`] if black.
     pub fn of_light(mean: f64) -> Self {
-        if mean > 0.0 { Self { mean } } else { Self::ABSOLUTE }
+        if mean > 0.0 {
+            Self { mean }
+        } else {
+            Self::ABSOLUTE
+        }
     }
 
     pub fn mean(self) -> f64 {

@@ -9,7 +9,10 @@ pub(super) struct Plane {
 
 impl Plane {
     pub fn from_fn(width: usize, len: usize, value: impl FnMut(usize) -> f32) -> Self {
-        Self { width, data: (0..len).map(value).collect() }
+        Self {
+            width,
+            data: (0..len).map(value).collect(),
+        }
     }
 
     /// `out(x, y) = Σ taps[i] · self(x + i - r, y)`, with `2 r + 1` taps.
@@ -17,7 +20,11 @@ impl Plane {
         let radius = taps.len() / 2;
         let mut out = vec![0.0; self.data.len()];
         let mut padded = vec![0.0; self.width + 2 * radius];
-        for (row, sums) in self.data.chunks_exact(self.width).zip(out.chunks_exact_mut(self.width)) {
+        for (row, sums) in self
+            .data
+            .chunks_exact(self.width)
+            .zip(out.chunks_exact_mut(self.width))
+        {
             padded[radius..radius + self.width].copy_from_slice(row);
             padded[..radius].fill(row[0]);
             padded[radius + self.width..].fill(row[self.width - 1]);
@@ -25,7 +32,10 @@ impl Plane {
                 add_scaled(sums, &padded[i..], tap);
             }
         }
-        Self { width: self.width, data: out }
+        Self {
+            width: self.width,
+            data: out,
+        }
     }
 
     /// `out(x, y) = Σ taps[i] · self(x, y + i - r)`, with `2 r + 1` taps.
@@ -39,11 +49,16 @@ impl Plane {
                 add_scaled(sums, &self.data[row * self.width..], tap);
             }
         }
-        Self { width: self.width, data: out }
+        Self {
+            width: self.width,
+            data: out,
+        }
     }
 }
 
 /// Adds `tap · values` as far as `sums` reaches.
 fn add_scaled(sums: &mut [f32], values: &[f32], tap: f32) {
-    sums.iter_mut().zip(values).for_each(|(sum, &value)| *sum += tap * value);
+    sums.iter_mut()
+        .zip(values)
+        .for_each(|(sum, &value)| *sum += tap * value);
 }

@@ -1,9 +1,11 @@
 //! Scores of an image against its reference. Metrics see images and a mask, never a method.
 //!
-//! `t` is the test and `r` the reference, linear radiance of one pixel and channel; `d = t - r`. Means weight masked
-//! pixels and channels equally, in f64. Pixels off the mask never count: display metrics see them black in both images.
+//! `t` is the test and `r` the reference, linear radiance of one pixel and channel; `d = t - r`.
+//! Means weight masked pixels and channels equally, in f64. Pixels off the mask never count:
+//! display metrics see them black in both images.
 //!
-//! ε is [`Epsilon`], a share of the light's mean luminance. Names include it because four tools call four formulas "relMSE".
+//! ε is [`Epsilon`], a share of the light's mean luminance. Names include it because four tools
+//! call four formulas "relMSE".
 
 mod bias;
 mod bins;
@@ -56,18 +58,24 @@ pub struct Metric {
     /// Constants of the formula.
     pub parameters: &'static [(&'static str, f64)],
     pub formula: &'static str,
-    /// 2 for a mean square, 1 for its root; [`verdict`] compares scores and floors in units of the difference.
+    /// 2 for a mean square, 1 for its root; [`verdict`] compares scores and floors in units of the
+    /// difference.
     pub power: f64,
     pub pooling: Pooling,
     /// Scores row-major indices of masked pixels, at least one.
     evaluate: fn(&Comparison, &[usize]) -> f64,
-    /// Expected score of an exact test, caused by the reference's standard error; `None` for display metrics.
+    /// Expected score of an exact test, caused by the reference's standard error; `None` for
+    /// display metrics.
     noise_floor: fn(&ReferenceNoise) -> Option<f64>,
 }
 
 impl Metric {
     /// An error of linear radiance; metrics override other fields.
-    const fn linear(name: &'static str, formula: &'static str, evaluate: fn(&Comparison, &[usize]) -> f64) -> Self {
+    const fn linear(
+        name: &'static str,
+        formula: &'static str,
+        evaluate: fn(&Comparison, &[usize]) -> f64,
+    ) -> Self {
         Self {
             name,
             space: Space::Linear,
@@ -92,18 +100,26 @@ impl Metric {
         score.abs()
     }
 
-    /// Returns the expected score of an exact test, caused by the reference's standard error; `None` for display metrics.
+    /// Returns the expected score of an exact test, caused by the reference's standard error;
+    /// `None` for display metrics.
     pub fn noise_floor(&self, noise: &ReferenceNoise) -> Option<f64> {
         (self.noise_floor)(noise)
     }
 }
 
 /// Every metric, in column order.
-pub static METRICS: &[&Metric] = &[&rmse::RMSE, &relmse::RELMSE, &tone_mapped::TONE_MAPPED, &bias::BIAS, &flip::FLIP];
+pub static METRICS: &[&Metric] = &[
+    &rmse::RMSE,
+    &relmse::RELMSE,
+    &tone_mapped::TONE_MAPPED,
+    &bias::BIAS,
+    &flip::FLIP,
+];
 
 pub const HEADLINE: &str = "relmse";
 
-/// Names of the scores of a picture: radiance, display values, visible difference, and mean brightness.
+/// Names of the scores of a picture: radiance, display values, visible difference, and mean
+/// brightness.
 pub const PICTURE_SCORES: [&str; 4] = [HEADLINE, "tone_mapped_mse", DISPLAY_HEADLINE, "bias_rel"];
 
 /// Its counterpart after the tone curve.
@@ -123,5 +139,9 @@ impl Listed for Metric {
 
 /// Lists the metrics that need no tone curve.
 pub fn linear_metrics() -> Vec<&'static Metric> {
-    METRICS.iter().copied().filter(|metric| metric.space == Space::Linear).collect()
+    METRICS
+        .iter()
+        .copied()
+        .filter(|metric| metric.space == Space::Linear)
+        .collect()
 }

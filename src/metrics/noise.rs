@@ -1,11 +1,12 @@
 //! Noise floors: scores that the reference's own error would cause.
 //!
-//! The reference is a mean over K = 4 scrambles with standard error `se` per pixel and channel. A metric's floor is the
-//! expected score of an exact test.
+//! The reference is a mean over K = 4 scrambles with standard error `se` per pixel and channel. A
+//! metric's floor is the expected score of an exact test.
 //!
-//! `se` is an estimate with 3 degrees of freedom: `se²` is unbiased, its root and tails are not. So the error is taken as uniform within
-//! ±√3 se. Averaged over `se` that is the true normal distribution: the three deviations are a point on a sphere, and one coordinate of a
-//! uniform point on a sphere is uniform (the unbiased estimate of \[Kolmogorov50\]).
+//! `se` is an estimate with 3 degrees of freedom: `se²` is unbiased, its root and tails are not. So
+//! the error is taken as uniform within ±√3 se. Averaged over `se` that is the true normal
+//! distribution: the three deviations are a point on a sphere, and one coordinate of a uniform
+//! point on a sphere is uniform (the unbiased estimate of \[Kolmogorov50\]).
 
 use super::comparison::{check_size, check_values, masked_pixels};
 use super::{Epsilon, METRICS, Metric, MetricsError};
@@ -13,7 +14,10 @@ use crate::glsl::constants::SCRAMBLE_COUNT;
 use crate::pixels::{GrayImage, RgbImage};
 use crate::spelling::listed;
 
-const _: () = assert!(SCRAMBLE_COUNT == 4, "the error has three degrees of freedom");
+const _: () = assert!(
+    SCRAMBLE_COUNT == 4,
+    "the error has three degrees of freedom"
+);
 
 pub struct ReferenceNoise {
     samples: Vec<[[f64; 3]; 2]>,
@@ -33,13 +37,21 @@ impl ReferenceNoise {
         let pixels = masked_pixels(mask, size)?;
         check_values("reference", reference, &pixels)?;
         check_values("standard error image", standard_error, &pixels)?;
-        Ok(Self::of_pixels([reference, standard_error], &pixels, epsilon))
+        Ok(Self::of_pixels(
+            [reference, standard_error],
+            &pixels,
+            epsilon,
+        ))
     }
 
-    /// The noise of some masked pixels of a checked reference and its standard error, by row-major index.
+    /// The noise of some masked pixels of a checked reference and its standard error, by row-major
+    /// index.
     pub fn of_pixels(images: [&RgbImage; 2], pixels: &[usize], epsilon: Epsilon) -> Self {
         let sample = |&pixel: &usize| images.map(|image| image.data[pixel].map(f64::from));
-        Self { samples: pixels.iter().map(sample).collect(), epsilon }
+        Self {
+            samples: pixels.iter().map(sample).collect(),
+            epsilon,
+        }
     }
 
     /// `[r, se]` of each masked pixel.
@@ -66,7 +78,10 @@ pub fn noise_floor(
     epsilon: Epsilon,
 ) -> Result<Vec<(&'static str, Option<f64>)>, MetricsError> {
     let noise = ReferenceNoise::new(reference, standard_error, mask, epsilon)?;
-    Ok(METRICS.iter().map(|metric| (metric.name, metric.noise_floor(&noise))).collect())
+    Ok(METRICS
+        .iter()
+        .map(|metric| (metric.name, metric.noise_floor(&noise)))
+        .collect())
 }
 
 /// A score compared with its noise floor.

@@ -1,6 +1,7 @@
 //! Relative mean square error \[Rousselle11\].
 //!
-//! One firefly can decide it: in an image of 5,000 pixels one moved it from 0.018 to 428. `tone_mapped_mse` bounds each pixel.
+//! One firefly can decide it: in an image of 5,000 pixels one moved it from 0.018 to 428.
+//! `tone_mapped_mse` bounds each pixel.
 
 use super::mean::pixel_mean;
 use super::{Epsilon, Metric, Pooling};
@@ -14,7 +15,8 @@ pub static RELMSE: Metric = Metric {
     noise_floor: |noise| Some(noise.mean(|r, se| noise.epsilon().relative(se * se, r))),
     ..Metric::linear(
         "relmse",
-        "mean d^2 / (r^2 + 0.01 m^2), m the mean luminance of the environment as it lights the scene",
+        "mean d^2 / (r^2 + 0.01 m^2), m the mean luminance of the environment as it lights the \
+         scene",
         |comparison, pixels| {
             let squares = comparison.relative_squares();
             pixel_mean(pixels, |pixel| squares[pixel])

@@ -7,11 +7,15 @@ use super::{Metric, Pooling};
 pub static RMSE: Metric = Metric {
     pooling: Pooling::RootMean,
     noise_floor: |noise| Some(noise.mean(|_, se| se * se).sqrt()),
-    ..Metric::linear("rmse", "sqrt(mean d^2), in units of radiance", |comparison, pixels| {
-        let square = |pixel| {
-            let [t, r] = comparison.radiance(pixel);
-            rgb_mean(|c| (t[c] - r[c]).powi(2))
-        };
-        pixel_mean(pixels, square).sqrt()
-    })
+    ..Metric::linear(
+        "rmse",
+        "sqrt(mean d^2), in units of radiance",
+        |comparison, pixels| {
+            let square = |pixel| {
+                let [t, r] = comparison.radiance(pixel);
+                rgb_mean(|c| (t[c] - r[c]).powi(2))
+            };
+            pixel_mean(pixels, square).sqrt()
+        },
+    )
 };

@@ -1,4 +1,5 @@
-//! Weights of views: how much each n·v counts in a score of the scene `design`, which shows every n·v equally often.
+//! Weights of views: how much each n·v counts in a score of the scene `design`, which shows every
+//! n·v equally often.
 
 use super::Metric;
 
@@ -61,49 +62,66 @@ pub struct Part {
 }
 
 impl Metric {
-    /// Computes the score of the whole from the scores of its parts, ascending by n·v; `None` if they do not determine
-    /// it. If `is_tilted`, views within a part count by their n·v, else alike.
+    /// Computes the score of the whole from the scores of its parts, ascending by n·v; `None` if
+    /// they do not determine it. If `is_tilted`, views within a part count by their n·v, else
+    /// alike.
     pub fn pooled(&self, parts: &[Part], is_tilted: bool) -> Option<f64> {
         let mean = |number: fn(&Part) -> Option<f64>| mean(parts, is_tilted, number);
         match self.pooling {
             Pooling::Mean => mean(|part| Some(part.value)),
             Pooling::RootMean => mean(|part| Some(part.value * part.value)).map(f64::sqrt),
-            Pooling::OverReference => {
-                Some(mean(|part| Some(part.value * part.reference_mean?))? / mean(|part| part.reference_mean)?)
-            }
+            Pooling::OverReference => Some(
+                mean(|part| Some(part.value * part.reference_mean?))?
+                    / mean(|part| part.reference_mean)?,
+            ),
             Pooling::None => None,
         }
     }
 
-    /// Computes the noise floor of the whole from the floors of its parts. The noise of parts is independent.
+    /// Computes the noise floor of the whole from the floors of its parts. The noise of parts is
+    /// independent.
     pub fn pooled_floor(&self, parts: &[Part], is_tilted: bool) -> Option<f64> {
         if self.pooling != Pooling::OverReference {
             return self.pooled(parts, is_tilted);
         }
         let total: f64 = parts.iter().map(|part| part.weight).sum();
-        let square = |part: &Part| Some(part.weight / total * (part.value * part.reference_mean?).powi(2));
-        Some(mean(parts, is_tilted, square)?.sqrt() / mean(parts, is_tilted, |part| part.reference_mean)?)
+        let square =
+            |part: &Part| Some(part.weight / total * (part.value * part.reference_mean?).powi(2));
+        Some(
+            mean(parts, is_tilted, square)?.sqrt()
+                / mean(parts, is_tilted, |part| part.reference_mean)?,
+        )
     }
 }
 
 /// Weighted mean of a number of each part; `None` if one lacks it or the parts weigh nothing.
 ///
-/// With the density 2 μ the mean over a part of width h about μ is `m + h²/(12 μ) s`, m the plain mean and s the slope
-/// of the number: exact for a polynomial of degree 2, since the slope is of the parabola through three neighbours.
+/// With the density 2 μ the mean over a part of width h about μ is `m + h²/(12 μ) s`, m the plain
+/// mean and s the slope of the number: exact for a polynomial of degree 2, since the slope is of
+/// the parabola through three neighbours.
 fn mean(parts: &[Part], is_tilted: bool, number: impl Fn(&Part) -> Option<f64>) -> Option<f64> {
     let numbers = parts.iter().map(number).collect::<Option<Vec<f64>>>()?;
     let centre = |part: &Part| 0.5 * (part.n_dot_v[0] + part.n_dot_v[1]);
-    let points: Vec<[f64; 2]> = parts.iter().zip(&numbers).map(|(part, number)| [centre(part), *number]).collect();
+    let points: Vec<[f64; 2]> = parts
+        .iter()
+        .zip(&numbers)
+        .map(|(part, number)| [centre(part), *number])
+        .collect();
     let tilted = |(i, part): (usize, &Part)| {
         let width = part.n_dot_v[1] - part.n_dot_v[0];
-        let tilt = if is_tilted { width * width / (12.0 * centre(part)) * slope(&points, i) } else { 0.0 };
+        let tilt = if is_tilted {
+            width * width / (12.0 * centre(part)) * slope(&points, i)
+        } else {
+            0.0
+        };
         part.weight * (numbers[i] + tilt)
     };
     let total: f64 = parts.iter().map(|part| part.weight).sum();
     Some(parts.iter().enumerate().map(tilted).sum::<f64>() / total).filter(|mean| mean.is_finite())
 }
 
-/// Slope at point i of the parabola through it and its neighbours, or the two nearest points at an end; 0 below three points.
+/// Slope at point i of the parabola through it and its neighbours, or the two nearest points at an
+/// end; 0 below three points.
 fn slope(points: &[[f64; 2]], i: usize) -> f64 {
     if points.len() < 3 {
         return 0.0;

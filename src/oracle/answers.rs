@@ -27,7 +27,8 @@ pub struct Answers {
     /// The columns of the queries, then the answers' columns.
     pub columns: Vec<String>,
     pub rows: Vec<Vec<Cell>>,
-    /// Rows whose integration reached its cap of parts before the requested error; their bounds have the reached error.
+    /// Rows whose integration reached its cap of parts before the requested error; their bounds
+    /// have the reached error.
     pub unmet: usize,
     /// Rows, from 1, with a number that is not finite: a direction or cosine too small for f64.
     pub not_finite: Vec<usize>,
@@ -45,35 +46,58 @@ impl Queries {
     /// `tolerance` does not apply to DFG pairs (5e-7) and SH9 (1e-9), which are cheap.
     pub fn answer(&self, tolerance: Tolerance, done: impl Fn() + Sync) -> Answers {
         let (mut colors, mut numbers) = (self.kind.colors(), self.kind.columns().numbers.to_vec());
-        for (_, color, number) in LAYERS.iter().filter(|(asks, ..)| self.columns.iter().any(|column| column == asks)) {
+        for (_, color, number) in LAYERS
+            .iter()
+            .filter(|(asks, ..)| self.columns.iter().any(|column| column == asks))
+        {
             colors.push(color.to_string());
             numbers.push(number);
         }
         let color_columns = colors.iter().flat_map(|color| {
-            ["", "error_"]
-                .iter()
-                .flat_map(move |what| ["r", "g", "b"].map(|channel| format!("{color}_{what}{channel}")))
+            ["", "error_"].iter().flat_map(move |what| {
+                ["r", "g", "b"].map(|channel| format!("{color}_{what}{channel}"))
+            })
         });
         let numbers = numbers.iter().map(|name| name.to_string());
-        let columns = self.columns.iter().cloned().chain(color_columns).chain(numbers).collect();
+        let columns = self
+            .columns
+            .iter()
+            .cloned()
+            .chain(color_columns)
+            .chain(numbers)
+            .collect();
 
         let mut found: Vec<Option<Numbers>> = self.queries.iter().map(|_| None).collect();
         // One environment at a time: prepared maps are large.
-        let groups = self.environments.iter().enumerate().map(|(i, e)| (Some(i), Some(e))).chain([(None, None)]);
+        let groups = self
+            .environments
+            .iter()
+            .enumerate()
+            .map(|(i, e)| (Some(i), Some(e)))
+            .chain([(None, None)]);
         for (index, environment) in groups {
-            let members: Vec<usize> =
-                (0..self.queries.len()).filter(|&row| self.queries[row].environment == index).collect();
+            let members: Vec<usize> = (0..self.queries.len())
+                .filter(|&row| self.queries[row].environment == index)
+                .collect();
             if members.is_empty() {
                 continue;
             }
             let quadrature = environment.map(|environment| exact_quadrature(&environment.image));
             // The same for all normals.
             let needs_sh9 = self.kind == Kind::Sh9;
-            let sh9 = quadrature.as_ref().filter(|_| needs_sh9).map(project_bilinear_bounded);
+            let sh9 = quadrature
+                .as_ref()
+                .filter(|_| needs_sh9)
+                .map(project_bilinear_bounded);
             let answered: Vec<Numbers> = members
                 .par_iter()
                 .map(|&row| {
-                    let numbers = answer(&self.queries[row].integral, quadrature.as_ref(), sh9.as_ref(), tolerance);
+                    let numbers = answer(
+                        &self.queries[row].integral,
+                        quadrature.as_ref(),
+                        sh9.as_ref(),
+                        tolerance,
+                    );
                     done();
                     numbers
                 })
@@ -85,11 +109,24 @@ impl Queries {
         let found: Vec<Numbers> = found.into_iter().flatten().collect();
         let unmet = found.iter().filter(|numbers| !numbers.is_met).count();
         let is_finite = |numbers: &Numbers| numbers.values.iter().all(|value| value.is_finite());
-        let not_finite = (1..).zip(&found).filter(|(_, numbers)| !is_finite(numbers)).map(|(row, _)| row).collect();
+        let not_finite = (1..)
+            .zip(&found)
+            .filter(|(_, numbers)| !is_finite(numbers))
+            .map(|(row, _)| row)
+            .collect();
         let with_numbers = |(cells, numbers): (&Vec<Cell>, &Numbers)| {
-            cells.iter().cloned().chain(numbers.values.iter().map(|&value| value.into())).collect()
+            cells
+                .iter()
+                .cloned()
+                .chain(numbers.values.iter().map(|&value| value.into()))
+                .collect()
         };
-        Answers { columns, rows: self.cells.iter().zip(&found).map(with_numbers).collect(), unmet, not_finite }
+        Answers {
+            columns,
+            rows: self.cells.iter().zip(&found).map(with_numbers).collect(),
+            unmet,
+            not_finite,
+        }
     }
 }
 
@@ -101,27 +138,63 @@ fn answer(
 ) -> Numbers {
     let environment = || environment.expect("the environment of the query was prepared");
     let (colors, judged) = match integral {
-        Integral::Shading { surface, coat, sheen } => {
+        Integral::Shading {
+            surface,
+            coat,
+            sheen,
+        } => {
             let answer = integrate(environment(), surface, tolerance);
-            // The integration judges itself by the terms with F = 1; the others are sums of the same parts.
+            // The integration judges itself by the terms with F = 1; the others are sums of the
+            // same parts.
             let mut judged = vec![answer.specular_white, answer.diffuse];
-            let mut colors = vec![answer.specular, answer.specular_white, answer.diffuse_transmitted, answer.diffuse];
+            let mut colors = vec![
+                answer.specular,
+                answer.specular_white,
+                answer.diffuse_transmitted,
+                answer.diffuse,
+            ];
             let (n_dot_v, mut kept) = (surface.n.dot(surface.v), Vec::new());
             if let Some(coat) = coat {
                 let pair = dfg(surface.model, surface.masking, n_dot_v, coat.alpha);
                 let pair = DVec2::new(pair.f0_scale, pair.f90_scale);
-                let shares = coat::shares(coat.layering, &COAT_RENDERERS[0], coat.weight, n_dot_v, pair);
+                let shares = coat::shares(
+                    coat.layering,
+                    &COAT_RENDERERS[0],
+                    coat.weight,
+                    n_dot_v,
+                    pair,
+                );
                 let f0 = DVec3::splat(coat.layering.f0());
-                let lobe = Surface::new(surface.model, surface.masking, coat.alpha, f0, [surface.n, surface.v]);
+                let lobe = Surface::new(
+                    surface.model,
+                    surface.masking,
+                    coat.alpha,
+                    f0,
+                    [surface.n, surface.v],
+                );
                 let over = integrate(environment(), &lobe, tolerance);
                 let Bounded { value, error } = over.specular;
-                colors.push(Bounded { value: shares.coat * value, error: shares.coat * error });
+                colors.push(Bounded {
+                    value: shares.coat * value,
+                    error: shares.coat * error,
+                });
                 judged.push(over.specular_white);
                 kept.push(shares.base[0]);
             }
-            if let Some(Sheen { color, alpha, visibility }) = *sheen {
+            if let Some(Sheen {
+                color,
+                alpha,
+                visibility,
+            }) = *sheen
+            {
                 let masking = MaskingShadowing::Correlated;
-                let lobe = Surface::new(visibility, masking, alpha, DVec3::ONE, [surface.n, surface.v]);
+                let lobe = Surface::new(
+                    visibility,
+                    masking,
+                    alpha,
+                    DVec3::ONE,
+                    [surface.n, surface.v],
+                );
                 let over = specular(environment(), &lobe, tolerance);
                 let albedo = dfg(visibility, masking, n_dot_v, alpha).albedo();
                 colors.push(over.combine([color, DVec3::ZERO]));
@@ -133,7 +206,10 @@ fn answer(
             return found;
         }
         Integral::Ladder { surface, levels } => {
-            let settings = PrecomputeSettings { prefilter_level_count: *levels, ..PrecomputeSettings::default() };
+            let settings = PrecomputeSettings {
+                prefilter_level_count: *levels,
+                ..PrecomputeSettings::default()
+            };
             let rung = |method: &Method| match method.twin {
                 Twin::Mean(mean) => mean(environment(), surface, &settings, tolerance),
                 Twin::Estimator(_) => unreachable!("{} is an integral", method.name),
@@ -141,7 +217,12 @@ fn answer(
             let drawn: Vec<Bounded> = rungs().map(rung).collect();
             (drawn.clone(), drawn)
         }
-        Integral::Dfg { model, masking, alpha, n_dot_v } => {
+        Integral::Dfg {
+            model,
+            masking,
+            alpha,
+            n_dot_v,
+        } => {
             let pair = dfg(*model, *masking, *n_dot_v, *alpha);
             return Numbers {
                 values: vec![pair.f0_scale, pair.f90_scale, pair.albedo(), pair.error],
@@ -158,7 +239,14 @@ fn answer(
         }
         Integral::Sh9 => {
             let Estimate { value, error } = sh9.expect("coefficients of the environment");
-            (value.iter().zip(error).map(|(&value, &error)| Bounded { value, error }).collect(), Vec::new())
+            (
+                value
+                    .iter()
+                    .zip(error)
+                    .map(|(&value, &error)| Bounded { value, error })
+                    .collect(),
+                Vec::new(),
+            )
         }
     };
     numbers(&colors, &judged, tolerance)
@@ -166,9 +254,18 @@ fn answer(
 
 fn numbers(colors: &[Bounded], judged: &[Bounded], tolerance: Tolerance) -> Numbers {
     let channels = |color: DVec3| color.to_array();
-    let values =
-        colors.iter().flat_map(|color| channels(color.value).into_iter().chain(channels(color.error))).collect();
-    Numbers { values, is_met: judged.iter().all(|bounded| is_met(bounded, tolerance)) }
+    let values = colors
+        .iter()
+        .flat_map(|color| {
+            channels(color.value)
+                .into_iter()
+                .chain(channels(color.error))
+        })
+        .collect();
+    Numbers {
+        values,
+        is_met: judged.iter().all(|bounded| is_met(bounded, tolerance)),
+    }
 }
 
 /// Returns whether the bound meets the tolerance, relative to the brightest channel.

@@ -1,9 +1,11 @@
-//! Exact answers in f64 to tables of queries, on the CPU: references for the device and all approximations.
+//! Exact answers in f64 to tables of queries, on the CPU: references for the device and all
+//! approximations.
 //!
-//! Each [`Kind`] of query is a table with its own columns. [`Queries::read`] checks a whole file before anything is
-//! computed; [`Queries::answer`] computes all rows in parallel. The integrals are the same as in the stages' references: the
-//! environment's bilinear map is integrated exactly, the other factor adaptively, and each number has a bound of its
-//! absolute error. Directions are in the environment's frame (y up), radiance is linear RGB in the units of the map.
+//! Each [`Kind`] of query is a table with its own columns. [`Queries::read`] checks a whole file
+//! before anything is computed; [`Queries::answer`] computes all rows in parallel. The integrals
+//! are the same as in the stages' references: the environment's bilinear map is integrated exactly,
+//! the other factor adaptively, and each number has a bound of its absolute error. Directions are
+//! in the environment's frame (y up), radiance is linear RGB in the units of the map.
 
 mod answers;
 mod queries;
@@ -20,8 +22,8 @@ use crate::shade::{METHODS, Method};
 use crate::spelling::listed;
 use glam::DVec3;
 
-/// Narrowest lobe that is integrated: a tenth of the device's limit. Near 1e-5, lobes are too narrow for the rounding
-/// of their mirror direction to meet the default tolerance.
+/// Narrowest lobe that is integrated: a tenth of the device's limit. Near 1e-5, lobes are too
+/// narrow for the rounding of their mirror direction to meet the default tolerance.
 pub const ALPHA_MIN: f64 = 1e-4;
 
 /// The integral that a table asks for; see [`KindColumns`].
@@ -29,7 +31,8 @@ pub const ALPHA_MIN: f64 = 1e-4;
 pub enum Kind {
     /// Outgoing radiance of a point: specular and diffuse.
     Shading,
-    /// The rungs of the ladder for a point, from the specular integral to the levels of the split sum.
+    /// The rungs of the ladder for a point, from the specular integral to the levels of the split
+    /// sum.
     Ladder,
     /// (A, B) of a BRDF: its directional albedo is `f0 A + f90 B`.
     Dfg,
@@ -45,9 +48,11 @@ pub enum Kind {
 pub struct KindColumns {
     /// Columns that every table needs, in any order.
     pub required: &'static [&'static str],
-    /// Optional columns. Defaults: `masking` `separable`, `weight` `cosine`, `levels` as in the default tables.
+    /// Optional columns. Defaults: `masking` `separable`, `weight` `cosine`, `levels` as in the
+    /// default tables.
     pub optional: &'static [&'static str],
-    /// Result columns with three channels and bounds; the results of other kinds are single columns.
+    /// Result columns with three channels and bounds; the results of other kinds are single
+    /// columns.
     pub colors: &'static [&'static str],
     pub numbers: &'static [&'static str],
 }
@@ -65,16 +70,47 @@ impl Kind {
     pub fn columns(self) -> &'static KindColumns {
         match self {
             Self::Shading => &KindColumns {
-                required: &["environment", "brdf", "alpha", "f0", "nx", "ny", "nz", "vx", "vy", "vz"],
+                required: &[
+                    "environment",
+                    "brdf",
+                    "alpha",
+                    "f0",
+                    "nx",
+                    "ny",
+                    "nz",
+                    "vx",
+                    "vy",
+                    "vz",
+                ],
                 optional: &[
-                    "masking", "anisotropy", "anisotropy_rotation_deg", "anisotropy_widths", "coat", "coat_alpha",
-                    "coat_layering", "sheen_color", "sheen_alpha", "sheen_visibility", "id",
+                    "masking",
+                    "anisotropy",
+                    "anisotropy_rotation_deg",
+                    "anisotropy_widths",
+                    "coat",
+                    "coat_alpha",
+                    "coat_layering",
+                    "sheen_color",
+                    "sheen_alpha",
+                    "sheen_visibility",
+                    "id",
                 ],
                 colors: &["specular", "specular_white", "diffuse", "lambert"],
                 numbers: &[],
             },
             Self::Ladder => &KindColumns {
-                required: &["environment", "brdf", "alpha", "f0", "nx", "ny", "nz", "vx", "vy", "vz"],
+                required: &[
+                    "environment",
+                    "brdf",
+                    "alpha",
+                    "f0",
+                    "nx",
+                    "ny",
+                    "nz",
+                    "vx",
+                    "vy",
+                    "vz",
+                ],
                 optional: &["masking", "levels", "id"],
                 colors: &[],
                 numbers: &[],
@@ -100,7 +136,9 @@ impl Kind {
             Self::Sh9 => &KindColumns {
                 required: &["environment"],
                 optional: &["id"],
-                colors: &["l00", "l1m1", "l10", "l11", "l2m2", "l2m1", "l20", "l21", "l22"],
+                colors: &[
+                    "l00", "l1m1", "l10", "l11", "l2m2", "l2m1", "l20", "l21", "l22",
+                ],
                 numbers: &[],
             },
         }
@@ -108,8 +146,15 @@ impl Kind {
 
     pub fn colors(self) -> Vec<String> {
         match self {
-            Self::Ladder => rungs().map(|method| method.name.replace('-', "_")).collect(),
-            _ => self.columns().colors.iter().map(|name| name.to_string()).collect(),
+            Self::Ladder => rungs()
+                .map(|method| method.name.replace('-', "_"))
+                .collect(),
+            _ => self
+                .columns()
+                .colors
+                .iter()
+                .map(|name| name.to_string())
+                .collect(),
         }
     }
 }
@@ -135,8 +180,12 @@ struct Sheen {
     visibility: &'static SheenVisibility,
 }
 
-/// Results of tables with a layer by the column that asks for it: the layer's radiance, and the share that what lies below keeps.
-const LAYERS: [(&str, &str, &str); 2] = [("coat", "coat", "base_share"), ("sheen_color", "sheen", "sheen_base_share")];
+/// Results of tables with a layer by the column that asks for it: the layer's radiance, and the
+/// share that what lies below keeps.
+const LAYERS: [(&str, &str, &str); 2] = [
+    ("coat", "coat", "base_share"),
+    ("sheen_color", "sheen", "sheen_base_share"),
+];
 
 #[derive(Clone, Debug)]
 struct Query {
@@ -147,10 +196,28 @@ struct Query {
 
 #[derive(Clone, Debug)]
 enum Integral {
-    Shading { surface: Surface, coat: Option<Coat>, sheen: Option<Sheen> },
-    Ladder { surface: Surface, levels: u32 },
-    Dfg { model: &'static dyn Brdf, masking: MaskingShadowing, alpha: f64, n_dot_v: f64 },
-    Prefilter { kernel: Kernel, alpha: f64, r: DVec3 },
-    Irradiance { n: DVec3 },
+    Shading {
+        surface: Surface,
+        coat: Option<Coat>,
+        sheen: Option<Sheen>,
+    },
+    Ladder {
+        surface: Surface,
+        levels: u32,
+    },
+    Dfg {
+        model: &'static dyn Brdf,
+        masking: MaskingShadowing,
+        alpha: f64,
+        n_dot_v: f64,
+    },
+    Prefilter {
+        kernel: Kernel,
+        alpha: f64,
+        r: DVec3,
+    },
+    Irradiance {
+        n: DVec3,
+    },
     Sh9,
 }

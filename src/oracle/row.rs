@@ -7,7 +7,8 @@ use crate::precompute::prefilter::Weight;
 use crate::spelling::Listed;
 use glam::DVec3;
 
-/// Largest deviation of a direction's length from 1, below which it is normalised: five digits suffice.
+/// Largest deviation of a direction's length from 1, below which it is normalised: five digits
+/// suffice.
 pub const LENGTH_TOLERANCE: f64 = 1e-5;
 
 #[derive(Debug)]
@@ -29,7 +30,11 @@ pub(super) struct Row<'a> {
 
 impl Row<'_> {
     pub(super) fn fault(&mut self, column: &str, what: impl Into<String>) {
-        self.faults.push(Fault { line: self.line, column: column.to_owned(), what: what.into() });
+        self.faults.push(Fault {
+            line: self.line,
+            column: column.to_owned(),
+            what: what.into(),
+        });
     }
 
     pub(super) fn optional_cell(&self, column: &str) -> Option<&str> {
@@ -47,7 +52,14 @@ impl Row<'_> {
         if number.is_none() {
             let is_there = self.optional_cell(column).is_some();
             let lack = "the header lacks this column".to_owned();
-            self.fault(column, if is_there { format!("{text:?} is not a finite number") } else { lack });
+            self.fault(
+                column,
+                if is_there {
+                    format!("{text:?} is not a finite number")
+                } else {
+                    lack
+                },
+            );
         }
         number
     }
@@ -63,35 +75,53 @@ impl Row<'_> {
     }
 
     pub(super) fn alpha(&mut self, column: &str) -> Option<f64> {
-        let (text, alpha) = (self.cell(column).to_owned(), self.above_zero_to_one(column)?);
+        let (text, alpha) = (
+            self.cell(column).to_owned(),
+            self.above_zero_to_one(column)?,
+        );
         if alpha < ALPHA_MIN {
-            self.fault(column, format!("{text} is below {ALPHA_MIN}, the narrowest lobe that is integrated"));
+            self.fault(
+                column,
+                format!("{text} is below {ALPHA_MIN}, the narrowest lobe that is integrated"),
+            );
         }
         (alpha >= ALPHA_MIN).then_some(alpha)
     }
 
-    /// Returns the cell of a column that others need; `None` after a fault, `Some(None)` if the table lacks them all.
+    /// Returns the cell of a column that others need; `None` after a fault, `Some(None)` if the
+    /// table lacks them all.
     fn leading_cell(&mut self, column: &str, others: &[&str]) -> Option<Option<String>> {
         if let Some(text) = self.optional_cell(column) {
             return Some(Some(text.to_owned()));
         }
-        let stray = others.iter().find(|name| self.optional_cell(name).is_some());
+        let stray = others
+            .iter()
+            .find(|name| self.optional_cell(name).is_some());
         stray.inspect(|name| self.fault(name, format!("it needs the column {column}")));
         stray.is_none().then_some(None)
     }
 
-    /// Returns the row's strength of anisotropy, turn in radians and law of widths, if the table has any; `None` after a fault.
+    /// Returns the row's strength of anisotropy, turn in radians and law of widths, if the table
+    /// has any; `None` after a fault.
     pub(super) fn anisotropy(&mut self) -> Option<Option<(f64, f64, WidthLaw)>> {
         let others = ["anisotropy_rotation_deg", "anisotropy_widths"];
-        let Some(text) = self.leading_cell("anisotropy", &others)? else { return Some(None) };
+        let Some(text) = self.leading_cell("anisotropy", &others)? else {
+            return Some(None);
+        };
         let strength = self.number("anisotropy", &text)?;
         if !(0.0..=1.0).contains(&strength) {
             self.fault("anisotropy", format!("{text} is outside [0, 1]"));
         }
         let turn = self.optional_cell(others[0]).unwrap_or("0").to_owned();
-        let (turn, law) = (self.number(others[0], &turn)?, *self.optional::<WidthLaw>(others[1])?);
+        let (turn, law) = (
+            self.number(others[0], &turn)?,
+            *self.optional::<WidthLaw>(others[1])?,
+        );
         if strength > 0.0
-            && let Some(what) = self.model().zip(self.masking()).and_then(|(m, k)| law.fault(m, k))
+            && let Some(what) = self
+                .model()
+                .zip(self.masking())
+                .and_then(|(m, k)| law.fault(m, k))
         {
             self.fault("anisotropy", what);
         }
@@ -100,26 +130,46 @@ impl Row<'_> {
 
     /// Returns the row's coat, if the table has any; `None` after a fault.
     pub(super) fn coat(&mut self) -> Option<Option<Coat>> {
-        let Some(text) = self.leading_cell("coat", &["coat_alpha", "coat_layering"])? else { return Some(None) };
+        let Some(text) = self.leading_cell("coat", &["coat_alpha", "coat_layering"])? else {
+            return Some(None);
+        };
         let weight = self.number("coat", &text)?;
         if !(0.0..=1.0).contains(&weight) {
             self.fault("coat", format!("{text} is outside [0, 1]"));
         }
-        let (alpha, layering) = (self.alpha("coat_alpha"), self.optional("coat_layering").copied());
-        Some(Some(Coat { weight, alpha: alpha?, layering: layering? }))
+        let (alpha, layering) = (
+            self.alpha("coat_alpha"),
+            self.optional("coat_layering").copied(),
+        );
+        Some(Some(Coat {
+            weight,
+            alpha: alpha?,
+            layering: layering?,
+        }))
     }
 
     /// Returns the row's sheen, if the table has any; `None` after a fault.
     pub(super) fn sheen(&mut self) -> Option<Option<Sheen>> {
-        let Some(text) = self.leading_cell("sheen_color", &["sheen_alpha", "sheen_visibility"])? else {
+        let Some(text) = self.leading_cell("sheen_color", &["sheen_alpha", "sheen_visibility"])?
+        else {
             return Some(None);
         };
-        let (color, alpha) = (self.color("sheen_color", &text), self.above_zero_to_one("sheen_alpha"));
+        let (color, alpha) = (
+            self.color("sheen_color", &text),
+            self.above_zero_to_one("sheen_alpha"),
+        );
         let (alpha, visibility) = (alpha?, self.optional("sheen_visibility"));
         if alpha < SHEEN_ALPHA_MIN {
-            self.fault("sheen_alpha", format!("{alpha} is below {SHEEN_ALPHA_MIN}, the smallest width of sheen"));
+            self.fault(
+                "sheen_alpha",
+                format!("{alpha} is below {SHEEN_ALPHA_MIN}, the smallest width of sheen"),
+            );
         }
-        Some(Some(Sheen { color: color?, alpha, visibility: visibility? }))
+        Some(Some(Sheen {
+            color: color?,
+            alpha,
+            visibility: visibility?,
+        }))
     }
 
     pub(super) fn f0(&mut self) -> Option<DVec3> {
@@ -130,7 +180,8 @@ impl Row<'_> {
     /// Parses `x` or `R:G:B`.
     fn color(&mut self, column: &str, text: &str) -> Option<DVec3> {
         let parts: Vec<&str> = text.split(':').collect();
-        let channels: Option<Vec<f64>> = parts.iter().map(|part| self.number(column, part)).collect();
+        let channels: Option<Vec<f64>> =
+            parts.iter().map(|part| self.number(column, part)).collect();
         let color = match channels?[..] {
             [x] => DVec3::splat(x),
             [r, g, b] => DVec3::new(r, g, b),
@@ -153,13 +204,20 @@ impl Row<'_> {
 
     /// Returns the levels of the prefiltered map, by default as in the default tables.
     pub(super) fn levels(&mut self) -> Option<u32> {
-        let Some(text) = self.optional_cell("levels").filter(|text| !text.is_empty()).map(str::to_owned) else {
+        let Some(text) = self
+            .optional_cell("levels")
+            .filter(|text| !text.is_empty())
+            .map(str::to_owned)
+        else {
             return Some(PrecomputeSettings::default().prefilter_level_count);
         };
         let levels = text.parse().ok().filter(|levels| LEVELS.contains(levels));
         if levels.is_none() {
             let (least, most) = (LEVELS.start(), LEVELS.end());
-            self.fault("levels", format!("{text:?} is not a count from {least} to {most}"));
+            self.fault(
+                "levels",
+                format!("{text:?} is not a count from {least} to {most}"),
+            );
         }
         levels
     }
@@ -172,14 +230,21 @@ impl Row<'_> {
         self.optional("weight")
     }
 
-    /// Returns the entry named by the cell, or the default if the cell is empty or its column missing.
+    /// Returns the entry named by the cell, or the default if the cell is empty or its column
+    /// missing.
     fn optional<T: Listed>(&mut self, column: &str) -> Option<&'static T> {
-        let name = self.optional_cell(column).filter(|name| !name.is_empty()).unwrap_or(T::names()[0]).to_owned();
+        let name = self
+            .optional_cell(column)
+            .filter(|name| !name.is_empty())
+            .unwrap_or(T::names()[0])
+            .to_owned();
         self.listed(column, &name)
     }
 
     fn listed<T: Listed + ?Sized>(&mut self, column: &str, name: &str) -> Option<&'static T> {
-        T::parse(name).map_err(|fault| self.fault(column, fault)).ok()
+        T::parse(name)
+            .map_err(|fault| self.fault(column, fault))
+            .ok()
     }
 
     /// Parses a unit vector from three columns and normalises it in f64.
@@ -188,7 +253,9 @@ impl Row<'_> {
             let text = self.cell(column).to_owned();
             self.number(column, &text)
         });
-        let [Some(x), Some(y), Some(z)] = numbers else { return None };
+        let [Some(x), Some(y), Some(z)] = numbers else {
+            return None;
+        };
         let (vector, place) = (DVec3::new(x, y, z), columns.join(","));
         let length = vector.length();
         if length == 0.0 {
@@ -196,7 +263,9 @@ impl Row<'_> {
             return None;
         }
         if (length - 1.0).abs() > LENGTH_TOLERANCE {
-            let what = format!("({x}, {y}, {z}) has length {length}; expected 1 within {LENGTH_TOLERANCE}");
+            let what = format!(
+                "({x}, {y}, {z}) has length {length}; expected 1 within {LENGTH_TOLERANCE}"
+            );
             self.fault(&place, what);
             return None;
         }

@@ -1,6 +1,7 @@
 //! Bounded caches of shared results, for sweeps of thousands of cells and windows with many sizes.
 
-/// Most bytes of one cache without its newest value. A software driver takes them from the host's memory.
+/// Most bytes of one cache without its newest value. A software driver takes them from the host's
+/// memory.
 pub const CACHE_BYTES: u64 = 1 << 29;
 
 /// The most recently used values by key, at most `capacity` of them.
@@ -19,7 +20,11 @@ impl<K: PartialEq, V: Clone> Recent<K, V> {
 
     /// Makes a cache of values of `bytes_of` bytes each.
     pub fn weighed(capacity: usize, bytes_of: fn(&V) -> u64) -> Self {
-        Self { capacity, bytes_of, entries: Vec::new() }
+        Self {
+            capacity,
+            bytes_of,
+            entries: Vec::new(),
+        }
     }
 
     pub fn clear(&mut self) {
@@ -40,7 +45,12 @@ impl<K: PartialEq, V: Clone> Recent<K, V> {
             return Ok(value);
         }
         // Old values are removed first, so that both never take memory at once.
-        let bytes = |entries: &[(K, V)]| entries.iter().map(|(_, value)| (self.bytes_of)(value)).sum::<u64>();
+        let bytes = |entries: &[(K, V)]| {
+            entries
+                .iter()
+                .map(|(_, value)| (self.bytes_of)(value))
+                .sum::<u64>()
+        };
         while self.entries.len() == self.capacity || bytes(&self.entries) > CACHE_BYTES {
             self.entries.remove(0);
         }

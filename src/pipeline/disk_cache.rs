@@ -1,12 +1,15 @@
 //! Tables and references kept on disk for later runs.
 //!
-//! An entry is a file named by the hash of its key. The key contains everything that determines the entry's bits: the SPIR-V of its
-//! shaders, the host's code around them, the device and its driver, the contents of the inputs, every parameter. The build script hashes
-//! all source files except those that no device result depends on (`HOST_EXCLUDED` in `shaders/compile.rs`), and the versions of all
-//! crates. Floats are kept bit for bit: a run writes the same bytes with and without the cache.
+//! An entry is a file named by the hash of its key. The key contains everything that determines the
+//! entry's bits: the SPIR-V of its shaders, the host's code around them, the device and its driver,
+//! the contents of the inputs, every parameter. The build script hashes all source files except
+//! those that no device result depends on (`HOST_EXCLUDED` in `shaders/compile.rs`), and the
+//! versions of all crates. Floats are kept bit for bit: a run writes the same bytes with and
+//! without the cache.
 //!
-//! An entry is written atomically and has a checksum; damaged entries are removed and made again. Several processes may
-//! share a folder. Above its size limit, the entries used longest ago are removed first.
+//! An entry is written atomically and has a checksum; damaged entries are removed and made again.
+//! Several processes may share a folder. Above its size limit, the entries used longest ago are
+//! removed first.
 
 use crate::files::read_regular;
 use crate::gpu::{DeviceInfo, HOST_HASH, code_hash, shader_code};
@@ -24,7 +27,8 @@ const ENTRY_BYTES_MAX: u64 = 1 << 32;
 const MAGIC: &[u8; 8] = b"splitsu1";
 const CHECKSUM_LENGTH: usize = 32;
 const EXTENSION: &str = "kept";
-/// A full folder is emptied down to this share of its limit, so that it is not listed again for each entry.
+/// A full folder is emptied down to this share of its limit, so that it is not listed again for
+/// each entry.
 const KEPT_SHARE: f64 = 0.8;
 /// Half-written files of this age are abandoned.
 const PART_AGE: Duration = Duration::from_secs(24 * 3600);
@@ -53,11 +57,31 @@ impl DiskCache {
     /// Opens the folder `dir` and creates it if missing; its entries take at most `limit_bytes`.
     pub fn open(dir: &Path, limit_bytes: u64) -> Result<Self, DiskCacheError> {
         std::fs::create_dir_all(dir)
-            .map_err(|error| if dir.exists() { "not a folder".to_owned() } else { error.to_string() })
-            .map_err(|what| DiskCacheError { dir: dir.to_owned(), what })?;
+            .map_err(|error| {
+                if dir.exists() {
+                    "not a folder".to_owned()
+                } else {
+                    error.to_string()
+                }
+            })
+            .map_err(|what| DiskCacheError {
+                dir: dir.to_owned(),
+                what,
+            })?;
         let (dir, device, warnings) = (dir.to_owned(), String::new(), Vec::new());
-        let mut cache = Self { dir, limit_bytes, bytes: 0, device, warnings, is_read_only: false };
-        cache.bytes = cache.entries().iter().map(|(_, metadata)| metadata.len()).sum();
+        let mut cache = Self {
+            dir,
+            limit_bytes,
+            bytes: 0,
+            device,
+            warnings,
+            is_read_only: false,
+        };
+        cache.bytes = cache
+            .entries()
+            .iter()
+            .map(|(_, metadata)| metadata.len())
+            .sum();
         cache.remove_abandoned_parts();
         cache.evict();
         Ok(cache)
@@ -65,7 +89,12 @@ impl DiskCache {
 
     /// Limits all later calls to entries of this device.
     pub fn set_device(&mut self, device: &DeviceInfo) {
-        let DeviceInfo { name, driver, api_version, .. } = device;
+        let DeviceInfo {
+            name,
+            driver,
+            api_version,
+            ..
+        } = device;
         self.device += &format!("device={name}\ndriver={driver}\napi_version={api_version}\n");
     }
 
@@ -75,7 +104,11 @@ impl DiskCache {
     }
 
     fn whole_key(&self, shaders: &[String], key: &str) -> String {
-        format!("host={HOST_HASH}\nshaders={}\n{}{key}", code_hash(shaders, shader_code), self.device)
+        format!(
+            "host={HOST_HASH}\nshaders={}\n{}{key}",
+            code_hash(shaders, shader_code),
+            self.device
+        )
     }
 
     pub fn dir(&self) -> &Path {
@@ -90,21 +123,31 @@ impl DiskCache {
             Ok(bytes) => bytes,
             Err(error) if error.kind() == std::io::ErrorKind::NotFound => return None,
             Err(error) => {
-                self.warnings.push(format!("cache: {}: {error}; making its contents again", path.display()));
+                self.warnings.push(format!(
+                    "cache: {}: {error}; making its contents again",
+                    path.display()
+                ));
                 return None;
             }
         };
         let Some(payload) = payload(bytes, &key) else {
-            self.warnings.push(format!("cache: {}: is damaged; making its contents again", path.display()));
+            self.warnings.push(format!(
+                "cache: {}: is damaged; making its contents again",
+                path.display()
+            ));
             self.remove(&path);
             return None;
         };
         // Marks it as used now. If that fails, the entry only looks older than it is.
-        let _ = File::options().append(true).open(&path).and_then(|file| file.set_modified(SystemTime::now()));
+        let _ = File::options()
+            .append(true)
+            .open(&path)
+            .and_then(|file| file.set_modified(SystemTime::now()));
         Some(payload)
     }
 
-    /// Keeps `payload` of these shaders under `key`. If the folder cannot be written, adds a warning.
+    /// Keeps `payload` of these shaders under `key`. If the folder cannot be written, adds a
+    /// warning.
     pub fn store(&mut self, shaders: &[String], key: &str, payload: &[u8]) {
         let key = self.whole_key(shaders, key);
         let length = (MAGIC.len() + CHECKSUM_LENGTH + 8 + key.len() + payload.len()) as u64;
@@ -114,15 +157,28 @@ impl DiskCache {
         let path = self.path(&key);
         let key_length = (key.len() as u64).to_le_bytes();
         let mut hasher = blake3::Hasher::new();
-        let checksum = hasher.update(&key_length).update(key.as_bytes()).update(payload).finalize();
-        let parts: [&[u8]; 5] = [MAGIC, checksum.as_bytes(), &key_length, key.as_bytes(), payload];
-        match write_atomically(&path, |file| parts.iter().try_for_each(|part| file.write_all(part))) {
+        let checksum = hasher
+            .update(&key_length)
+            .update(key.as_bytes())
+            .update(payload)
+            .finalize();
+        let parts: [&[u8]; 5] = [
+            MAGIC,
+            checksum.as_bytes(),
+            &key_length,
+            key.as_bytes(),
+            payload,
+        ];
+        match write_atomically(&path, |file| {
+            parts.iter().try_for_each(|part| file.write_all(part))
+        }) {
             Ok(()) => {
                 self.bytes += length;
                 self.evict();
             }
             Err(error) => {
-                self.warnings.push(format!("cache: {error}; this run keeps nothing more"));
+                self.warnings
+                    .push(format!("cache: {error}; this run keeps nothing more"));
                 self.is_read_only = true;
             }
         }
@@ -134,14 +190,20 @@ impl DiskCache {
     }
 
     fn path(&self, key: &str) -> PathBuf {
-        self.dir.join(format!("{}.{EXTENSION}", blake3::hash(key.as_bytes()).to_hex()))
+        self.dir.join(format!(
+            "{}.{EXTENSION}",
+            blake3::hash(key.as_bytes()).to_hex()
+        ))
     }
 
     /// Lists every entry with its metadata. Another process may remove one at any time.
     fn entries(&self) -> Vec<(PathBuf, Metadata)> {
         let files = std::fs::read_dir(&self.dir).into_iter().flatten().flatten();
-        let entries = files.filter(|file| file.path().extension().is_some_and(|end| end == EXTENSION));
-        entries.filter_map(|file| Some((file.path(), file.metadata().ok()?))).collect()
+        let entries =
+            files.filter(|file| file.path().extension().is_some_and(|end| end == EXTENSION));
+        entries
+            .filter_map(|file| Some((file.path(), file.metadata().ok()?)))
+            .collect()
     }
 
     /// Removes the entries used longest ago if all of them take more than the limit.
@@ -171,7 +233,10 @@ impl DiskCache {
     fn remove(&mut self, path: &Path) -> bool {
         match std::fs::remove_file(path) {
             Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
-                self.warnings.push(format!("cache: {}: cannot be removed ({error})", path.display()));
+                self.warnings.push(format!(
+                    "cache: {}: cannot be removed ({error})",
+                    path.display()
+                ));
                 false
             }
             _ => true,
@@ -181,7 +246,11 @@ impl DiskCache {
     fn remove_abandoned_parts(&mut self) {
         for file in std::fs::read_dir(&self.dir).into_iter().flatten().flatten() {
             let is_part = file.file_name().to_string_lossy().starts_with(PART_PREFIX);
-            let age = file.metadata().and_then(|m| m.modified()).ok().and_then(|time| time.elapsed().ok());
+            let age = file
+                .metadata()
+                .and_then(|m| m.modified())
+                .ok()
+                .and_then(|time| time.elapsed().ok());
             if is_part && age.is_some_and(|age| age > PART_AGE) {
                 self.remove(&file.path());
             }
@@ -195,7 +264,8 @@ fn payload(mut bytes: Vec<u8>, key: &str) -> Option<Vec<u8>> {
     let (checksum, body) = rest.split_at_checked(CHECKSUM_LENGTH)?;
     let (key_length, rest) = body.split_first_chunk::<8>()?;
     let is_whole = magic == MAGIC && blake3::hash(body).as_bytes() == checksum;
-    let (kept_key, _) = rest.split_at_checked(usize::try_from(u64::from_le_bytes(*key_length)).ok()?)?;
+    let (kept_key, _) =
+        rest.split_at_checked(usize::try_from(u64::from_le_bytes(*key_length)).ok()?)?;
     (is_whole && kept_key == key.as_bytes()).then(|| {
         bytes.drain(..MAGIC.len() + CHECKSUM_LENGTH + 8 + key.len());
         bytes
@@ -205,6 +275,12 @@ fn payload(mut bytes: Vec<u8>, key: &str) -> Option<Vec<u8>> {
 /// Hashes the running program's file, once; `None` if it cannot be read.
 pub fn program_hash() -> Option<&'static str> {
     static HASH: OnceLock<Option<String>> = OnceLock::new();
-    let read = || Some(blake3::hash(&std::fs::read(std::env::current_exe().ok()?).ok()?).to_hex().to_string());
+    let read = || {
+        Some(
+            blake3::hash(&std::fs::read(std::env::current_exe().ok()?).ok()?)
+                .to_hex()
+                .to_string(),
+        )
+    };
     HASH.get_or_init(read).as_deref()
 }

@@ -31,15 +31,23 @@ fn needs(request: &RenderRequest) -> Vec<Need> {
     let texels = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
     // A mip chain takes a third more.
     let with_mips = |texels: u64| texels * VEC4 * 4 / 3;
-    let image =
-        |what: &str, size, bytes| Need { what: what.to_owned(), size, bytes, buffer_bytes: 0, has_images: true };
+    let image = |what: &str, size, bytes| Need {
+        what: what.to_owned(),
+        size,
+        bytes,
+        buffer_bytes: 0,
+        has_images: true,
+    };
     let map = &request.environment.image;
     let (size, map_size) = (request.size, [map.width, map.height]);
     let (pixels, map_texels) = (texels(size), texels(map_size));
     // Reads and writes go through host-visible copies, one at a time.
     let mut needs = vec![
         // Four attachments, depth, radiance, a copy.
-        Need { buffer_bytes: image_buffer_bytes(size), ..image("image", size, pixels * (6 * VEC4 + 4)) },
+        Need {
+            buffer_bytes: image_buffer_bytes(size),
+            ..image("image", size, pixels * (6 * VEC4 + 4))
+        },
         image(
             &format!("environment {}", request.environment.name),
             map_size,
@@ -47,19 +55,31 @@ fn needs(request: &RenderRequest) -> Vec<Need> {
         ),
     ];
     if request.has_reference_term() {
-        // Means, deviations, squared error; starts and guide entries of the distribution, rounded up to powers of two.
-        let words = u64::from(map.height + 2) * (u64::from(map.width) + u64::from(map.width).next_power_of_two() + 2);
+        // Means, deviations, squared error; starts and guide entries of the distribution, rounded
+        // up to powers of two.
+        let words = u64::from(map.height + 2)
+            * (u64::from(map.width) + u64::from(map.width).next_power_of_two() + 2);
         let bytes = 3 * pixels * VEC4 + 4 * words;
         let buffer_bytes = (4 * words).max(pixels * VEC4);
         let what = format!("reference under {}", request.environment.name);
-        needs.push(Need { what, size, bytes, buffer_bytes, has_images: false });
+        needs.push(Need {
+            what,
+            size,
+            bytes,
+            buffer_bytes,
+            has_images: false,
+        });
     }
     let settings = &request.shading.precompute;
     let layout = settings.layout;
     let of_faces = |size| u64::from(layout.face_count) * texels(size);
     if request.reads_filtered_levels() && !layout.is_environments() {
         let size = (layout.finest_size)(map_size);
-        needs.push(image("filtered environment", size, with_mips(of_faces(size))));
+        needs.push(image(
+            "filtered environment",
+            size,
+            with_mips(of_faces(size)),
+        ));
     }
     if request.shading.method.uses_prefiltered() {
         let size = settings.prefilter_size;
@@ -87,13 +107,21 @@ pub(super) fn check(gpu: &Gpu, request: &RenderRequest) -> Result<(), PipelineEr
     let needs = needs(request);
     let refused = |need: &Need, needed: String, limit: String| {
         let part = format!("the {} of {}x{}", need.what, need.size[0], need.size[1]);
-        Err(PipelineError::TooLarge { part, needed, limit })
+        Err(PipelineError::TooLarge {
+            part,
+            needed,
+            limit,
+        })
     };
     let (side_limit, buffer_limit) = (gpu.max_image_side(), gpu.max_buffer_bytes());
     for need in needs.iter().filter(|need| need.has_images) {
         let side = need.size[0].max(need.size[1]);
         if side > side_limit {
-            return refused(need, format!("{side} texels on a side"), format!("{side_limit} texels"));
+            return refused(
+                need,
+                format!("{side} texels on a side"),
+                format!("{side_limit} texels"),
+            );
         }
     }
     if let Some(need) = needs.iter().find(|need| need.buffer_bytes > buffer_limit) {
@@ -102,12 +130,18 @@ pub(super) fn check(gpu: &Gpu, request: &RenderRequest) -> Result<(), PipelineEr
     }
     let total = needs.iter().map(|need| need.bytes).sum::<u64>();
     if total > gpu.info().memory_bytes {
-        let parts = needs
-            .iter()
-            .map(|Need { what, size, bytes, .. }| format!("{what} of {}x{} {}", size[0], size[1], mebibytes(*bytes)));
+        let parts = needs.iter().map(
+            |Need {
+                 what, size, bytes, ..
+             }| format!("{what} of {}x{} {}", size[0], size[1], mebibytes(*bytes)),
+        );
         return Err(PipelineError::TooLarge {
             part: "the request".to_owned(),
-            needed: format!("about {} of memory ({})", mebibytes(total), parts.collect::<Vec<_>>().join(", ")),
+            needed: format!(
+                "about {} of memory ({})",
+                mebibytes(total),
+                parts.collect::<Vec<_>>().join(", ")
+            ),
             limit: mebibytes(gpu.info().memory_bytes),
         });
     }

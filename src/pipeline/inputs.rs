@@ -1,7 +1,8 @@
 //! The inputs and shaders of each shared result.
 //!
-//! A pass gets these inputs and the environment's image, and nothing else of the request: nothing else can change its
-//! table. Keys destructure their inputs, so that a new field does not compile before the key has it.
+//! A pass gets these inputs and the environment's image, and nothing else of the request: nothing
+//! else can change its table. Keys destructure their inputs, so that a new field does not compile
+//! before the key has it.
 
 use super::RenderRequest;
 use crate::bakes::given::{GivenMap, GivenTable};
@@ -23,7 +24,8 @@ use std::collections::BTreeSet;
 pub(super) struct SharedKey {
     /// The kind, as tallies, passes and the disk name it.
     pub(super) kind: &'static str,
-    /// Every input, one per line. An environment is named by its contents: a map and its clipped version have one name.
+    /// Every input, one per line. An environment is named by its contents: a map and its clipped
+    /// version have one name.
     pub(super) inputs: String,
     /// Every shader between the inputs and the result.
     pub(super) shaders: Vec<String>,
@@ -37,31 +39,53 @@ impl SharedKey {
 
     /// Panics if a shader ran that the key does not name: its changes would go unnoticed.
     pub(super) fn assert_names(&self, ran: &BTreeSet<String>) {
-        let unnamed: Vec<&String> = ran.iter().filter(|shader| !self.shaders.contains(shader)).collect();
-        assert!(unnamed.is_empty(), "the key of {} leaves out {unnamed:?}", self.kind);
+        let unnamed: Vec<&String> = ran
+            .iter()
+            .filter(|shader| !self.shaders.contains(shader))
+            .collect();
+        assert!(
+            unnamed.is_empty(),
+            "the key of {} leaves out {unnamed:?}",
+            self.kind
+        );
     }
 }
 
 pub(super) fn mips_key(environment: &Environment) -> SharedKey {
     let inputs = format!("environment={}\n", environment.hash);
-    SharedKey { kind: "mips", inputs, shaders: vec![mips::pass::SHADER.to_owned()] }
+    SharedKey {
+        kind: "mips",
+        inputs,
+        shaders: vec![mips::pass::SHADER.to_owned()],
+    }
 }
 
 /// Lists the shaders between an environment and its levels in a layout.
 fn level_shaders(layout: &MapLayout) -> Vec<String> {
-    [mips::pass::SHADER.to_owned()].into_iter().chain(filtered::pass::shaders(layout)).collect()
+    [mips::pass::SHADER.to_owned()]
+        .into_iter()
+        .chain(filtered::pass::shaders(layout))
+        .collect()
 }
 
 /// Key of the environment's levels in a layout that is not its own.
 pub(super) fn filtered_key(environment: &Environment, layout: &MapLayout) -> SharedKey {
     let inputs = format!("environment={}\nlayout={}\n", environment.hash, layout.name);
-    SharedKey { kind: "mips", inputs, shaders: level_shaders(layout) }
+    SharedKey {
+        kind: "mips",
+        inputs,
+        shaders: level_shaders(layout),
+    }
 }
 
 /// Key of the nine coefficients of the environment's finest level.
 pub(super) fn sh9_key(environment: &Environment) -> SharedKey {
     let inputs = format!("environment={}\n", environment.hash);
-    SharedKey { kind: "sh9", inputs, shaders: sh9::pass::SHADERS.map(str::to_owned).to_vec() }
+    SharedKey {
+        kind: "sh9",
+        inputs,
+        shaders: sh9::pass::SHADERS.map(str::to_owned).to_vec(),
+    }
 }
 
 pub(super) struct IrradianceInputs<'a> {
@@ -76,15 +100,37 @@ impl<'a> IrradianceInputs<'a> {
     pub(super) fn of(request: &'a RenderRequest) -> Self {
         let settings = &request.shading.tables();
         let (size, sample_count) = (settings.irradiance_size, settings.irradiance_sample_count);
-        Self { environment: &request.environment, layout: settings.layout, size, by: settings.prefilter, sample_count }
+        Self {
+            environment: &request.environment,
+            layout: settings.layout,
+            size,
+            by: settings.prefilter,
+            sample_count,
+        }
     }
 
     pub(super) fn key(&self) -> SharedKey {
-        let Self { environment, layout, size, by, sample_count } = self;
+        let Self {
+            environment,
+            layout,
+            size,
+            by,
+            sample_count,
+        } = self;
         let (map, faces, by) = (&environment.hash, layout.name, by.name());
-        let inputs = format!("environment={map}\nlayout={faces}\nsize={size:?}\nsamples={sample_count:?}\nby={by}\n");
-        let shaders = [level_shaders(layout), vec![irradiance::pass::shader(layout)]].concat();
-        SharedKey { kind: "irradiance", inputs, shaders }
+        let inputs = format!(
+            "environment={map}\nlayout={faces}\nsize={size:?}\nsamples={sample_count:?}\nby={by}\n"
+        );
+        let shaders = [
+            level_shaders(layout),
+            vec![irradiance::pass::shader(layout)],
+        ]
+        .concat();
+        SharedKey {
+            kind: "irradiance",
+            inputs,
+            shaders,
+        }
     }
 }
 
@@ -108,7 +154,11 @@ impl<'a> PrefilterInputs<'a> {
         Self {
             environment: &request.environment,
             layout: settings.layout,
-            recipe: Recipe::of(request.shading.brdf, request.shading.masking_shadowing, settings),
+            recipe: Recipe::of(
+                request.shading.brdf,
+                request.shading.masking_shadowing,
+                settings,
+            ),
             size: given.map_or(settings.prefilter_size, |map| [map.side; 2]),
             level_count: settings.prefilter_level_count,
             by: settings.prefilter,
@@ -118,11 +168,33 @@ impl<'a> PrefilterInputs<'a> {
     }
 
     pub(super) fn key(&self) -> SharedKey {
-        let Self { environment, layout, recipe, size, level_count, by, sample_count, given } = self;
+        let Self {
+            environment,
+            layout,
+            recipe,
+            size,
+            level_count,
+            by,
+            sample_count,
+            given,
+        } = self;
         if let Some(map) = given {
-            return SharedKey { kind: "prefilter", inputs: format!("given={}\n", map.hash), shaders: Vec::new() };
+            return SharedKey {
+                kind: "prefilter",
+                inputs: format!("given={}\n", map.hash),
+                shaders: Vec::new(),
+            };
         }
-        let Recipe { kernel: Kernel { brdf, weight, masking }, mapping, lod_bias } = recipe;
+        let Recipe {
+            kernel:
+                Kernel {
+                    brdf,
+                    weight,
+                    masking,
+                },
+            mapping,
+            lod_bias,
+        } = recipe;
         let (map, faces, model) = (&environment.hash, layout.name, brdf.name());
         let inputs = format!(
             "environment={map}\nlayout={faces}\nbrdf={model}\nsize={size:?}\nlevels={level_count}\nsamples={sample_count}\n\
@@ -131,8 +203,16 @@ impl<'a> PrefilterInputs<'a> {
             weight.name,
             by.name(),
         );
-        let shaders = [level_shaders(layout), vec![prefilter::pass::shader(*brdf, layout)]].concat();
-        SharedKey { kind: "prefilter", inputs, shaders }
+        let shaders = [
+            level_shaders(layout),
+            vec![prefilter::pass::shader(*brdf, layout)],
+        ]
+        .concat();
+        SharedKey {
+            kind: "prefilter",
+            inputs,
+            shaders,
+        }
     }
 }
 
@@ -148,21 +228,50 @@ pub(super) struct DfgInputs<'a> {
 
 impl<'a> DfgInputs<'a> {
     pub(super) fn of(request: &'a RenderRequest) -> Self {
-        let Shading { brdf, masking_shadowing: masking, precompute, .. } = request.shading;
+        let Shading {
+            brdf,
+            masking_shadowing: masking,
+            precompute,
+            ..
+        } = request.shading;
         let given = request.given.dfg.as_deref();
         let side = given.map_or(precompute.dfg_size, |table| table.side);
-        Self { brdf, masking, side, axes: precompute.dfg_axes, sample_count: precompute.dfg_sample_count, given }
+        Self {
+            brdf,
+            masking,
+            side,
+            axes: precompute.dfg_axes,
+            sample_count: precompute.dfg_sample_count,
+            given,
+        }
     }
 
     pub(super) fn key(&self) -> SharedKey {
-        let Self { brdf, masking, side, axes, sample_count, given } = self;
+        let Self {
+            brdf,
+            masking,
+            side,
+            axes,
+            sample_count,
+            given,
+        } = self;
         if let Some(table) = given {
             let inputs = format!("given={}\naxes={axes:?}\n", table.hash);
-            return SharedKey { kind: "dfg", inputs, shaders: Vec::new() };
+            return SharedKey {
+                kind: "dfg",
+                inputs,
+                shaders: Vec::new(),
+            };
         }
         let model = brdf.name();
-        let inputs = format!("brdf={model}\nmasking={masking:?}\nsize={side}\naxes={axes:?}\nsamples={sample_count}\n");
-        SharedKey { kind: "dfg", inputs, shaders: vec![dfg::pass::shader(*brdf)] }
+        let inputs = format!(
+            "brdf={model}\nmasking={masking:?}\nsize={side}\naxes={axes:?}\nsamples={sample_count}\n"
+        );
+        SharedKey {
+            kind: "dfg",
+            inputs,
+            shaders: vec![dfg::pass::shader(*brdf)],
+        }
     }
 }
 
@@ -177,19 +286,51 @@ pub(super) struct TapTableInputs {
 
 impl TapTableInputs {
     pub(super) fn of(request: &RenderRequest, count: TapCount) -> Self {
-        let Shading { brdf, masking_shadowing: masking, .. } = request.shading;
-        let PrecomputeSettings { prefilter_weight, level_mapping: mapping, prefilter_level_count: level_count, .. } =
-            request.shading.tables();
-        Self { count, kernel: Kernel::new(brdf, prefilter_weight, masking), masking, mapping, level_count }
+        let Shading {
+            brdf,
+            masking_shadowing: masking,
+            ..
+        } = request.shading;
+        let PrecomputeSettings {
+            prefilter_weight,
+            level_mapping: mapping,
+            prefilter_level_count: level_count,
+            ..
+        } = request.shading.tables();
+        Self {
+            count,
+            kernel: Kernel::new(brdf, prefilter_weight, masking),
+            masking,
+            mapping,
+            level_count,
+        }
     }
 
     pub(super) fn key(&self) -> SharedKey {
-        let Self { count, kernel: Kernel { brdf, weight, masking: of_weight }, masking, mapping, level_count } = self;
-        let (model, weight, mapping, count) = (brdf.name(), weight.name, mapping.name, *count as u32);
-        let lobe = format!("brdf={model}\nweight={weight}\nweight_masking={of_weight:?}\nmasking={masking:?}\n");
+        let Self {
+            count,
+            kernel:
+                Kernel {
+                    brdf,
+                    weight,
+                    masking: of_weight,
+                },
+            masking,
+            mapping,
+            level_count,
+        } = self;
+        let (model, weight, mapping, count) =
+            (brdf.name(), weight.name, mapping.name, *count as u32);
+        let lobe = format!(
+            "brdf={model}\nweight={weight}\nweight_masking={of_weight:?}\nmasking={masking:?}\n"
+        );
         let inputs = format!("{lobe}mapping={mapping}\nlevels={level_count}\ntaps={count}\n");
         // The model's shader identifies the model.
-        SharedKey { kind: "taps", inputs, shaders: vec![dfg::pass::shader(*brdf)] }
+        SharedKey {
+            kind: "taps",
+            inputs,
+            shaders: vec![dfg::pass::shader(*brdf)],
+        }
     }
 
     pub(super) fn texels(&self) -> Pixels<[f32; 4]> {

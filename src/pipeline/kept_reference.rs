@@ -17,7 +17,8 @@ pub(super) struct Reference {
     pub(super) convergences: Vec<Convergence>,
 }
 
-/// Returns everything that determines the frame of `request`; `None` without a reference term: such frames are cheap.
+/// Returns everything that determines the frame of `request`; `None` without a reference term: such
+/// frames are cheap.
 ///
 /// Of the table settings only the DFG table's matter, and only if the frame reads it.
 pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
@@ -65,10 +66,17 @@ pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
     if !request.has_reference_term() || method.has_pass() || diffuse.has_pass() {
         return None;
     }
-    let levels = method.uses_levels.then_some((precompute.prefilter_level_count, precompute.level_mapping.name));
-    let weight = method.uses_weight.then_some(precompute.prefilter_weight.name);
+    let levels = method.uses_levels.then_some((
+        precompute.prefilter_level_count,
+        precompute.level_mapping.name,
+    ));
+    let weight = method
+        .uses_weight
+        .then_some(precompute.prefilter_weight.name);
     let dfg = request.needs_dfg().then(|| DfgInputs::of(request).key());
-    let table = dfg.as_ref().map_or("none\n".to_owned(), |key| format!("{:?}\n{}", precompute.storage, key.inputs));
+    let table = dfg.as_ref().map_or("none\n".to_owned(), |key| {
+        format!("{:?}\n{}", precompute.storage, key.inputs)
+    });
     let inputs = format!(
         "environment={}\nplacement={placement:?}\nscale={environment_scale}\nepsilon={}\nscene={}\ncamera={camera:?}\n\
          size={width}x{height}\nmethod={}\ndiffuse={}\nbrdf={}\nmasking={masking_shadowing:?}\ncompensation={compensation:?}\nsamples={samples}\n\
@@ -81,9 +89,16 @@ pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
         diffuse.name,
         brdf.name(),
     );
-    let widths = if scene.has_anisotropy() { format!("widths={}\n", widths.name()) } else { String::new() };
+    let widths = if scene.has_anisotropy() {
+        format!("widths={}\n", widths.name())
+    } else {
+        String::new()
+    };
     let inputs = inputs + &widths;
-    let lobes = request.reference_lobes().into_iter().flat_map(|lobe| lobe.shaders(*brdf));
+    let lobes = request
+        .reference_lobes()
+        .into_iter()
+        .flat_map(|lobe| lobe.shaders(*brdf));
     let shaders = gbuffer::pass::shaders().map(str::to_owned).chain(lobes);
     let shaders = shaders
         // A background reads the levels of the environment.
@@ -91,7 +106,11 @@ pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
         .chain(dfg.into_iter().flat_map(|key| key.shaders))
         .chain(background.then(|| BACKGROUND_SHADER.to_owned()))
         .collect();
-    Some(SharedKey { kind: "reference", inputs, shaders })
+    Some(SharedKey {
+        kind: "reference",
+        inputs,
+        shaders,
+    })
 }
 
 /// The possible values of [`Convergence::term`].
@@ -106,8 +125,19 @@ impl Reference {
         if let Some(image) = &self.standard_error {
             bytes.extend_from_slice(bytemuck::cast_slice(&image.data));
         }
-        for Convergence { term, sample_count, relative_error, is_met } in &self.convergences {
-            bytes.push(TERMS.iter().position(|known| known == term).map_or(u8::MAX, |index| index as u8));
+        for Convergence {
+            term,
+            sample_count,
+            relative_error,
+            is_met,
+        } in &self.convergences
+        {
+            bytes.push(
+                TERMS
+                    .iter()
+                    .position(|known| known == term)
+                    .map_or(u8::MAX, |index| index as u8),
+            );
             bytes.extend(sample_count.to_le_bytes());
             bytes.extend(relative_error.to_le_bytes());
             bytes.push(u8::from(*is_met));
@@ -118,12 +148,15 @@ impl Reference {
     /// Inverse of `to_bytes`; `None` if `bytes` are not a frame of this size.
     pub(super) fn from_bytes(bytes: &[u8], [width, height]: [u32; 2]) -> Option<Self> {
         let image_length = size_of::<[f32; 3]>() * width as usize * height as usize;
-        let image = |bytes: &[u8]| RgbImage::new(width, height, bytemuck::pod_collect_to_vec(bytes));
+        let image =
+            |bytes: &[u8]| RgbImage::new(width, height, bytemuck::pod_collect_to_vec(bytes));
         let (radiance, rest) = bytes.split_at_checked(image_length)?;
         let (flag, rest) = rest.split_first()?;
         let (standard_error, rest) = match flag {
             0 => (None, rest),
-            _ => rest.split_at_checked(image_length).map(|(error, rest)| (Some(image(error)), rest))?,
+            _ => rest
+                .split_at_checked(image_length)
+                .map(|(error, rest)| (Some(image(error)), rest))?,
         };
         let term = |bytes: &[u8]| -> Option<Convergence> {
             let (index, rest) = bytes.split_first()?;
@@ -136,7 +169,14 @@ impl Reference {
                 is_met: *rest.first()? == 1,
             })
         };
-        let convergences = rest.chunks(CONVERGENCE_LENGTH).map(term).collect::<Option<Vec<_>>>()?;
-        Some(Self { radiance: image(radiance), standard_error, convergences })
+        let convergences = rest
+            .chunks(CONVERGENCE_LENGTH)
+            .map(term)
+            .collect::<Option<Vec<_>>>()?;
+        Some(Self {
+            radiance: image(radiance),
+            standard_error,
+            convergences,
+        })
     }
 }

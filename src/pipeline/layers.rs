@@ -1,11 +1,14 @@
-//! Layers over a base: images of one geometry, added with the shares of [`crate::shade::coat`] and [`crate::shade::sheen`].
+//! Layers over a base: images of one geometry, added with the shares of [`crate::shade::coat`] and
+//! [`crate::shade::sheen`].
 //!
-//! So every method and the reference serve a layer, squared errors add, and a reference of the base serves all layers. A
-//! coat lies over sheen, sheen over the base.
+//! So every method and the reference serve a layer, squared errors add, and a reference of the base
+//! serves all layers. A coat lies over sheen, sheen over the base.
 
 use super::request::Frame;
 use super::{Pipeline, PipelineError, RenderRequest};
-use crate::brdf::{Brdf, MaskingShadowing, alpha_from_perceptual_roughness, perceptual_roughness_from_alpha};
+use crate::brdf::{
+    Brdf, MaskingShadowing, alpha_from_perceptual_roughness, perceptual_roughness_from_alpha,
+};
 use crate::glsl::constants::COSINE_MIN;
 use crate::pixels::{Pixels, RgbImage};
 use crate::precompute::dfg::Albedos;
@@ -38,7 +41,10 @@ pub(super) struct LayerPixel {
 }
 
 impl Pipeline {
-    pub(super) fn render_layers(&mut self, request: &RenderRequest) -> Result<Frame, PipelineError> {
+    pub(super) fn render_layers(
+        &mut self,
+        request: &RenderRequest,
+    ) -> Result<Frame, PipelineError> {
         if let Some(layers) = request.coat_layers() {
             return self.render_coated(request, &layers);
         }
@@ -48,7 +54,8 @@ impl Pipeline {
         }
     }
 
-    /// Reads the pixels of the layer `over`, whose frame is `frame`. `weights` is a scene whose albedo is its weight.
+    /// Reads the pixels of the layer `over`, whose frame is `frame`. `weights` is a scene whose
+    /// albedo is its weight.
     pub(super) fn layer_pixels(
         &mut self,
         over: &RenderRequest,
@@ -56,18 +63,27 @@ impl Pipeline {
         weights: Scene,
     ) -> Result<Vec<LayerPixel>, PipelineError> {
         // The weights are of a scene that is never shaded.
-        let weights = RenderRequest { scene: Arc::new(weights), ..over.clone() };
+        let weights = RenderRequest {
+            scene: Arc::new(weights),
+            ..over.clone()
+        };
         let [weights, lobes] = [&weights, over].map(|request| {
             let (_, target) = self.resources.view(&self.gpu, request)?;
             Ok::<_, PipelineError>(target.gbuffer.read(&self.gpu)?)
         });
         let (weights, lobes) = (weights?.albedo_metallic, lobes?.normal_alpha);
-        let has_map = over.scene.materials.iter().any(|material| material.roughness_map.is_some());
+        let has_map = over
+            .scene
+            .materials
+            .iter()
+            .any(|material| material.roughness_map.is_some());
         let pixel = |i: usize| {
             let (mut alpha, [r, g, b, _]) = (f64::from(lobes.data[i][3]), weights.data[i]);
             if has_map {
                 let roughness = perceptual_roughness_from_alpha(alpha);
-                alpha = alpha_from_perceptual_roughness((ROUGHNESS_LEVELS * roughness).round() / ROUGHNESS_LEVELS);
+                alpha = alpha_from_perceptual_roughness(
+                    (ROUGHNESS_LEVELS * roughness).round() / ROUGHNESS_LEVELS,
+                );
             }
             LayerPixel {
                 weight: DVec3::new(r.into(), g.into(), b.into()),
@@ -88,10 +104,25 @@ impl Pipeline {
     ) -> Vec<DVec2> {
         let mut known: HashMap<u64, Arc<Albedos>> = HashMap::new();
         let mut pair = |pixel: &LayerPixel| {
-            let own = || self.resources.albedos_of(Kernel::cosine(model), masking, pixel.alpha);
-            known.entry(pixel.alpha.to_bits()).or_insert_with(own).exact(pixel.n_dot_v)
+            let own = || {
+                self.resources
+                    .albedos_of(Kernel::cosine(model), masking, pixel.alpha)
+            };
+            known
+                .entry(pixel.alpha.to_bits())
+                .or_insert_with(own)
+                .exact(pixel.n_dot_v)
         };
-        pixels.iter().map(|pixel| if pixel.is_hit { pair(pixel) } else { DVec2::ZERO }).collect()
+        pixels
+            .iter()
+            .map(|pixel| {
+                if pixel.is_hit {
+                    pair(pixel)
+                } else {
+                    DVec2::ZERO
+                }
+            })
+            .collect()
     }
 }
 
@@ -99,21 +130,42 @@ impl Pipeline {
 pub(super) fn combined<const N: usize>(frames: [&Frame; N], shares: &[[DVec3; N]]) -> Frame {
     let added = |images: [&RgbImage; N], add: fn([f64; N]) -> f64| {
         let texel = |(i, shares): (usize, &[DVec3; N])| -> [f32; 3] {
-            std::array::from_fn(|c| add(std::array::from_fn(|k| shares[k][c] * f64::from(images[k].data[i][c]))) as f32)
+            std::array::from_fn(|c| {
+                add(std::array::from_fn(|k| {
+                    shares[k][c] * f64::from(images[k].data[i][c])
+                })) as f32
+            })
         };
-        Pixels::new(images[0].width, images[0].height, shares.iter().enumerate().map(texel).collect())
+        Pixels::new(
+            images[0].width,
+            images[0].height,
+            shares.iter().enumerate().map(texel).collect(),
+        )
     };
     let root = |parts: [f64; N]| parts.iter().map(|part| part * part).sum::<f64>().sqrt();
-    let errors: Option<Vec<&RgbImage>> = frames.iter().map(|frame| frame.standard_error.as_ref()).collect();
+    let errors: Option<Vec<&RgbImage>> = frames
+        .iter()
+        .map(|frame| frame.standard_error.as_ref())
+        .collect();
     let errors = errors.map(|errors| added(errors.try_into().expect("one for each frame"), root));
-    let radiance = added(frames.map(|frame| &frame.radiance), |parts| parts.iter().sum());
-    Frame { radiance, standard_error: errors, ..frames[0].clone() }
+    let radiance = added(frames.map(|frame| &frame.radiance), |parts| {
+        parts.iter().sum()
+    });
+    Frame {
+        radiance,
+        standard_error: errors,
+        ..frames[0].clone()
+    }
 }
 
 impl Frame {
     /// Adds stops and times of the frame of a layer.
     pub(super) fn after(self, over: Frame) -> Self {
         let convergences = [self.convergences, over.convergences].concat();
-        Self { convergences, timings: self.timings.and(over.timings), ..self }
+        Self {
+            convergences,
+            timings: self.timings.and(over.timings),
+            ..self
+        }
     }
 }

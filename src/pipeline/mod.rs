@@ -1,7 +1,7 @@
 //! Runs environment, precompute, gbuffer, shade and tonemap in this order.
 //!
-//! Tables, scenes and g-buffers are cached by their inputs: a sweep makes each once. With a [`DiskCache`],
-//! tables and references are kept for later runs too.
+//! Tables, scenes and g-buffers are cached by their inputs: a sweep makes each once. With a
+//! [`DiskCache`], tables and references are kept for later runs too.
 
 mod antialias;
 mod cache;
@@ -51,10 +51,17 @@ pub enum PipelineError {
     Gpu(#[from] GpuError),
     /// A broken integrator must not pass as dark or clipped.
     #[error(
-        "{}: {count} pixels of the radiance are not finite or are negative, the first at column {x}, row {y}: {value:?}",
+        "{}: {count} pixels of the radiance are not finite or are negative, the first at column \
+         {x}, row {y}: {value:?}",
         method.name
     )]
-    InvalidRadiance { method: &'static Method, count: usize, x: u32, y: u32, value: [f32; 3] },
+    InvalidRadiance {
+        method: &'static Method,
+        count: usize,
+        x: u32,
+        y: u32,
+        value: [f32; 3],
+    },
     #[error("{field} is 0; expected at least 1")]
     NoSamples { field: &'static str },
     #[error(transparent)]
@@ -63,11 +70,18 @@ pub enum PipelineError {
     Settings(#[from] SettingsError),
     #[error("anisotropy: {0}")]
     Widths(String),
-    #[error("the driver does not filter cubes across their edges; choose another layout: layout = \"octahedral\"")]
+    #[error(
+        "the driver does not filter cubes across their edges; choose another layout: layout \
+         = \"octahedral\""
+    )]
     OpenCubes,
     /// Found before anything was allocated.
     #[error("{part} is too large for the device: it needs {needed}, the limit is {limit}")]
-    TooLarge { part: String, needed: String, limit: String },
+    TooLarge {
+        part: String,
+        needed: String,
+        limit: String,
+    },
 }
 
 impl PipelineError {
@@ -96,15 +110,23 @@ impl PipelineError {
     }
 }
 
-/// Returns whether a cache with its device set holds what `request` would render: then nothing is rendered.
+/// Returns whether a cache with its device set holds what `request` would render: then nothing is
+/// rendered.
 pub fn is_kept(cache: &DiskCache, request: &RenderRequest) -> bool {
-    let is_kept = |layer| kept_reference::key(layer).is_some_and(|key| cache.holds(&key.shaders, &key.text()));
+    let is_kept = |layer| {
+        kept_reference::key(layer).is_some_and(|key| cache.holds(&key.shaders, &key.text()))
+    };
     request.layers().iter().all(is_kept)
 }
 
-/// Lists the shaders that a reference on disk depends on; `None` if frames of `request` are not kept.
+/// Lists the shaders that a reference on disk depends on; `None` if frames of `request` are not
+/// kept.
 pub fn shaders_of_kept(request: &RenderRequest) -> Option<Vec<String>> {
-    let keys = request.layers().iter().map(kept_reference::key).collect::<Option<Vec<_>>>()?;
+    let keys = request
+        .layers()
+        .iter()
+        .map(kept_reference::key)
+        .collect::<Option<Vec<_>>>()?;
     Some(keys.into_iter().flat_map(|key| key.shaders).collect())
 }
 
@@ -119,16 +141,22 @@ impl Pipeline {
         Self::on(Gpu::new(options)?)
     }
 
-    /// Wraps an open device, which may be shared: shaders compiled by one user are compiled for all.
+    /// Wraps an open device, which may be shared: shaders compiled by one user are compiled for
+    /// all.
     pub fn on(gpu: Gpu) -> Result<Self, PipelineError> {
-        Ok(Self { resources: Resources::new(&gpu)?, kept: Kept::default(), gpu })
+        Ok(Self {
+            resources: Resources::new(&gpu)?,
+            kept: Kept::default(),
+            gpu,
+        })
     }
 
     pub fn device(&self) -> &DeviceInfo {
         self.gpu.info()
     }
 
-    /// Takes tables and references from `cache` if it has them, and stores new ones. Timed passes never use it.
+    /// Takes tables and references from `cache` if it has them, and stores new ones. Timed passes
+    /// never use it.
     pub fn keep_on_disk(&mut self, mut cache: DiskCache) {
         cache.set_device(self.gpu.info());
         self.kept.disk = Some(cache);
@@ -136,7 +164,10 @@ impl Pipeline {
 
     /// Returns whether the cache holds what `request` would render.
     pub fn has_kept(&self, request: &RenderRequest) -> bool {
-        self.kept.disk.as_ref().is_some_and(|cache| is_kept(cache, request))
+        self.kept
+            .disk
+            .as_ref()
+            .is_some_and(|cache| is_kept(cache, request))
     }
 
     /// Counts the shared results so far; timing rounds do not count.
@@ -146,10 +177,15 @@ impl Pipeline {
 
     /// Returns warnings of the cache since the last call; they concern no frame.
     pub fn take_warnings(&mut self) -> Vec<String> {
-        self.kept.disk.as_mut().map(DiskCache::take_warnings).unwrap_or_default()
+        self.kept
+            .disk
+            .as_mut()
+            .map(DiskCache::take_warnings)
+            .unwrap_or_default()
     }
 
-    /// Makes work fail while `flag` is set ([`PipelineError::is_interrupted`]). `None` removes the flag.
+    /// Makes work fail while `flag` is set ([`PipelineError::is_interrupted`]). `None` removes the
+    /// flag.
     pub fn interrupt_by(&self, flag: Option<Arc<AtomicBool>>) {
         self.gpu.interrupt_by(flag);
     }
@@ -159,10 +195,15 @@ impl Pipeline {
         self.gpu.validation_messages()
     }
 
-    /// Checks whether the device can serve `request`, as far as possible before anything is allocated.
+    /// Checks whether the device can serve `request`, as far as possible before anything is
+    /// allocated.
     pub fn check(&self, request: &RenderRequest) -> Result<(), PipelineError> {
         fit::check(&self.gpu, request)?;
-        if request.is_antialiased() { fit::check(&self.gpu, &request.points_of_pixels()) } else { Ok(()) }
+        if request.is_antialiased() {
+            fit::check(&self.gpu, &request.points_of_pixels())
+        } else {
+            Ok(())
+        }
     }
 
     fn prepare(&mut self, request: &RenderRequest) -> Result<Prepared, PipelineError> {
@@ -193,7 +234,8 @@ impl Pipeline {
         if !request.is_antialiased() {
             return Ok(frame);
         }
-        let edges = self.with_memory(|pipeline| pipeline.resources.edges(&pipeline.gpu, request))?;
+        let edges =
+            self.with_memory(|pipeline| pipeline.resources.edges(&pipeline.gpu, request))?;
         Ok(edges.resolve(frame))
     }
 
@@ -203,8 +245,16 @@ impl Pipeline {
             return Ok(self.with_memory(|pipeline| pipeline.rendered(request))?.0);
         };
         self.check(request)?;
-        let kept = self.kept.load(&key).and_then(|bytes| Reference::from_bytes(&bytes, request.size));
-        if let Some(Reference { radiance, standard_error, convergences }) = kept {
+        let kept = self
+            .kept
+            .load(&key)
+            .and_then(|bytes| Reference::from_bytes(&bytes, request.size));
+        if let Some(Reference {
+            radiance,
+            standard_error,
+            convergences,
+        }) = kept
+        {
             let (_, target) = self.resources.view(&self.gpu, request)?;
             let (mask, n_dot_v) = (target.mask.clone(), target.n_dot_v.clone());
             return Ok(Frame {
@@ -221,13 +271,22 @@ impl Pipeline {
         key.assert_names(&shaders);
         self.kept.store(&key, || {
             let (radiance, standard_error) = (frame.radiance.clone(), frame.standard_error.clone());
-            Ok(Reference { radiance, standard_error, convergences: frame.convergences.clone() }.to_bytes())
+            Ok(Reference {
+                radiance,
+                standard_error,
+                convergences: frame.convergences.clone(),
+            }
+            .to_bytes())
         })?;
         Ok(frame)
     }
 
-    /// Renders a frame; also returns the shaders that ran for it, without the shaders of its tables.
-    fn rendered(&mut self, request: &RenderRequest) -> Result<(Frame, BTreeSet<String>), PipelineError> {
+    /// Renders a frame; also returns the shaders that ran for it, without the shaders of its
+    /// tables.
+    fn rendered(
+        &mut self,
+        request: &RenderRequest,
+    ) -> Result<(Frame, BTreeSet<String>), PipelineError> {
         let prepared = self.prepare(request)?;
         let (report, convergences) = self.shade(request, &prepared)?;
         let (radiance, standard_error) = read_radiance(&self.gpu, &prepared, request)?;
@@ -248,23 +307,46 @@ impl Pipeline {
     }
 
     /// Applies the tone curve on the device.
-    pub fn tonemap(&mut self, radiance: &RgbImage, curve: ToneCurve) -> Result<(Rgb8Image, PassTime), PipelineError> {
+    pub fn tonemap(
+        &mut self,
+        radiance: &RgbImage,
+        curve: ToneCurve,
+    ) -> Result<(Rgb8Image, PassTime), PipelineError> {
         let size = [radiance.width, radiance.height];
-        let texels: Vec<[f32; 4]> = radiance.data.iter().map(|&[r, g, b]| [r, g, b, 0.0]).collect();
+        let texels: Vec<[f32; 4]> = radiance
+            .data
+            .iter()
+            .map(|&[r, g, b]| [r, g, b, 0.0])
+            .collect();
         self.with_memory(|pipeline| {
             let radiance = pipeline.gpu.buffer_from("radiance", &texels)?;
             let packed = tonemap::pass::packed(&pipeline.gpu, size)?;
             let report = tonemap::pass::run(&pipeline.gpu, curve, &radiance, &packed, size)?;
-            let time = report.passes.into_iter().next().unwrap_or(PassTime { pass: "tonemap", ms: 0.0 });
+            let time = report.passes.into_iter().next().unwrap_or(PassTime {
+                pass: "tonemap",
+                ms: 0.0,
+            });
             Ok((tonemap::pass::read(&pipeline.gpu, &packed, size)?, time))
         })
     }
 
-    /// Times the passes of a frame, tone curve included: `warmup` rounds that do not count, then `rounds`. Of a sequence
-    /// it times one frame.
-    pub fn time(&mut self, request: &RenderRequest, warmup: u32, rounds: u32) -> Result<TimingSamples, PipelineError> {
-        let layers = if request.is_sequence() { request.of_frame(0).layers() } else { request.layers() };
-        let prepared = layers.iter().map(|layer| self.prepare(layer)).collect::<Result<Vec<_>, _>>()?;
+    /// Times the passes of a frame, tone curve included: `warmup` rounds that do not count, then
+    /// `rounds`. Of a sequence it times one frame.
+    pub fn time(
+        &mut self,
+        request: &RenderRequest,
+        warmup: u32,
+        rounds: u32,
+    ) -> Result<TimingSamples, PipelineError> {
+        let layers = if request.is_sequence() {
+            request.of_frame(0).layers()
+        } else {
+            request.layers()
+        };
+        let prepared = layers
+            .iter()
+            .map(|layer| self.prepare(layer))
+            .collect::<Result<Vec<_>, _>>()?;
         let packed = tonemap::pass::packed(&self.gpu, request.size)?;
         let (curve, radiance) = (ToneCurve::default(), &prepared[0].target.radiance);
         let mut samples = TimingSamples::default();
@@ -273,7 +355,13 @@ impl Pipeline {
             for (layer, prepared) in layers.iter().zip(&prepared) {
                 report.add(self.shade(layer, prepared)?.0);
             }
-            report.add(tonemap::pass::run(&self.gpu, curve, radiance, &packed, request.size)?);
+            report.add(tonemap::pass::run(
+                &self.gpu,
+                curve,
+                radiance,
+                &packed,
+                request.size,
+            )?);
             if round >= warmup {
                 samples.push(&report.passes, report.wall_ms);
             }
@@ -281,7 +369,8 @@ impl Pipeline {
         Ok(samples)
     }
 
-    /// Times the precompute passes of `request`. Each round makes all tables again, but those that no pass makes (taps).
+    /// Times the precompute passes of `request`. Each round makes all tables again, but those that
+    /// no pass makes (taps).
     pub fn time_precompute(
         &mut self,
         request: &RenderRequest,
@@ -290,10 +379,14 @@ impl Pipeline {
     ) -> Result<TimingSamples, PipelineError> {
         let mut samples = TimingSamples::default();
         for round in 0..warmup + rounds {
-            let tap_tables = std::mem::replace(&mut self.resources.tables, Shelves::new()).tap_tables;
+            let tap_tables =
+                std::mem::replace(&mut self.resources.tables, Shelves::new()).tap_tables;
             self.resources.tables.tap_tables = tap_tables;
             self.check(request)?;
-            let report = self.resources.prepare(&self.gpu, &mut Kept::default(), request)?.precompute;
+            let report = self
+                .resources
+                .prepare(&self.gpu, &mut Kept::default(), request)?
+                .precompute;
             if round >= warmup {
                 samples.push(&report.passes, report.wall_ms);
             }
@@ -312,7 +405,9 @@ impl Pipeline {
         let mut recorder = gpu.record("gbuffer")?;
         // For the scene `design` the host wrote the g-buffer.
         if !request.scene.is_design {
-            recorder.pass("gbuffer", |r| gbuffer::pass::record(r, &prepared.scene, passes.camera, passes.gbuffer))?;
+            recorder.pass("gbuffer", |r| {
+                gbuffer::pass::record(r, &prepared.scene, passes.camera, passes.gbuffer)
+            })?;
         }
         recorder.fill(passes.radiance, 0);
         let mut report = recorder.submit()?;
@@ -321,18 +416,34 @@ impl Pipeline {
             let points_per_dispatch = prepared.samples_per_pixel.min(POINTS_PER_DISPATCH);
             for part in gpu.parts(request.size, 1, points_per_dispatch.into()) {
                 for points in tables.points.ranges() {
-                    report.add(gpu.submit_pass("shade-specular", |r| passes.specular(r, points, part))?);
+                    report.add(
+                        gpu.submit_pass("shade-specular", |r| passes.specular(r, points, part))?,
+                    );
                 }
             }
         }
         let mut convergences = Vec::new();
-        if let Some(ReferenceData { distribution, sums, squared_error }) = &prepared.reference {
+        if let Some(ReferenceData {
+            distribution,
+            sums,
+            squared_error,
+        }) = &prepared.reference
+        {
             let mut recorder = gpu.record("reference")?;
             recorder.fill(squared_error, 0);
             report.add(recorder.submit()?);
             let (stop, seed, mask) = (request.reference_stop(), request.seed, &*target.mask);
             let epsilon = request.epsilon();
-            let run = ReferenceRun { passes, stop, epsilon, seed, mask, distribution, sums, squared_error };
+            let run = ReferenceRun {
+                passes,
+                stop,
+                epsilon,
+                seed,
+                mask,
+                distribution,
+                sums,
+                squared_error,
+            };
             for lobe in &prepared.lobes {
                 let (times, convergence) = run.run(gpu, *lobe)?;
                 report.add(times);
@@ -373,7 +484,11 @@ fn read_radiance(
     let [width, height] = request.size;
     let read = |buffer: &Buffer| -> Result<RgbImage, PipelineError> {
         let texels: Vec<[f32; 4]> = gpu.read_buffer(buffer)?;
-        Ok(Pixels::new(width, height, texels.iter().map(|&[r, g, b, _]| [r, g, b]).collect()))
+        Ok(Pixels::new(
+            width,
+            height,
+            texels.iter().map(|&[r, g, b, _]| [r, g, b]).collect(),
+        ))
     };
     let radiance = read(&prepared.target.radiance)?;
     let invalid = |texel: &[f32; 3]| texel.iter().any(|x| !x.is_finite() || *x < 0.0);
@@ -387,6 +502,10 @@ fn read_radiance(
         });
     }
     let root = |image: RgbImage| image.map(|texel| texel.map(f32::sqrt));
-    let squared_error = prepared.reference.as_ref().map(|reference| read(&reference.squared_error)).transpose()?;
+    let squared_error = prepared
+        .reference
+        .as_ref()
+        .map(|reference| read(&reference.squared_error))
+        .transpose()?;
     Ok((radiance, squared_error.map(root)))
 }

@@ -2,7 +2,8 @@
 
 use super::antialias::Edges;
 use super::inputs::{
-    DfgInputs, IrradianceInputs, PrefilterInputs, SharedKey, TapTableInputs, filtered_key, mips_key, sh9_key,
+    DfgInputs, IrradianceInputs, PrefilterInputs, SharedKey, TapTableInputs, filtered_key,
+    mips_key, sh9_key,
 };
 use super::resources::{Prepared, ReferenceData, Resources, Target, harmonics};
 use super::shared_work::{Kept, Levels, Maker};
@@ -17,7 +18,9 @@ use crate::math::sequence::{PixelPoints, SEQUENCES, Sequence};
 use crate::precompute::mips::level_count;
 use crate::precompute::points::Points;
 use crate::precompute::prefilter::harmonic;
-use crate::precompute::{HALF_MAX, PrefilterBy, StorageFormat, dfg, filtered, irradiance, mips, prefilter, sh9};
+use crate::precompute::{
+    HALF_MAX, PrefilterBy, StorageFormat, dfg, filtered, irradiance, mips, prefilter, sh9,
+};
 use crate::shade::Shading;
 use crate::shade::pass::Tables;
 use crate::shade::reference_pass::{DistributionBuffers, Sums, pair_count};
@@ -31,9 +34,17 @@ impl Resources {
         request: &RenderRequest,
     ) -> Result<Prepared, PipelineError> {
         validate(request)?;
-        let maker = &mut Maker { gpu, kept, total: Report::default() };
+        let maker = &mut Maker {
+            gpu,
+            kept,
+            total: Report::default(),
+        };
         let environment = self.environment(maker, &request.environment)?;
-        let samples_per_pixel = if request.shading.method.uses_samples { request.shading.samples } else { 1 };
+        let samples_per_pixel = if request.shading.method.uses_samples {
+            request.shading.samples
+        } else {
+            1
+        };
         let storage = request.shading.tables().storage;
 
         let sh9 = match request.shading.diffuse.uses_sh9 {
@@ -46,7 +57,9 @@ impl Resources {
             false => self.blank(layout),
         };
         let irradiance_map = match request.shading.diffuse.uses_irradiance_map {
-            true => self.irradiance_map(maker, IrradianceInputs::of(request), storage, &filtered)?,
+            true => {
+                self.irradiance_map(maker, IrradianceInputs::of(request), storage, &filtered)?
+            }
             false => self.blank(layout),
         };
         let prefiltered = match request.shading.method.uses_prefiltered() {
@@ -63,22 +76,44 @@ impl Resources {
         };
         let (sequence, set, of_pixel) = request.shading.point_table();
         let points = self.points(gpu, samples_per_pixel, sequence, set, of_pixel)?;
-        let shifts = request.point_shifts().map(|shifts| gpu.buffer_from("shifts", &shifts)).transpose()?;
+        let shifts = request
+            .point_shifts()
+            .map(|shifts| gpu.buffer_from("shifts", &shifts))
+            .transpose()?;
         let shifts = shifts.unwrap_or_else(|| self.blank_buffer.clone());
         let (scene, target) = self.view(gpu, request)?;
         let tangents = match request.scene.has_anisotropy() {
             true => {
                 let make = || Ok::<_, PipelineError>(Arc::new(request.scene.tangents()));
-                let scene = self.tangents.get_or_make(request.scene.hash.clone(), make)?;
-                let shown = RenderRequest { scene, ..request.clone() };
+                let scene = self
+                    .tangents
+                    .get_or_make(request.scene.hash.clone(), make)?;
+                let shown = RenderRequest {
+                    scene,
+                    ..request.clone()
+                };
                 Some(self.view(gpu, &shown)?.1)
             }
             false => None,
         };
         let lobes = request.reference_lobes();
-        let reference = if lobes.is_empty() { None } else { Some(self.reference_data(gpu, request)?) };
+        let reference = if lobes.is_empty() {
+            None
+        } else {
+            Some(self.reference_data(gpu, request)?)
+        };
         Ok(Prepared {
-            tables: Tables { environment, filtered, prefiltered, dfg, tap_table, irradiance_map, sh9, points, shifts },
+            tables: Tables {
+                environment,
+                filtered,
+                prefiltered,
+                dfg,
+                tap_table,
+                irradiance_map,
+                sh9,
+                points,
+                shifts,
+            },
             scene,
             target,
             tangents,
@@ -89,7 +124,11 @@ impl Resources {
         })
     }
 
-    fn environment(&mut self, maker: &mut Maker, environment: &Environment) -> Result<Image, PipelineError> {
+    fn environment(
+        &mut self,
+        maker: &mut Maker,
+        environment: &Environment,
+    ) -> Result<Image, PipelineError> {
         let (gpu, pixels) = (maker.gpu, &environment.image);
         let size = [pixels.width, pixels.height];
         let empty = || {
@@ -98,7 +137,14 @@ impl Resources {
             Ok(Levels { image, first: 1 })
         };
         let fill = |levels: &Levels| mips::pass::run(gpu, &levels.image);
-        Ok(maker.table(&mut self.tables.environments, &mips_key(environment), empty, fill)?.image)
+        Ok(maker
+            .table(
+                &mut self.tables.environments,
+                &mips_key(environment),
+                empty,
+                fill,
+            )?
+            .image)
     }
 
     /// Returns the environment's levels in a layout.
@@ -115,11 +161,22 @@ impl Resources {
         let gpu = maker.gpu;
         let empty = || filtered::pass::map(gpu, layout, image.mip_size(0)).map(Levels::all);
         let fill = |map: &Levels| filtered::pass::run(gpu, layout, image, &map.image);
-        Ok(maker.table(&mut self.tables.filtered, &filtered_key(environment, layout), empty, fill)?.image)
+        Ok(maker
+            .table(
+                &mut self.tables.filtered,
+                &filtered_key(environment, layout),
+                empty,
+                fill,
+            )?
+            .image)
     }
 
     fn blank(&self, layout: &MapLayout) -> Image {
-        if layout.face_count == 6 { self.blank_cube.clone() } else { self.blank_image.clone() }
+        if layout.face_count == 6 {
+            self.blank_cube.clone()
+        } else {
+            self.blank_image.clone()
+        }
     }
 
     fn points(
@@ -131,17 +188,32 @@ impl Resources {
         of_pixel: PixelPoints,
     ) -> Result<Points, PipelineError> {
         let make = || Points::upload(gpu, count, sequence, set, of_pixel);
-        Ok(self.points.get_or_make((count, sequence.name, set, of_pixel), make)?)
+        Ok(self
+            .points
+            .get_or_make((count, sequence.name, set, of_pixel), make)?)
     }
 
-    fn reference_data(&mut self, gpu: &Gpu, request: &RenderRequest) -> Result<ReferenceData, PipelineError> {
+    fn reference_data(
+        &mut self,
+        gpu: &Gpu,
+        request: &RenderRequest,
+    ) -> Result<ReferenceData, PipelineError> {
         let environment = &request.environment;
-        let distribution = self.distributions.get_or_make(environment.hash.clone(), || {
-            DistributionBuffers::new(gpu, &EnvironmentDistribution::new(&environment.image))
-        })?;
+        let distribution = self
+            .distributions
+            .get_or_make(environment.hash.clone(), || {
+                DistributionBuffers::new(gpu, &EnvironmentDistribution::new(&environment.image))
+            })?;
         let bytes = 16 * u64::from(request.size[0]) * u64::from(request.size[1]);
-        let (sums, squared_error) = (Sums::new(gpu, request.size)?, gpu.buffer("squared error", bytes)?);
-        Ok(ReferenceData { distribution, sums, squared_error })
+        let (sums, squared_error) = (
+            Sums::new(gpu, request.size)?,
+            gpu.buffer("squared error", bytes)?,
+        );
+        Ok(ReferenceData {
+            distribution,
+            sums,
+            squared_error,
+        })
     }
 
     fn coefficients(
@@ -152,7 +224,12 @@ impl Resources {
     ) -> Result<Buffer, PipelineError> {
         let gpu = maker.gpu;
         let fill = |coefficients: &Buffer| sh9::pass::run(gpu, image, coefficients);
-        maker.table(&mut self.tables.coefficients, &sh9_key(environment), || sh9::pass::coefficients(gpu), fill)
+        maker.table(
+            &mut self.tables.coefficients,
+            &sh9_key(environment),
+            || sh9::pass::coefficients(gpu),
+            fill,
+        )
     }
 
     fn irradiance_map(
@@ -165,15 +242,25 @@ impl Resources {
         let (gpu, key) = (maker.gpu, inputs.key());
         let empty = || irradiance::pass::map(gpu, inputs.layout, inputs.size).map(Levels::all);
         let transforms = &mut self.tables.harmonics;
-        let made = maker.table(&mut self.tables.irradiance_maps, &key, empty, |map| match inputs.by {
-            PrefilterBy::Sampled => {
-                irradiance::pass::run(gpu, inputs.layout, environment, inputs.sample_count, &map.image)
-            }
-            PrefilterBy::Harmonic => {
-                let harmonics = harmonics(transforms, inputs.environment, harmonic::degree(1.0))?;
-                irradiance::pass::run_harmonic(gpu, inputs.layout, &harmonics, &map.image)
-            }
-        })?;
+        let made = maker.table(
+            &mut self.tables.irradiance_maps,
+            &key,
+            empty,
+            |map| match inputs.by {
+                PrefilterBy::Sampled => irradiance::pass::run(
+                    gpu,
+                    inputs.layout,
+                    environment,
+                    inputs.sample_count,
+                    &map.image,
+                ),
+                PrefilterBy::Harmonic => {
+                    let harmonics =
+                        harmonics(transforms, inputs.environment, harmonic::degree(1.0))?;
+                    irradiance::pass::run_harmonic(gpu, inputs.layout, &harmonics, &map.image)
+                }
+            },
+        )?;
         self.stored(gpu, &key, made.image, storage)
     }
 
@@ -189,7 +276,10 @@ impl Resources {
         let sample_count = if is_harmonic { 1 } else { inputs.sample_count };
         let points = self.points(gpu, sample_count, &SEQUENCES[0], 0, PixelPoints::Shared)?;
         let transforms = &mut self.tables.harmonics;
-        let empty = || prefilter::pass::map(gpu, inputs.layout, inputs.size, inputs.level_count).map(Levels::all);
+        let empty = || {
+            prefilter::pass::map(gpu, inputs.layout, inputs.size, inputs.level_count)
+                .map(Levels::all)
+        };
         let made = maker.table(&mut self.tables.prefiltered, &key, empty, |map| {
             let (recipe, layout) = (inputs.recipe, inputs.layout);
             if let Some(given) = inputs.given {
@@ -201,9 +291,17 @@ impl Resources {
             if !is_harmonic {
                 return prefilter::pass::run(gpu, recipe, layout, environment, &points, &map.image);
             }
-            let degree = harmonic::degree_of_map(recipe.mapping.alpha_from_mip(1.0, inputs.level_count));
+            let degree =
+                harmonic::degree_of_map(recipe.mapping.alpha_from_mip(1.0, inputs.level_count));
             let harmonics = harmonics(transforms, inputs.environment, degree)?;
-            prefilter::pass::run_harmonic(gpu, recipe, layout, environment, (&points, &harmonics), &map.image)
+            prefilter::pass::run_harmonic(
+                gpu,
+                recipe,
+                layout,
+                environment,
+                (&points, &harmonics),
+                &map.image,
+            )
         })?;
         self.stored(gpu, &key, made.image, storage)
     }
@@ -221,7 +319,14 @@ impl Resources {
                 gpu.write_image(&table.image, 0, &given.texels)?;
                 return Ok(Report::default());
             }
-            dfg::pass::run(gpu, inputs.brdf, inputs.masking, inputs.axes, inputs.sample_count, &table.image)
+            dfg::pass::run(
+                gpu,
+                inputs.brdf,
+                inputs.masking,
+                inputs.axes,
+                inputs.sample_count,
+                &table.image,
+            )
         })?;
         self.stored(gpu, &key, made.image, storage)
     }
@@ -233,7 +338,10 @@ impl Resources {
         storage: StorageFormat,
     ) -> Result<Image, PipelineError> {
         let (gpu, key) = (maker.gpu, inputs.key());
-        let empty = || gpu.image("tap table", inputs.size(), 1, Format::Rgba32Float).map(Levels::all);
+        let empty = || {
+            gpu.image("tap table", inputs.size(), 1, Format::Rgba32Float)
+                .map(Levels::all)
+        };
         let made = maker.table(&mut self.tables.tap_tables, &key, empty, |table| {
             gpu.write_image(&table.image, 0, &inputs.texels().data)?;
             Ok(Report::default())
@@ -251,9 +359,10 @@ impl Resources {
     ) -> Result<Image, PipelineError> {
         match storage {
             StorageFormat::F32 => Ok(table),
-            StorageFormat::F16 => {
-                Ok(self.tables.halves.get_or_make(key.text(), || half_copy(gpu, key.kind, &table))?)
-            }
+            StorageFormat::F16 => Ok(self
+                .tables
+                .halves
+                .get_or_make(key.text(), || half_copy(gpu, key.kind, &table))?),
         }
     }
 
@@ -264,38 +373,57 @@ impl Resources {
         request: &RenderRequest,
     ) -> Result<(Arc<SceneData>, Arc<Target>), PipelineError> {
         let (hash, camera, size) = (&request.scene.hash, request.camera, request.size);
-        let scene = self.scenes.get_or_make(hash.clone(), || SceneData::new(gpu, &request.scene).map(Arc::new))?;
-        let target = self.targets.get_or_make((hash.clone(), camera, size), || -> Result<_, GpuError> {
-            let gbuffer = GbufferImages::new(gpu, size)?;
-            let texels = match request.scene.is_design {
-                true => {
-                    let texels = design::gbuffer(&request.scene, size);
-                    gbuffer.write(gpu, &texels)?;
-                    texels
-                }
-                false => {
-                    let mut recorder = gpu.record("gbuffer")?;
-                    gbuffer_pass::record(&mut recorder, &scene, &camera, &gbuffer)?;
-                    recorder.submit()?;
-                    gbuffer.read(gpu)?
-                }
-            };
-            let radiance = gpu.buffer("radiance", 16 * u64::from(size[0]) * u64::from(size[1]))?;
-            let (mask, n_dot_v) = (Arc::new(texels.mask()), Arc::new(texels.n_dot_v(&camera)));
-            Ok(Arc::new(Target { gbuffer, radiance, mask, n_dot_v }))
+        let scene = self.scenes.get_or_make(hash.clone(), || {
+            SceneData::new(gpu, &request.scene).map(Arc::new)
         })?;
+        let target =
+            self.targets
+                .get_or_make((hash.clone(), camera, size), || -> Result<_, GpuError> {
+                    let gbuffer = GbufferImages::new(gpu, size)?;
+                    let texels = match request.scene.is_design {
+                        true => {
+                            let texels = design::gbuffer(&request.scene, size);
+                            gbuffer.write(gpu, &texels)?;
+                            texels
+                        }
+                        false => {
+                            let mut recorder = gpu.record("gbuffer")?;
+                            gbuffer_pass::record(&mut recorder, &scene, &camera, &gbuffer)?;
+                            recorder.submit()?;
+                            gbuffer.read(gpu)?
+                        }
+                    };
+                    let radiance =
+                        gpu.buffer("radiance", 16 * u64::from(size[0]) * u64::from(size[1]))?;
+                    let (mask, n_dot_v) =
+                        (Arc::new(texels.mask()), Arc::new(texels.n_dot_v(&camera)));
+                    Ok(Arc::new(Target {
+                        gbuffer,
+                        radiance,
+                        mask,
+                        n_dot_v,
+                    }))
+                })?;
         Ok((scene, target))
     }
 
     /// Returns the edges of the view of `request`.
-    pub(super) fn edges(&mut self, gpu: &Gpu, request: &RenderRequest) -> Result<Arc<Edges>, PipelineError> {
+    pub(super) fn edges(
+        &mut self,
+        gpu: &Gpu,
+        request: &RenderRequest,
+    ) -> Result<Arc<Edges>, PipelineError> {
         let key = (request.scene.hash.clone(), request.camera, request.size);
         if let Some(edges) = self.edges.get(&key) {
             return Ok(edges);
         }
         let (_, target) = self.view(gpu, request)?;
         let (_, points) = self.view(gpu, &request.points_of_pixels())?;
-        let edges = Arc::new(Edges::find(&target.gbuffer.read(gpu)?, &points.gbuffer.read(gpu)?, &request.camera));
+        let edges = Arc::new(Edges::find(
+            &target.gbuffer.read(gpu)?,
+            &points.gbuffer.read(gpu)?,
+            &request.camera,
+        ));
         self.edges.get_or_make(key, || Ok(edges))
     }
 }
@@ -303,17 +431,29 @@ impl Resources {
 /// Copies the texels to half precision, each at most [`HALF_MAX`].
 fn half_copy(gpu: &Gpu, name: &str, table: &Image) -> Result<Image, GpuError> {
     let (label, size) = (format!("{name} in halves"), table.mip_size(0));
-    let copy = gpu.faced_image(&label, size, table.face_count(), table.mip_count(), Format::Rgba16Float)?;
+    let copy = gpu.faced_image(
+        &label,
+        size,
+        table.face_count(),
+        table.mip_count(),
+        Format::Rgba16Float,
+    )?;
     for mip in 0..table.mip_count() {
         let texels = gpu.read_image(table, mip)?;
-        let bounded: Vec<[f32; 4]> = texels.iter().map(|texel| texel.map(|x| x.min(HALF_MAX))).collect();
+        let bounded: Vec<[f32; 4]> = texels
+            .iter()
+            .map(|texel| texel.map(|x| x.min(HALF_MAX)))
+            .collect();
         gpu.write_image(&copy, mip, &bounded)?;
     }
     Ok(copy)
 }
 
 fn validate(request: &RenderRequest) -> Result<(), PipelineError> {
-    for (field, count) in [("samples", request.shading.samples), ("reference_samples", request.reference_samples)] {
+    for (field, count) in [
+        ("samples", request.shading.samples),
+        ("reference_samples", request.reference_samples),
+    ] {
         if count == 0 {
             return Err(PipelineError::NoSamples { field });
         }
@@ -321,8 +461,17 @@ fn validate(request: &RenderRequest) -> Result<(), PipelineError> {
     if request.has_reference_term() {
         pair_count(request.reference_samples)?;
     }
-    let Shading { widths, brdf, masking_shadowing, .. } = request.shading;
-    let fault = request.scene.has_anisotropy().then(|| widths.fault(brdf, masking_shadowing)).flatten();
+    let Shading {
+        widths,
+        brdf,
+        masking_shadowing,
+        ..
+    } = request.shading;
+    let fault = request
+        .scene
+        .has_anisotropy()
+        .then(|| widths.fault(brdf, masking_shadowing))
+        .flatten();
     fault.map_or(Ok(()), |what| Err(PipelineError::Widths(what)))?;
     Ok(request.shading.tables().validate()?)
 }

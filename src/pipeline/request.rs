@@ -26,7 +26,8 @@ pub struct RenderRequest {
     pub reference_error: Option<f64>,
     /// Shows the environment where nothing is hit.
     pub background: bool,
-    /// Antialiases edges and removes their pixels from the mask. Has no effect on the scene `design`.
+    /// Antialiases edges and removes their pixels from the mask. Has no effect on the scene
+    /// `design`.
     pub antialias: bool,
     /// Tables from files. Sizes, levels and mapping in `shading.precompute` must match them.
     pub given: Given,
@@ -35,8 +36,14 @@ pub struct RenderRequest {
 }
 
 impl RenderRequest {
-    /// A view of `scene` under `environment`: GGX, split sum, no diffuse term, default tables; see `examples/render_sphere.rs`.
-    pub fn plain(environment: Arc<Environment>, scene: Scene, kind: CameraKind, size: [u32; 2]) -> Self {
+    /// A view of `scene` under `environment`: GGX, split sum, no diffuse term, default tables; see
+    /// `examples/render_sphere.rs`.
+    pub fn plain(
+        environment: Arc<Environment>,
+        scene: Scene,
+        kind: CameraKind,
+        size: [u32; 2],
+    ) -> Self {
         Self {
             environment,
             camera: Camera::for_scene(kind, &scene, size),
@@ -59,7 +66,11 @@ impl RenderRequest {
 
     /// Returns the request whose g-buffer has the points that find edges.
     pub(super) fn points_of_pixels(&self) -> Self {
-        Self { size: self.size.map(|side| side * POINTS_PER_SIDE), antialias: false, ..self.clone() }
+        Self {
+            size: self.size.map(|side| side * POINTS_PER_SIDE),
+            antialias: false,
+            ..self.clone()
+        }
     }
 
     /// Returns a copy with other shading parameters.
@@ -71,29 +82,50 @@ impl RenderRequest {
 
     /// Returns the reference terms, specular first.
     pub(super) fn reference_lobes(&self) -> Vec<Lobe> {
-        let Shading { method, diffuse, .. } = self.shading;
-        method.lobe.map(Lobe::Specular).into_iter().chain(diffuse.lobe.map(Lobe::Diffuse)).collect()
+        let Shading {
+            method, diffuse, ..
+        } = self.shading;
+        method
+            .lobe
+            .map(Lobe::Specular)
+            .into_iter()
+            .chain(diffuse.lobe.map(Lobe::Diffuse))
+            .collect()
     }
 
     /// Returns the ε of relative metrics under this light.
     pub fn epsilon(&self) -> Epsilon {
-        Epsilon::of_light(self.environment.luminance.mean * f64::from(self.shading.environment_scale))
+        Epsilon::of_light(
+            self.environment.luminance.mean * f64::from(self.shading.environment_scale),
+        )
     }
 
     pub(super) fn reference_stop(&self) -> Stop {
-        Stop { sample_count: self.reference_samples, relative_error: self.reference_error }
+        Stop {
+            sample_count: self.reference_samples,
+            relative_error: self.reference_error,
+        }
     }
 
-    /// Whether the frame reads the environment's filtered levels, directly or through a map made from them.
+    /// Whether the frame reads the environment's filtered levels, directly or through a map made
+    /// from them.
     pub fn reads_filtered_levels(&self) -> bool {
-        let Shading { method, diffuse, .. } = self.shading;
-        let is_integrated = diffuse.uses_irradiance_map && self.shading.tables().prefilter == PrefilterBy::Sampled;
+        let Shading {
+            method, diffuse, ..
+        } = self.shading;
+        let is_integrated =
+            diffuse.uses_irradiance_map && self.shading.tables().prefilter == PrefilterBy::Sampled;
         method.uses_lod_bias || method.uses_prefiltered() || is_integrated
     }
 
     /// Whether a frame reads the DFG table.
     pub fn needs_dfg(&self) -> bool {
-        let Shading { method, diffuse, compensation, .. } = self.shading;
+        let Shading {
+            method,
+            diffuse,
+            compensation,
+            ..
+        } = self.shading;
         method.needs_dfg(compensation, diffuse)
     }
 
@@ -108,7 +140,8 @@ impl RenderRequest {
 pub struct Steadiness {
     /// The accumulated frames without noise: what is left of the error is bias.
     pub without_noise: RgbImage,
-    /// Variance over the last frames, after the tone curve, of the result less the result without noise; mean over the mask.
+    /// Variance over the last frames, after the tone curve, of the result less the result without
+    /// noise; mean over the mask.
     pub flicker: f64,
 }
 
@@ -133,13 +166,18 @@ impl Frame {
     /// Memory of the images that it does not share, bytes.
     pub fn bytes(&self) -> u64 {
         let images = [Some(&self.radiance), self.standard_error.as_ref()];
-        images.into_iter().flatten().map(|image| size_of_val(&image.data[..]) as u64).sum()
+        images
+            .into_iter()
+            .flatten()
+            .map(|image| size_of_val(&image.data[..]) as u64)
+            .sum()
     }
 }
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct FrameTimings {
-    /// Precompute passes that ran: `mips`, `sh9`, `irradiance`, `prefilter`, `dfg`. Empty if all tables existed.
+    /// Precompute passes that ran: `mips`, `sh9`, `irradiance`, `prefilter`, `dfg`. Empty if all
+    /// tables existed.
     pub precompute: Vec<PassTime>,
     /// Per-frame passes: `gbuffer`, `shade-specular`, `shade-diffuse`, `background`, `tonemap`.
     pub frame: Vec<PassTime>,
@@ -151,7 +189,10 @@ impl FrameTimings {
     pub(super) fn and(mut self, other: Self) -> Self {
         self.precompute.extend(other.precompute);
         self.frame.extend(other.frame);
-        Self { wall_ms: self.wall_ms + other.wall_ms, ..self }
+        Self {
+            wall_ms: self.wall_ms + other.wall_ms,
+            ..self
+        }
     }
 }
 
@@ -176,7 +217,13 @@ impl TimingSamples {
     }
 
     pub(super) fn push(&mut self, round: &[PassTime], wall_ms: f64) {
-        let passes = round.iter().map(|time| (time.pass, vec![time.ms])).collect();
-        self.append(Self { passes, wall_ms: vec![wall_ms] });
+        let passes = round
+            .iter()
+            .map(|time| (time.pass, vec![time.ms]))
+            .collect();
+        self.append(Self {
+            passes,
+            wall_ms: vec![wall_ms],
+        });
     }
 }

@@ -134,8 +134,17 @@ impl Resources {
     }
 
     /// Returns exact (A, B) of a lobe by n·v.
-    pub(super) fn albedos_of(&mut self, kernel: Kernel, masking: MaskingShadowing, alpha: f64) -> Arc<Albedos> {
-        let key = format!("{} {} {masking:?} {alpha}", kernel.brdf.name(), kernel.weight.name);
+    pub(super) fn albedos_of(
+        &mut self,
+        kernel: Kernel,
+        masking: MaskingShadowing,
+        alpha: f64,
+    ) -> Arc<Albedos> {
+        let key = format!(
+            "{} {} {masking:?} {alpha}",
+            kernel.brdf.name(),
+            kernel.weight.name
+        );
         let make = || Ok::<_, Infallible>(Arc::new(Albedos::new(kernel, masking, alpha)));
         let Ok(albedos) = self.albedos.get_or_make(key, make);
         albedos
@@ -160,5 +169,7 @@ pub(super) fn harmonics(
     degree: usize,
 ) -> Result<Arc<Harmonics>, GpuError> {
     let name = format!("{} {degree}", environment.hash);
-    known.get_or_make(name, || Ok(Arc::new(harmonic::harmonics(&environment.image, degree))))
+    known.get_or_make(name, || {
+        Ok(Arc::new(harmonic::harmonics(&environment.image, degree)))
+    })
 }

@@ -7,7 +7,8 @@ use super::inputs::SharedKey;
 use crate::gpu::{Buffer, Gpu, GpuError, Image, Report};
 use std::collections::BTreeMap;
 
-/// How often each kind of table (`mips`, `sh9`, `irradiance`, `prefilter`, `dfg`, `taps`, `reference`) was made, and read from disk.
+/// How often each kind of table (`mips`, `sh9`, `irradiance`, `prefilter`, `dfg`, `taps`,
+/// `reference`) was made, and read from disk.
 pub type SharedWork = BTreeMap<String, [usize; 2]>;
 
 /// The disk cache, if there is one, and the tally so far.
@@ -68,14 +69,22 @@ impl Levels {
 
 impl Table for Levels {
     fn download(&self, gpu: &Gpu) -> Result<Vec<u8>, GpuError> {
-        let levels: Result<Vec<_>, _> = self.mips().map(|mip| gpu.read_image(&self.image, mip)).collect();
+        let levels: Result<Vec<_>, _> = self
+            .mips()
+            .map(|mip| gpu.read_image(&self.image, mip))
+            .collect();
         Ok(bytemuck::cast_slice(&levels?.concat()).to_vec())
     }
 
     fn upload(&self, gpu: &Gpu, bytes: &[u8]) -> Result<bool, GpuError> {
         let texel_count = |mip| {
             self.image.face_count() as usize
-                * self.image.mip_size(mip).iter().map(|&side| side as usize).product::<usize>()
+                * self
+                    .image
+                    .mip_size(mip)
+                    .iter()
+                    .map(|&side| side as usize)
+                    .product::<usize>()
         };
         if bytes.len() != size_of::<[f32; 4]>() * self.mips().map(texel_count).sum::<usize>() {
             return Ok(false);

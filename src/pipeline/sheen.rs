@@ -21,10 +21,18 @@ impl RenderRequest {
         if !self.scene.has_sheen() {
             return None;
         }
-        let base = Self { scene: Arc::new(self.scene.without_sheen()), ..self.clone() };
+        let base = Self {
+            scene: Arc::new(self.scene.without_sheen()),
+            ..self.clone()
+        };
         let (mut shading, mut given) = (self.shading, self.given.clone());
         (shading.diffuse, shading.compensation) = (Diffuse::listed(NONE), Compensation::None);
-        let lobe = |visibility| (visible(visibility) as &'static dyn Brdf, MaskingShadowing::Correlated);
+        let lobe = |visibility| {
+            (
+                visible(visibility) as &'static dyn Brdf,
+                MaskingShadowing::Correlated,
+            )
+        };
         match shading.sheen_lookup.map {
             _ if shading.method.is_none() => {}
             _ if shading.method.is_integrated() => {
@@ -32,7 +40,8 @@ impl RenderRequest {
                 (shading.brdf, shading.masking_shadowing) = lobe(shading.sheen_visibility);
             }
             SheenMap::Irradiance => {
-                (shading.method, shading.diffuse) = (Method::listed(NONE), Diffuse::listed(IRRADIANCE));
+                (shading.method, shading.diffuse) =
+                    (Method::listed(NONE), Diffuse::listed(IRRADIANCE));
             }
             SheenMap::Levels => shading.method = Method::SHEEN_LOOKUP,
             SheenMap::Charlie => {
@@ -43,7 +52,16 @@ impl RenderRequest {
                 shading.precompute.prefilter_weight = &WEIGHTS[0];
             }
         }
-        Some([base, Self { scene: Arc::new(self.scene.sheen()), shading, given, background: false, ..self.clone() }])
+        Some([
+            base,
+            Self {
+                scene: Arc::new(self.scene.sheen()),
+                shading,
+                given,
+                background: false,
+                ..self.clone()
+            },
+        ])
     }
 }
 
@@ -58,17 +76,33 @@ impl Pipeline {
         request: &RenderRequest,
         [base, sheen]: &[RenderRequest; 2],
     ) -> Result<Frame, PipelineError> {
-        let Shading { sheen_visibility, sheen_lookup, method, .. } = request.shading;
+        let Shading {
+            sheen_visibility,
+            sheen_lookup,
+            method,
+            ..
+        } = request.shading;
         let under = self.render_layers(base)?;
         let over = self.render_points(sheen)?;
         let mut pixels = self.layer_pixels(sheen, &over, request.scene.sheen_colors())?;
-        pixels.iter_mut().for_each(|pixel| pixel.alpha = pixel.alpha.max(SHEEN_ALPHA_MIN));
+        pixels
+            .iter_mut()
+            .for_each(|pixel| pixel.alpha = pixel.alpha.max(SHEEN_ALPHA_MIN));
         let lookup = method.has_pass().then_some(sheen_lookup);
-        let pairs = self.layer_albedos(visible(sheen_visibility), MaskingShadowing::Correlated, &pixels);
-        let shares = pixels
-            .iter()
-            .zip(pairs)
-            .map(|(pixel, pair)| shares(lookup, pixel.weight, pixel.alpha, pixel.n_dot_v, pair.element_sum()));
+        let pairs = self.layer_albedos(
+            visible(sheen_visibility),
+            MaskingShadowing::Correlated,
+            &pixels,
+        );
+        let shares = pixels.iter().zip(pairs).map(|(pixel, pair)| {
+            shares(
+                lookup,
+                pixel.weight,
+                pixel.alpha,
+                pixel.n_dot_v,
+                pair.element_sum(),
+            )
+        });
         let shares: Vec<_> = shares.collect();
         Ok(combined([&under, &over], &shares).after(over))
     }

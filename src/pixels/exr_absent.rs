@@ -6,10 +6,18 @@ use std::path::Path;
 pub const IS_BUILT: bool = false;
 
 fn refused<T>(path: &Path) -> Result<T, PixelsError> {
-    Err(Fault::new("is OpenEXR, which this build of splitsum does not support", "the feature `exr` or `gpu`").at(path))
+    Err(Fault::new(
+        "is OpenEXR, which this build of splitsum does not support",
+        "the feature `exr` or `gpu`",
+    )
+    .at(path))
 }
 
-pub fn read_bytes(path: &Path, _bytes: &[u8], _layer: Option<&str>) -> Result<Decoded, PixelsError> {
+pub fn read_bytes(
+    path: &Path,
+    _bytes: &[u8],
+    _layer: Option<&str>,
+) -> Result<Decoded, PixelsError> {
     refused(path)
 }
 

@@ -9,7 +9,8 @@ use std::sync::atomic::{AtomicU64, Ordering};
 
 /// Most texels of an environment (8192 x 4096): below 2 GiB at [`ENVIRONMENT_TEXEL_BYTES`].
 pub(crate) const ENVIRONMENT_TEXELS_MAX: u64 = 1 << 25;
-/// Most bytes per texel of an environment: radiance, a copy for exact integrals and its quadtree, or radiance and device copies.
+/// Most bytes per texel of an environment: radiance, a copy for exact integrals and its quadtree,
+/// or radiance and device copies.
 const ENVIRONMENT_TEXEL_BYTES: u64 = 58;
 /// Most pixels of an 8-bit picture (8192 x 8192).
 pub(super) const PICTURE_TEXELS_MAX: u64 = 1 << 26;
@@ -35,17 +36,25 @@ pub(crate) struct Fault {
 
 impl Fault {
     pub fn new(what: impl Into<String>, expected: impl Into<String>) -> Self {
-        Self { what: printable(&what.into()), expected: expected.into() }
+        Self {
+            what: printable(&what.into()),
+            expected: expected.into(),
+        }
     }
 
     pub fn at(self, path: &Path) -> PixelsError {
-        PixelsError { path: path.to_owned(), what: self.what, expected: self.expected }
+        PixelsError {
+            path: path.to_owned(),
+            what: self.what,
+            expected: self.expected,
+        }
     }
 }
 
 pub(crate) fn read_bounded(path: &Path) -> Result<Vec<u8>, PixelsError> {
-    read_regular(path, MAX_FILE_BYTES)
-        .map_err(|error| Fault::new(format!("cannot be read ({error})"), "a readable image file").at(path))
+    read_regular(path, MAX_FILE_BYTES).map_err(|error| {
+        Fault::new(format!("cannot be read ({error})"), "a readable image file").at(path)
+    })
 }
 
 /// Checks a header's size; the file cannot hold more than `file_bytes * texels_per_byte`.
@@ -57,24 +66,35 @@ pub(super) fn check_claim(
     texels_per_byte: u64,
 ) -> Result<(), Fault> {
     if width == 0 || height == 0 {
-        return Err(Fault::new(format!("the header claims {width}x{height} pixels"), "at least one pixel"));
+        return Err(Fault::new(
+            format!("the header claims {width}x{height} pixels"),
+            "at least one pixel",
+        ));
     }
     let texels = width.saturating_mul(height);
     if texels > most_texels {
         let is_map = most_texels == ENVIRONMENT_TEXELS_MAX;
-        let texel_bytes = if is_map { ENVIRONMENT_TEXEL_BYTES } else { DECODED_TEXEL_BYTES };
+        let texel_bytes = if is_map {
+            ENVIRONMENT_TEXEL_BYTES
+        } else {
+            DECODED_TEXEL_BYTES
+        };
         let mebibytes = texels.saturating_mul(texel_bytes) >> 20;
         // Each limit is a power of 2.
         let power = most_texels.ilog2();
         let size = format!("{}x{}", 1u64 << power.div_ceil(2), 1u64 << (power / 2));
         return Err(Fault::new(
-            format!("the header claims {width}x{height} pixels, which take {mebibytes} MiB of memory"),
+            format!(
+                "the header claims {width}x{height} pixels, which take {mebibytes} MiB of memory"
+            ),
             format!("at most {most_texels} pixels; resample the image to {size} or less"),
         ));
     }
     if texels > (file_bytes as u64).saturating_mul(texels_per_byte) {
         return Err(Fault::new(
-            format!("the header claims {width}x{height} pixels, but the file has {file_bytes} bytes"),
+            format!(
+                "the header claims {width}x{height} pixels, but the file has {file_bytes} bytes"
+            ),
             "pixels that fit in the file; it is probably truncated",
         ));
     }
@@ -86,7 +106,10 @@ pub(crate) fn reserved<T>(count: usize) -> Result<Vec<T>, Fault> {
     let mut data = Vec::new();
     data.try_reserve_exact(count).map_err(|_| {
         let mebibytes = count.saturating_mul(size_of::<T>()) >> 20;
-        Fault::new(format!("not enough memory for its {count} pixels ({mebibytes} MiB)"), "a machine with more")
+        Fault::new(
+            format!("not enough memory for its {count} pixels ({mebibytes} MiB)"),
+            "a machine with more",
+        )
     })?;
     Ok(data)
 }
@@ -100,7 +123,8 @@ pub(super) fn filled<T: Clone>(count: usize, value: T) -> Result<Vec<T>, Fault> 
 /// Prefix of unfinished files, which end in `.part`.
 pub const PART_PREFIX: &str = ".splitsum-";
 
-/// Writes through `fill` to a temporary file, then renames it: `path` never holds a part, and failure leaves nothing.
+/// Writes through `fill` to a temporary file, then renames it: `path` never holds a part, and
+/// failure leaves nothing.
 pub(crate) fn write_atomically(
     path: &Path,
     fill: impl FnOnce(&mut BufWriter<&mut File>) -> std::io::Result<()>,
@@ -108,7 +132,8 @@ pub(crate) fn write_atomically(
     Staged::filled(path, fill)?.put()
 }
 
-/// A temporary file beside its target, which [`Staged::put`] replaces. Dropping it removes the file.
+/// A temporary file beside its target, which [`Staged::put`] replaces. Dropping it removes the
+/// file.
 pub struct Staged {
     path: PathBuf,
     /// `None` once renamed.
@@ -127,15 +152,22 @@ impl Staged {
         let path = target_of(path)?;
         let io = |error| write_fault(&path, error);
         let (mut file, part) = new_part(path.parent().unwrap_or(Path::new(""))).map_err(io)?;
-        let staged = Self { path: path.clone(), part: Some(part) };
+        let staged = Self {
+            path: path.clone(),
+            part: Some(part),
+        };
         let mut writer = BufWriter::new(&mut file);
-        fill(&mut writer).and_then(|()| writer.flush()).map_err(io)?;
+        fill(&mut writer)
+            .and_then(|()| writer.flush())
+            .map_err(io)?;
         Ok(staged)
     }
 
     /// Replaces the target in one step.
     pub fn put(mut self) -> Result<(), PixelsError> {
-        let Some(part) = &self.part else { return Ok(()) };
+        let Some(part) = &self.part else {
+            return Ok(());
+        };
         std::fs::rename(part, &self.path).map_err(|error| write_fault(&self.path, error))?;
         self.part = None;
         Ok(())
@@ -182,5 +214,9 @@ fn target_of(path: &Path) -> Result<PathBuf, PixelsError> {
 }
 
 fn write_fault(path: &Path, error: std::io::Error) -> PixelsError {
-    Fault::new(format!("cannot be written ({error})"), "a path in an existing, writable folder").at(path)
+    Fault::new(
+        format!("cannot be written ({error})"),
+        "a path in an existing, writable folder",
+    )
+    .at(path)
 }

@@ -35,7 +35,12 @@ impl Wrap {
 }
 
 /// Interpolates between the four nearest texel centres; `value` converts a texel to f64.
-pub fn bilinear<T: Copy>(image: &Pixels<T>, uv: DVec2, wrap: Wrap, value: impl Fn(T) -> DVec3) -> DVec3 {
+pub fn bilinear<T: Copy>(
+    image: &Pixels<T>,
+    uv: DVec2,
+    wrap: Wrap,
+    value: impl Fn(T) -> DVec3,
+) -> DVec3 {
     let size = [f64::from(image.width), f64::from(image.height)];
     let at = uv * DVec2::from_array(size) - 0.5;
     let low = at.floor();
@@ -48,7 +53,13 @@ pub fn bilinear<T: Copy>(image: &Pixels<T>, uv: DVec2, wrap: Wrap, value: impl F
 }
 
 /// Interpolates between the two levels around `lod`, finest first; clamps `lod`.
-pub fn trilinear<T: Copy>(levels: &[Pixels<T>], uv: DVec2, lod: f64, wrap: Wrap, value: impl Fn(T) -> DVec3) -> DVec3 {
+pub fn trilinear<T: Copy>(
+    levels: &[Pixels<T>],
+    uv: DVec2,
+    lod: f64,
+    wrap: Wrap,
+    value: impl Fn(T) -> DVec3,
+) -> DVec3 {
     let lod = lod.clamp(0.0, levels.len() as f64 - 1.0);
     let level = |k: usize| bilinear(&levels[k.min(levels.len() - 1)], uv, wrap, &value);
     let fine = lod.floor() as usize;

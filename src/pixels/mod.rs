@@ -1,7 +1,7 @@
 //! Float images in memory and their files.
 //!
-//! Readers accept hostile bytes: they never panic, and allocate only what the file's size makes plausible. Writers
-//! replace the target in one step or not at all.
+//! Readers accept hostile bytes: they never panic, and allocate only what the file's size makes
+//! plausible. Writers replace the target in one step or not at all.
 
 #[cfg(feature = "exr")]
 pub mod exr;
@@ -27,7 +27,8 @@ pub struct Decoded {
     pub warnings: Vec<String>,
 }
 
-/// The largest finite half. Brighter texels (a sun) are clamped, as in engines: infinity would spoil all filtered texels.
+/// The largest finite half. Brighter texels (a sun) are clamped, as in engines: infinity would
+/// spoil all filtered texels.
 pub const HALF_MAX: f32 = 65504.0;
 
 /// Row-major image; row 0 is the top row.
@@ -48,20 +49,40 @@ pub type Rgb8Image = Pixels<[u8; 3]>;
 impl<T: Copy> Pixels<T> {
     /// Wraps `data`, which must have `width * height` pixels.
     pub fn new(width: u32, height: u32, data: Vec<T>) -> Self {
-        assert_eq!(data.len(), width as usize * height as usize, "pixel count of a {width}x{height} image");
-        Self { width, height, data }
+        assert_eq!(
+            data.len(),
+            width as usize * height as usize,
+            "pixel count of a {width}x{height} image"
+        );
+        Self {
+            width,
+            height,
+            data,
+        }
     }
 
     pub fn filled(width: u32, height: u32, value: T) -> Self {
-        Self { width, height, data: vec![value; width as usize * height as usize] }
+        Self {
+            width,
+            height,
+            data: vec![value; width as usize * height as usize],
+        }
     }
 
     /// Computes each pixel from (column, row).
     pub fn from_fn(width: u32, height: u32, mut pixel: impl FnMut(u32, u32) -> T) -> Self {
         // The iterator has no exact length.
         let mut data = Vec::with_capacity(width as usize * height as usize);
-        data.extend((0..height).flat_map(|y| (0..width).map(move |x| (x, y))).map(|(x, y)| pixel(x, y)));
-        Self { width, height, data }
+        data.extend(
+            (0..height)
+                .flat_map(|y| (0..width).map(move |x| (x, y)))
+                .map(|(x, y)| pixel(x, y)),
+        );
+        Self {
+            width,
+            height,
+            data,
+        }
     }
 
     pub fn get(&self, x: u32, y: u32) -> T {
@@ -69,6 +90,10 @@ impl<T: Copy> Pixels<T> {
     }
 
     pub fn map<U>(&self, f: impl FnMut(T) -> U) -> Pixels<U> {
-        Pixels { width: self.width, height: self.height, data: self.data.iter().copied().map(f).collect() }
+        Pixels {
+            width: self.width,
+            height: self.height,
+            data: self.data.iter().copied().map(f).collect(),
+        }
     }
 }

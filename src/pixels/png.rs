@@ -2,7 +2,9 @@
 
 use super::file::{Fault, PICTURE_TEXELS_MAX, check_claim, reserved};
 use super::{Decoded, Pixels, PixelsError, Rgb8Image, write_atomically};
-use png::{BitDepth, ColorType, Compression, Decoder, DecodingError, Encoder, Limits, Transformations};
+use png::{
+    BitDepth, ColorType, Compression, Decoder, DecodingError, Encoder, Limits, Transformations,
+};
 use std::io::{self, Cursor, Write};
 use std::path::Path;
 
@@ -31,34 +33,52 @@ fn encode(to: impl Write, image: &Rgb8Image, compression: Compression) -> io::Re
     Ok(writer.finish()?)
 }
 
-/// Decodes samples as fractions of their maximum, without a transfer curve. Keeps grey and alpha as two channels; drops
-/// alpha beside colour.
+/// Decodes samples as fractions of their maximum, without a transfer curve. Keeps grey and alpha as
+/// two channels; drops alpha beside colour.
 pub fn read_linear(path: &Path, bytes: &[u8]) -> Result<Decoded, PixelsError> {
     let samples = decode(bytes).map_err(|fault| fault.at(path))?;
     let rgb = samples.map(|texel| texel.map(|value| f32::from(value) / 65535.0));
-    Ok(Decoded { rgb, alpha: None, warnings: Vec::new() })
+    Ok(Decoded {
+        rgb,
+        alpha: None,
+        warnings: Vec::new(),
+    })
 }
 
-/// Decodes samples of 16 bits: three channels of each texel without alpha. Grey becomes three equal channels; grey and alpha stay the
-/// first two.
+/// Decodes samples of 16 bits: three channels of each texel without alpha. Grey becomes three equal
+/// channels; grey and alpha stay the first two.
 fn decode(bytes: &[u8]) -> Result<Pixels<[u16; 3]>, Fault> {
-    let refuse = |error: DecodingError| Fault::new(format!("cannot be decoded ({error})"), "a whole PNG file");
+    let refuse = |error: DecodingError| {
+        Fault::new(format!("cannot be decoded ({error})"), "a whole PNG file")
+    };
     // The crate's default limit would refuse valid sizes; the claim is checked below.
     let mut decoder = Decoder::new_with_limits(Cursor::new(bytes), Limits { bytes: usize::MAX });
     decoder.set_ignore_text_chunk(true);
     decoder.set_ignore_iccp_chunk(true);
     decoder.set_transformations(Transformations::EXPAND);
     let (width, height) = decoder.read_header_info().map_err(refuse)?.size();
-    check_claim(width.into(), height.into(), PICTURE_TEXELS_MAX, bytes.len(), MAX_TEXELS_PER_BYTE)?;
+    check_claim(
+        width.into(),
+        height.into(),
+        PICTURE_TEXELS_MAX,
+        bytes.len(),
+        MAX_TEXELS_PER_BYTE,
+    )?;
     let mut reader = decoder.read_info().map_err(refuse)?;
     let (color, depth) = reader.output_color_type();
-    let size =
-        reader.output_buffer_size().ok_or_else(|| Fault::new("is too large for memory", "a smaller PNG file"))?;
+    let size = reader
+        .output_buffer_size()
+        .ok_or_else(|| Fault::new("is too large for memory", "a smaller PNG file"))?;
     let mut raw = reserved(size)?;
     raw.resize(size, 0);
     reader.next_frame(&mut raw).map_err(refuse)?;
     let words: Vec<u16> = match depth {
-        BitDepth::Sixteen => raw.as_chunks().0.iter().map(|word| u16::from_be_bytes(*word)).collect(),
+        BitDepth::Sixteen => raw
+            .as_chunks()
+            .0
+            .iter()
+            .map(|word| u16::from_be_bytes(*word))
+            .collect(),
         _ => raw.iter().map(|byte| 257 * u16::from(*byte)).collect(),
     };
     let texel = |texel: &[u16]| match texel {

@@ -16,7 +16,12 @@ impl Rgb8Image {
 
 impl<T: Copy> Pixels<T> {
     /// Shrinks by area means to any smaller size.
-    pub fn area_means(&self, width: u32, height: u32, value: impl Fn(T) -> [f64; 3]) -> Pixels<[f64; 3]> {
+    pub fn area_means(
+        &self,
+        width: u32,
+        height: u32,
+        value: impl Fn(T) -> [f64; 3],
+    ) -> Pixels<[f64; 3]> {
         let columns = overlaps(self.width, width);
         let rows = overlaps(self.height, height);
         Pixels::from_fn(width, height, |x, y| {

@@ -1,17 +1,20 @@
-//! The sample points that shaders read: `(u, cos φ, sin φ, -ln(1 - u))` for each point of a sequence.
+//! The sample points that shaders read: `(u, cos φ, sin φ, -ln(1 - u))` for each point of a
+//! sequence.
 //!
-//! Every sample of every pixel reads the table. Software drivers read storage buffers lane by lane but uniform blocks once for all
-//! lanes, which makes a sample a sixth cheaper. A uniform block holds [`POINTS_PER_DISPATCH`] points, so a dispatch adds that many.
+//! Every sample of every pixel reads the table. Software drivers read storage buffers lane by lane
+//! but uniform blocks once for all lanes, which makes a sample a sixth cheaper. A uniform block
+//! holds [`POINTS_PER_DISPATCH`] points, so a dispatch adds that many.
 //!
-//! No point of `math::sequence` has u = 0 or 1, where the Phong lobe and the level formula degenerate. Trigonometry and
-//! logarithm are computed here once, in f64, instead of per pixel.
+//! No point of `math::sequence` has u = 0 or 1, where the Phong lobe and the level formula
+//! degenerate. Trigonometry and logarithm are computed here once, in f64, instead of per pixel.
 
 use crate::glsl::constants::POINTS_PER_DISPATCH;
 use crate::gpu::{Bind, Buffer, Gpu, GpuError};
 use crate::math::sequence::{PixelPoints, Sequence};
 use std::f64::consts::TAU;
 
-/// Computes the table of a sequence's set. Points that each pixel scrambles are `(xi.x, xi.y, 0, 0)`.
+/// Computes the table of a sequence's set. Points that each pixel scrambles are `(xi.x, xi.y, 0,
+/// 0)`.
 pub fn table(count: u32, sequence: &Sequence, set: u32, of_pixel: PixelPoints) -> Vec<[f32; 4]> {
     let point = |i| {
         let xi = (sequence.point)(i, count, set);
@@ -49,8 +52,14 @@ impl Points {
         of_pixel: PixelPoints,
     ) -> Result<Self, GpuError> {
         let mut texels = table(count, sequence, set, of_pixel);
-        texels.resize(count.next_multiple_of(POINTS_PER_DISPATCH) as usize, [0.0; 4]);
-        Ok(Self { count, buffer: gpu.uniform_from("sample points", &texels)? })
+        texels.resize(
+            count.next_multiple_of(POINTS_PER_DISPATCH) as usize,
+            [0.0; 4],
+        );
+        Ok(Self {
+            count,
+            buffer: gpu.uniform_from("sample points", &texels)?,
+        })
     }
 
     pub fn count(&self) -> u32 {
@@ -59,11 +68,13 @@ impl Points {
 
     /// Splits the points into dispatches, in order.
     pub fn ranges(&self) -> impl Iterator<Item = PointRange<'_>> {
-        (0..self.count).step_by(POINTS_PER_DISPATCH as usize).map(|first| PointRange {
-            points: self,
-            first,
-            count: POINTS_PER_DISPATCH.min(self.count - first),
-        })
+        (0..self.count)
+            .step_by(POINTS_PER_DISPATCH as usize)
+            .map(|first| PointRange {
+                points: self,
+                first,
+                count: POINTS_PER_DISPATCH.min(self.count - first),
+            })
     }
 }
 

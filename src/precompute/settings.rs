@@ -67,11 +67,15 @@ impl PrecomputeSettings {
             "prefilter" | "irradiance" if self.prefilter == PrefilterBy::Harmonic => None,
             "prefilter" => {
                 // Each level has a quarter of the texels of the one before.
-                let levels = (0..self.prefilter_level_count).map(|level| 0.25_f64.powi(level as i32)).sum::<f64>();
+                let levels = (0..self.prefilter_level_count)
+                    .map(|level| 0.25_f64.powi(level as i32))
+                    .sum::<f64>();
                 Some(texels(self.prefilter_size) * levels * f64::from(self.prefilter_sample_count))
             }
             "dfg" => Some(f64::from(self.dfg_size).powi(2) * f64::from(self.dfg_sample_count)),
-            "irradiance" => Some(texels(self.irradiance_size) * product(self.irradiance_sample_count)),
+            "irradiance" => {
+                Some(texels(self.irradiance_size) * product(self.irradiance_sample_count))
+            }
             _ => None,
         }
     }
@@ -106,7 +110,8 @@ pub struct SettingsError {
 }
 
 impl PrecomputeSettings {
-    /// Checks that nothing is 0 and that the prefiltered map has two levels or more, none too small for the layout.
+    /// Checks that nothing is 0 and that the prefiltered map has two levels or more, none too small
+    /// for the layout.
     pub fn validate(&self) -> Result<(), SettingsError> {
         let fault = |field, what: String| Err(SettingsError { field, what });
         let smaller = |pair: [u32; 2]| pair[0].min(pair[1]);
@@ -115,58 +120,83 @@ impl PrecomputeSettings {
             ("dfg_sample_count", self.dfg_sample_count),
             ("dfg_size", self.dfg_size),
             ("irradiance_size", smaller(self.irradiance_size)),
-            ("irradiance_sample_count", smaller(self.irradiance_sample_count)),
+            (
+                "irradiance_sample_count",
+                smaller(self.irradiance_sample_count),
+            ),
         ] {
             if count == 0 {
                 return fault(field, "0; expected at least 1".into());
             }
         }
         if self.dfg_size == 1 {
-            return fault("dfg_size", "1; expected at least 2, as both ends of its axes are texels".into());
+            return fault(
+                "dfg_size",
+                "1; expected at least 2, as both ends of its axes are texels".into(),
+            );
         }
-        for (field, [width, height]) in
-            [("prefilter_size", self.prefilter_size), ("irradiance_size", self.irradiance_size)]
-        {
+        for (field, [width, height]) in [
+            ("prefilter_size", self.prefilter_size),
+            ("irradiance_size", self.irradiance_size),
+        ] {
             if self.layout.is_square && width != height {
                 let layout = self.layout.name;
                 return fault(
                     field,
-                    format!("{width}x{height}; the faces of layout {layout} are square: {height}x{height}"),
+                    format!(
+                        "{width}x{height}; the faces of layout {layout} are square: \
+                         {height}x{height}"
+                    ),
                 );
             }
         }
-        let (levels, [width, height], least) = (self.prefilter_level_count, self.prefilter_size, self.layout.side_min);
+        let (levels, [width, height], least) = (
+            self.prefilter_level_count,
+            self.prefilter_size,
+            self.layout.side_min,
+        );
         let halved = |times: u32| width.min(height).checked_shr(times).unwrap_or(0);
         if levels < 2 {
-            return fault("prefilter_level_count", format!("{levels}; expected at least 2, a smooth and a rough one"));
+            return fault(
+                "prefilter_level_count",
+                format!("{levels}; expected at least 2, a smooth and a rough one"),
+            );
         }
         if halved(1) < least {
             let short = 2 * least;
             return fault(
                 "prefilter_size",
                 format!(
-                    "{width}x{height}; expected at least {short} texels on the short side: two levels, the last of {least}"
+                    "{width}x{height}; expected at least {short} texels on the short side: two \
+                     levels, the last of {least}"
                 ),
             );
         }
         let last = halved(levels - 1);
         if last < least {
-            let most = (2..levels).take_while(|count| halved(count - 1) >= least).last().unwrap_or(2);
+            let most = (2..levels)
+                .take_while(|count| halved(count - 1) >= least)
+                .last()
+                .unwrap_or(2);
             return fault(
                 "prefilter_level_count",
                 format!(
-                    "{levels}, but a prefilter_size of {width}x{height} halves to {last} texels on its short side in the last level; \
+                    "{levels}, but a prefilter_size of {width}x{height} halves to {last} texels on \
+                     its short side in the last level; \
                      expected at least {least} there: at most {most} levels"
                 ),
             );
         }
         let mapping = self.level_mapping;
-        if self.prefilter == PrefilterBy::Harmonic && mapping.alpha_from_mip(1.0, levels) < harmonic::ALPHA_MIN {
+        if self.prefilter == PrefilterBy::Harmonic
+            && mapping.alpha_from_mip(1.0, levels) < harmonic::ALPHA_MIN
+        {
             let (name, alpha, degree) = (mapping.name, harmonic::ALPHA_MIN, harmonic::DEGREE_MAX);
             return fault(
                 "prefilter_level_count",
                 format!(
-                    "{levels}, but level 1 by level_mapping {name} is narrower than alpha {alpha:.4}, which takes degree {degree}; \
+                    "{levels}, but level 1 by level_mapping {name} is narrower than alpha \
+                     {alpha:.4}, which takes degree {degree}; \
                      expected fewer levels, or prefilter = sampled"
                 ),
             );

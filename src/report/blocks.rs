@@ -1,8 +1,8 @@
 //! Fills blocks of Markdown pages from published runs, so that no number is typed by hand.
 //!
-//! `<!-- csv RUN/FILE.csv COLUMN=CELL ... show=COLUMN,... -->` ... `<!-- /csv -->` holds the rows of a table with these cells, and the columns
-//! of `show`, by default all that are neither filtered nor empty. A single cell becomes a number within a sentence. Words with blanks are
-//! quoted.
+//! `<!-- csv RUN/FILE.csv COLUMN=CELL ... show=COLUMN,... -->` ... `<!-- /csv -->` holds the rows
+//! of a table with these cells, and the columns of `show`, by default all that are neither filtered
+//! nor empty. A single cell becomes a number within a sentence. Words with blanks are quoted.
 //!
 //! Blocks of unpublished runs stay unchanged.
 
@@ -19,17 +19,27 @@ const END: &str = "<!-- /csv -->";
 /// Significant digits in a sentence and in a table.
 const DIGITS: [usize; 2] = [2, 3];
 
-/// Fills the blocks of `README.md` and `docs/*.md` beside a folder of published runs. Returns the pages with blocks.
+/// Fills the blocks of `README.md` and `docs/*.md` beside a folder of published runs. Returns the
+/// pages with blocks.
 pub fn fill_pages(results: &Path) -> Result<Vec<PathBuf>, PublishError> {
     let root = results.parent().unwrap_or(Path::new(""));
-    let docs = std::fs::read_dir(root.join("docs")).into_iter().flatten().flatten().map(|entry| entry.path());
-    let mut pages: Vec<PathBuf> = docs.filter(|path| path.extension().is_some_and(|end| end == "md")).collect();
+    let docs = std::fs::read_dir(root.join("docs"))
+        .into_iter()
+        .flatten()
+        .flatten()
+        .map(|entry| entry.path());
+    let mut pages: Vec<PathBuf> = docs
+        .filter(|path| path.extension().is_some_and(|end| end == "md"))
+        .collect();
     pages.sort();
     pages.insert(0, root.join("README.md"));
     let mut filled = Vec::new();
     for page in pages {
-        let Ok(old) = read_text(&page, TEXT_BYTES_MAX) else { continue };
-        let new = fill(&old, results).map_err(|what| PublishError::Misuse(format!("{}: {what}", page.display())))?;
+        let Ok(old) = read_text(&page, TEXT_BYTES_MAX) else {
+            continue;
+        };
+        let new = fill(&old, results)
+            .map_err(|what| PublishError::Misuse(format!("{}: {what}", page.display())))?;
         if new != old {
             write_atomically(&page, |writer| writer.write_all(new.as_bytes()))?;
         }
@@ -46,12 +56,18 @@ pub fn fill(page: &str, results: &Path) -> Result<String, String> {
     let mut rest = page;
     while let Some(start) = rest.find(START) {
         let block = &rest[start..];
-        let parts = block.split_once("-->").and_then(|(head, body)| Some((head, body.split_once(END)?)));
-        let (head, (old, after)) =
-            parts.ok_or_else(|| format!("the block `{:.60}` has no end {END}", first_line(block)))?;
+        let parts = block
+            .split_once("-->")
+            .and_then(|(head, body)| Some((head, body.split_once(END)?)));
+        let (head, (old, after)) = parts
+            .ok_or_else(|| format!("the block `{:.60}` has no end {END}", first_line(block)))?;
         let content = table(&words(&head[START.len()..]), results);
         let content = content.map_err(|what| format!("the block `{head}-->`: {what}"))?;
-        filled += &format!("{}{head}-->{}{END}", &rest[..start], content.as_deref().unwrap_or(old));
+        filled += &format!(
+            "{}{head}-->{}{END}",
+            &rest[..start],
+            content.as_deref().unwrap_or(old)
+        );
         rest = after;
     }
     Ok(filled + rest)
@@ -68,7 +84,10 @@ fn words(head: &str) -> Vec<String> {
         is_quoted ^= c == '"';
         c.is_whitespace() && !is_quoted
     };
-    head.split(splits).filter(|word| !word.is_empty()).map(|word| word.replace('"', "")).collect()
+    head.split(splits)
+        .filter(|word| !word.is_empty())
+        .map(|word| word.replace('"', ""))
+        .collect()
 }
 
 fn table(words: &[String], results: &Path) -> Result<Option<String>, String> {
@@ -82,13 +101,19 @@ fn table(words: &[String], results: &Path) -> Result<Option<String>, String> {
     let mut filters: Vec<(usize, &str)> = Vec::new();
     let mut shown: Option<Vec<usize>> = None;
     for condition in conditions {
-        let (name, value) = condition.split_once('=').ok_or_else(|| format!("{condition} is not COLUMN=CELL"))?;
+        let (name, value) = condition
+            .split_once('=')
+            .ok_or_else(|| format!("{condition} is not COLUMN=CELL"))?;
         match name {
             "show" => shown = Some(value.split(',').map(column).collect::<Result<_, _>>()?),
             _ => filters.push((column(name)?, value)),
         }
     }
-    let is_wanted = |row: &&Vec<String>| filters.iter().all(|(column, value)| is_same(&row[*column], value));
+    let is_wanted = |row: &&Vec<String>| {
+        filters
+            .iter()
+            .all(|(column, value)| is_same(&row[*column], value))
+    };
     let rows: Vec<&Vec<String>> = table.rows.iter().filter(is_wanted).collect();
     if rows.is_empty() {
         return Err(format!("{file} has no such row"));
@@ -96,21 +121,32 @@ fn table(words: &[String], results: &Path) -> Result<Option<String>, String> {
     let shown = shown.unwrap_or_else(|| {
         let is_filtered = |column: usize| filters.iter().any(|filter| filter.0 == column);
         let is_empty = |column: usize| rows.iter().all(|row| row[column].is_empty());
-        (0..table.columns.len()).filter(|column| !is_filtered(*column) && !is_empty(*column)).collect()
+        (0..table.columns.len())
+            .filter(|column| !is_filtered(*column) && !is_empty(*column))
+            .collect()
     });
     if let ([row], [column]) = (&rows[..], &shown[..]) {
         return Ok(Some(cell(&row[*column], DIGITS[0])));
     }
-    let align = |column: &usize| match rows.iter().all(|row| row[*column].is_empty() || number(&row[*column]).is_some())
+    let align = |column: &usize| match rows
+        .iter()
+        .all(|row| row[*column].is_empty() || number(&row[*column]).is_some())
     {
         true => Align::Right,
         false => Align::Left,
     };
-    let heads: Vec<(&str, Align)> =
-        shown.iter().map(|column| (table.columns[*column].as_str(), align(column))).collect();
+    let heads: Vec<(&str, Align)> = shown
+        .iter()
+        .map(|column| (table.columns[*column].as_str(), align(column)))
+        .collect();
     let mut markdown = MarkdownTable::new(&heads);
     for row in rows {
-        markdown.row(&shown.iter().map(|column| cell(&row[*column], DIGITS[1])).collect::<Vec<_>>());
+        markdown.row(
+            &shown
+                .iter()
+                .map(|column| cell(&row[*column], DIGITS[1]))
+                .collect::<Vec<_>>(),
+        );
     }
     Ok(Some(format!("\n{markdown}")))
 }
@@ -126,6 +162,10 @@ fn is_same(cell: &str, value: &str) -> bool {
 
 /// Rounds a number to `digits`, unless it is whole.
 fn cell(text: &str, digits: usize) -> String {
-    let rounded = number(text).filter(|_| text.parse::<i64>().is_err()).map(|value| significant(value, digits));
-    rounded.filter(|rounded| rounded.len() < text.len()).unwrap_or_else(|| text.to_owned())
+    let rounded = number(text)
+        .filter(|_| text.parse::<i64>().is_err())
+        .map(|value| significant(value, digits));
+    rounded
+        .filter(|rounded| rounded.len() < text.len())
+        .unwrap_or_else(|| text.to_owned())
 }

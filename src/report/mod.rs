@@ -1,4 +1,5 @@
-//! Writes answers: files in the run's folder, the summary, the page, `results/` and blocks in Markdown pages. Needs no device.
+//! Writes answers: files in the run's folder, the summary, the page, `results/` and blocks in
+//! Markdown pages. Needs no device.
 
 pub mod blocks;
 pub mod gallery;

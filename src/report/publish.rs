@@ -16,7 +16,14 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Published files besides the answers and the timing records.
-const FILES: [&str; 6] = [EXPERIMENT_FILE, "environments.csv", "errors.csv", "steps.csv", "timings.csv", SUMMARY_FILE];
+const FILES: [&str; 6] = [
+    EXPERIMENT_FILE,
+    "environments.csv",
+    "errors.csv",
+    "steps.csv",
+    "timings.csv",
+    SUMMARY_FILE,
+];
 /// Larger files and folders are omitted.
 const BYTES_MAX: u64 = 1 << 20;
 /// The user's remark on a published run, copied into the page.
@@ -34,7 +41,10 @@ pub enum PublishError {
     #[error(transparent)]
     Report(#[from] PageError),
     #[error("{}: {error}", path.display())]
-    Io { path: PathBuf, error: std::io::Error },
+    Io {
+        path: PathBuf,
+        error: std::io::Error,
+    },
     /// A wrong folder or a wrong block in a page.
     #[error("{0}")]
     Misuse(String),
@@ -42,7 +52,8 @@ pub enum PublishError {
 
 impl PublishError {
     pub fn is_misuse(&self) -> bool {
-        matches!(self, Self::Misuse(_) | Self::Run(_)) || matches!(self, Self::Report(fault) if fault.is_misuse())
+        matches!(self, Self::Misuse(_) | Self::Run(_))
+            || matches!(self, Self::Report(fault) if fault.is_misuse())
     }
 }
 
@@ -51,53 +62,79 @@ pub(super) fn misuse<T>(path: &Path, what: &str) -> Result<T, PublishError> {
 }
 
 pub(super) fn io(path: &Path) -> impl Fn(std::io::Error) -> PublishError + '_ {
-    move |error| PublishError::Io { path: path.to_owned(), error }
+    move |error| PublishError::Io {
+        path: path.to_owned(),
+        error,
+    }
 }
 
 pub(super) fn make_folder(path: &Path) -> Result<(), PublishError> {
-    std::fs::create_dir_all(path)
-        .or_else(|error| misuse(path, &format!("cannot create the folder: {error}; choose another one")))
+    std::fs::create_dir_all(path).or_else(|error| {
+        misuse(
+            path,
+            &format!("cannot create the folder: {error}; choose another one"),
+        )
+    })
 }
 
-/// Fails if publishing the run in `dir` would replace the run of another plan, unless `replace`, or files that were never published.
+/// Fails if publishing the run in `dir` would replace the run of another plan, unless `replace`, or
+/// files that were never published.
 pub fn check(dir: &Path, into: &Path, replace: bool) -> Result<(), PublishError> {
     let new = provenance(dir)?;
     let target = into.join(new["name"].as_str().unwrap_or_default());
     if let Some(file) = [into, &target].into_iter().find(|path| path.is_file()) {
-        return misuse(file, "is a file; expected a folder of published runs, or the name of a new one");
+        return misuse(
+            file,
+            "is a file; expected a folder of published runs, or the name of a new one",
+        );
     }
     let whole = |path: &Path| std::fs::canonicalize(path).ok();
     if whole(dir).is_some_and(|dir| Some(dir) == whole(&target)) {
-        return misuse(&target, "is the folder of the run itself; choose another one");
+        return misuse(
+            &target,
+            "is the folder of the run itself; choose another one",
+        );
     }
     if files_in(&target).is_empty() {
         return Ok(());
     }
     if !target.join(ANSWERS_FOLDER).join(ANSWER_FILE).exists() {
-        return misuse(&target, "contains files but no published run; expected a folder of published runs");
+        return misuse(
+            &target,
+            "contains files but no published run; expected a folder of published runs",
+        );
     }
     let published = provenance(&target)?;
     if replace || published["plan_hash"] == new["plan_hash"] {
         return Ok(());
     }
-    let what = format!("contains a published run of another plan than {}; give --replace to replace it", dir.display());
+    let what = format!(
+        "contains a published run of another plan than {}; give --replace to replace it",
+        dir.display()
+    );
     misuse(&target, &what)
 }
 
 /// Files of a folder, without the user's remark.
 fn files_in(folder: &Path) -> Vec<PathBuf> {
-    let paths = names_in(folder).into_iter().filter(|name| name != REMARK_FILE).map(|name| folder.join(name));
+    let paths = names_in(folder)
+        .into_iter()
+        .filter(|name| name != REMARK_FILE)
+        .map(|name| folder.join(name));
     paths.filter(|path| path.is_file()).collect()
 }
 
-/// Copies the small files of the run in `dir`, which has answers, to `into/NAME`, if [`check`] allows it. Returns the omitted files.
+/// Copies the small files of the run in `dir`, which has answers, to `into/NAME`, if [`check`]
+/// allows it. Returns the omitted files.
 pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, PublishError> {
     check(dir, into, replace)?;
     let record = AnswerRecord::read(dir)?;
     let target = into.join(&record.name);
     for folder in ["", ANSWERS_FOLDER, TIMINGS_FOLDER].map(|name| target.join(name)) {
         // Files of an earlier publication.
-        files_in(&folder).iter().try_for_each(|path| std::fs::remove_file(path).map_err(io(path)))?;
+        files_in(&folder)
+            .iter()
+            .try_for_each(|path| std::fs::remove_file(path).map_err(io(path)))?;
     }
     let answers = record.files.iter().map(String::as_str).chain([ANSWER_FILE]);
     let answers = answers.map(|name| format!("{ANSWERS_FOLDER}/{name}"));
@@ -107,10 +144,16 @@ pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, Pu
         .chain(answers)
         .map(|name| (name.clone(), vec![dir.join(name)]))
         .collect();
-    units.push((TIMINGS_FOLDER.to_owned(), files_in(&dir.join(TIMINGS_FOLDER))));
+    units.push((
+        TIMINGS_FOLDER.to_owned(),
+        files_in(&dir.join(TIMINGS_FOLDER)),
+    ));
     let mut left_out: Vec<String> = Vec::new();
     for (name, files) in units {
-        let bytes: u64 = files.iter().filter_map(|path| Some(std::fs::metadata(path).ok()?.len())).sum();
+        let bytes: u64 = files
+            .iter()
+            .filter_map(|path| Some(std::fs::metadata(path).ok()?.len()))
+            .sum();
         if bytes > BYTES_MAX {
             left_out.push(format!("{name} ({:.1} MB)", bytes as f64 / 1e6));
             continue;
@@ -126,19 +169,30 @@ pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, Pu
     let mut text = read_text(&summary, TEXT_BYTES_MAX).map_err(io(&summary))?;
     // The sheet that the summary shows.
     if let Some(sheet) = sheet_files(dir).first() {
-        let name = sheet.file_name().map_or_else(|| "sheet.svg".into(), |name| name.to_string_lossy());
+        let name = sheet
+            .file_name()
+            .map_or_else(|| "sheet.svg".into(), |name| name.to_string_lossy());
         let link = sheet_link(&name);
         if text.contains(&link) {
             std::fs::copy(sheet, target.join(&*name)).map_err(io(sheet))?;
             text = text.replace(&link, &markdown::link(sheet_title(&name), &name));
-            text = text.replace(&markdown::link(SHEETS_FOLDER, SHEETS_FOLDER), &link_label(SHEETS_FOLDER));
+            text = text.replace(
+                &markdown::link(SHEETS_FOLDER, SHEETS_FOLDER),
+                &link_label(SHEETS_FOLDER),
+            );
         }
     }
     if !left_out.is_empty() {
-        text += &format!("\nToo large to be published: {}. Run the experiment to get them.\n", left_out.join(", "));
+        text += &format!(
+            "\nToo large to be published: {}. Run the experiment to get them.\n",
+            left_out.join(", ")
+        );
     }
     write_atomically(&summary, |writer| writer.write_all(text.as_bytes()))?;
-    Ok(left_out.iter().map(|name| format!("{}: omitted {name}", dir.display())).collect())
+    Ok(left_out
+        .iter()
+        .map(|name| format!("{}: omitted {name}", dir.display()))
+        .collect())
 }
 
 /// Writes the provenance, with folders relative to the published one.
@@ -150,7 +204,9 @@ fn write_provenance(dir: &Path, target: &Path) -> Result<(), PublishError> {
         }
     }
     let text = format!("{value:#}\n");
-    Ok(write_atomically(&target.join(PROVENANCE_FILE), |writer| writer.write_all(text.as_bytes()))?)
+    Ok(write_atomically(&target.join(PROVENANCE_FILE), |writer| {
+        writer.write_all(text.as_bytes())
+    })?)
 }
 
 /// The published runs in a folder, with the names of their folders, sorted.
@@ -162,22 +218,31 @@ pub(super) fn published(into: &Path) -> Result<Vec<(AnswerRecord, String)>, Publ
         .map(|entry| entry.file_name().to_string_lossy().into_owned())
         .collect();
     folders.sort();
-    folders.into_iter().map(|folder| Ok((AnswerRecord::read(&into.join(&folder))?, folder))).collect()
+    folders
+        .into_iter()
+        .map(|folder| Ok((AnswerRecord::read(&into.join(&folder))?, folder)))
+        .collect()
 }
 
 /// Writes `README.md` with the answers of all published runs. Returns its path.
 pub fn write_page(into: &Path) -> Result<PathBuf, PublishError> {
     let runs = published(into)?;
-    let mut table = MarkdownTable::new(&[("run", Align::Left), ("question", Align::Left), ("answer", Align::Left)]);
+    let mut table = MarkdownTable::new(&[
+        ("run", Align::Left),
+        ("question", Align::Left),
+        ("answer", Align::Left),
+    ]);
     for (run, folder) in &runs {
         let link = markdown::link(&run.name, &format!("{folder}/{SUMMARY_FILE}"));
         table.row_with_link(&link, &[run.question.as_str(), run.headline()]);
     }
     let mut text = format!(
-        "# Published runs\n\n`splitsum answers --publish` writes this page. Remarks come from `NAME/{REMARK_FILE}`.\n\n{table}\n"
+        "# Published runs\n\n`splitsum answers --publish` writes this page. Remarks come from \
+         `NAME/{REMARK_FILE}`.\n\n{table}\n"
     );
     if runs.iter().any(|(run, _)| run.is_cpu_timed) {
-        text += "**Times from a CPU driver say nothing about a GPU.** Errors do not depend on the device's speed.\n\n";
+        text += "**Times from a CPU driver say nothing about a GPU.** Errors do not depend on the \
+                 device's speed.\n\n";
     }
     for (run, folder) in &runs {
         text += &section(run, folder, &into.join(folder));
@@ -188,19 +253,44 @@ pub fn write_page(into: &Path) -> Result<PathBuf, PublishError> {
 }
 
 fn section(run: &AnswerRecord, folder: &str, dir: &Path) -> String {
-    let mut text = format!("## {}\n\n{}\n\n{}\n\n", inline(&run.name), paragraph(&run.question), bold(run.headline()));
-    text.extend(run.answers.iter().skip(1).map(|answer| format!("- {}\n", paragraph(&answer.sentence))));
+    let mut text = format!(
+        "## {}\n\n{}\n\n{}\n\n",
+        inline(&run.name),
+        paragraph(&run.question),
+        bold(run.headline())
+    );
+    text.extend(
+        run.answers
+            .iter()
+            .skip(1)
+            .map(|answer| format!("- {}\n", paragraph(&answer.sentence))),
+    );
     let remark = read_text(&dir.join(REMARK_FILE), TEXT_BYTES_MAX).unwrap_or_default();
     if !remark.trim().is_empty() {
         text += &format!("\n{}\n", remark.trim());
     }
-    let figures = run.files.iter().filter_map(|name| name.strip_suffix(".svg"));
+    let figures = run
+        .files
+        .iter()
+        .filter_map(|name| name.strip_suffix(".svg"));
     let figures = figures.map(|name| format!("[{name}]({folder}/{ANSWERS_FOLDER}/{name}.svg)"));
-    let sheet = names_in(dir).into_iter().filter(|name| name.ends_with(".svg")).min();
+    let sheet = names_in(dir)
+        .into_iter()
+        .filter(|name| name.ends_with(".svg"))
+        .min();
     let sheet = sheet.map(|sheet| markdown::link("contact sheet", &format!("{folder}/{sheet}")));
-    let links = figures.chain(sheet).chain([format!("[all numbers]({folder}/{SUMMARY_FILE})")]);
-    let failed = if run.failed > 0 { format!(", {} failed", run.failed) } else { String::new() };
-    let commit = run.commit.get(..12).map_or_else(String::new, |commit| format!(", commit {commit}"));
+    let links = figures
+        .chain(sheet)
+        .chain([format!("[all numbers]({folder}/{SUMMARY_FILE})")]);
+    let failed = if run.failed > 0 {
+        format!(", {} failed", run.failed)
+    } else {
+        String::new()
+    };
+    let commit = run
+        .commit
+        .get(..12)
+        .map_or_else(String::new, |commit| format!(", commit {commit}"));
     text += &format!(
         "\n{}\n\n{} cells{failed} on {}{}, {}{commit}.\n\n",
         links.collect::<Vec<_>>().join(" · "),

@@ -15,9 +15,15 @@ pub enum WriteError {
     #[error(transparent)]
     File(#[from] PixelsError),
     #[error("{}: {error}", path.display())]
-    Io { path: PathBuf, error: std::io::Error },
+    Io {
+        path: PathBuf,
+        error: std::io::Error,
+    },
     #[error("{}: {error}; repeat `splitsum answers` to regenerate it", path.display())]
-    Json { path: PathBuf, error: serde_json::Error },
+    Json {
+        path: PathBuf,
+        error: serde_json::Error,
+    },
 }
 
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
@@ -47,12 +53,19 @@ pub struct AnswerRecord {
 impl AnswerRecord {
     pub fn read(dir: &Path) -> Result<Self, WriteError> {
         let path = dir.join(ANSWERS_FOLDER).join(ANSWER_FILE);
-        let text = read_text(&path, RECORD_BYTES_MAX).map_err(|error| WriteError::Io { path: path.clone(), error })?;
+        let text = read_text(&path, RECORD_BYTES_MAX).map_err(|error| WriteError::Io {
+            path: path.clone(),
+            error,
+        })?;
         serde_json::from_str(&text).map_err(|error| WriteError::Json { path, error })
     }
 
     pub fn headline(&self) -> &str {
-        self.answers.first().map_or("No suitable cell is finished yet.", |answer| answer.sentence.as_str())
+        self.answers
+            .first()
+            .map_or("No suitable cell is finished yet.", |answer| {
+                answer.sentence.as_str()
+            })
     }
 }
 
@@ -62,7 +75,10 @@ const ROWS_SHOWN_MAX: usize = 40;
 /// The digest of an answer, else the first rows of its table.
 pub fn shortened(answer: &Answer) -> Table {
     let finding = &answer.finding;
-    let mut table = finding.digest.clone().unwrap_or_else(|| finding.table.clone());
+    let mut table = finding
+        .digest
+        .clone()
+        .unwrap_or_else(|| finding.table.clone());
     table.rows.truncate(ROWS_SHOWN_MAX);
     table
 }

@@ -41,17 +41,27 @@ fn section(answer: &Answer) -> String {
     let name = answer.question.name;
     let mut text = format!("## {}\n\n", answer.question.asks);
     if answer.finding.figure.is_some() {
-        let _ = writeln!(text, "!{}\n", link(name, &format!("{ANSWERS_FOLDER}/{name}.svg")));
+        let _ = writeln!(
+            text,
+            "!{}\n",
+            link(name, &format!("{ANSWERS_FOLDER}/{name}.svg"))
+        );
     }
     let shown = shortened(answer);
     let rows = answer.finding.table.rows.len();
     let whole = link("all rows", &format!("{ANSWERS_FOLDER}/{name}.csv"));
-    let _ = writeln!(text, "{}\n{rows} {}: {whole}\n", shown.markdown(), if rows == 1 { "row" } else { "rows" });
+    let _ = writeln!(
+        text,
+        "{}\n{rows} {}: {whole}\n",
+        shown.markdown(),
+        if rows == 1 { "row" } else { "rows" }
+    );
     text
 }
 
 fn state(run: &Finished, record: &AnswerRecord) -> String {
-    let sizes = distinct_in_order(run.cells.iter().map(|cell| cell.point[SIZE].to_string())).join(", ");
+    let sizes =
+        distinct_in_order(run.cells.iter().map(|cell| cell.point[SIZE].to_string())).join(", ");
     let planned = run.provenance["cell_count"].as_u64().unwrap_or(0);
     let mut text = format!("{} of {planned} cells done", record.cells);
     if record.failed > 0 {
@@ -64,10 +74,15 @@ fn state(run: &Finished, record: &AnswerRecord) -> String {
         inline(&run.text("/reference/method")),
         inline(&run.text("/reference/samples")),
         reference_stops(run),
-        if record.devices.is_empty() { "none yet".to_owned() } else { inline(&record.devices.join("; ")) }
+        if record.devices.is_empty() {
+            "none yet".to_owned()
+        } else {
+            inline(&record.devices.join("; "))
+        }
     );
     if record.devices.len() > 1 {
-        text += "**The cells come from several devices or drivers: scores may differ in the last digits.**\n\n";
+        text += "**The cells come from several devices or drivers: scores may differ in the last \
+                 digits.**\n\n";
     }
     text
 }
@@ -76,20 +91,41 @@ fn state(run: &Finished, record: &AnswerRecord) -> String {
 fn reference_stops(run: &Finished) -> String {
     // Cells of one reference share its file.
     let mut stops = BTreeMap::new();
-    for (cell, stop) in run.cells.iter().filter_map(|cell| Some((cell, cell.reference.as_ref()?))) {
+    for (cell, stop) in run
+        .cells
+        .iter()
+        .filter_map(|cell| Some((cell, cell.reference.as_ref()?)))
+    {
         let alike = || format!("{stop:?}");
-        stops.insert(cell.images.as_ref().map_or_else(alike, |images| images.reference.clone()), stop);
+        stops.insert(
+            cell.images
+                .as_ref()
+                .map_or_else(alike, |images| images.reference.clone()),
+            stop,
+        );
     }
     let errors: Vec<f64> = stops.values().map(|stop| stop.relative_error.0).collect();
     let worst = errors.iter().copied().fold(f64::NAN, f64::max);
-    let errors = format!("median {}, largest {}", significant(median(&errors), 2), significant(worst, 2));
-    match run.provenance.pointer("/reference/relative_error").and_then(serde_json::Value::as_f64) {
+    let errors = format!(
+        "median {}, largest {}",
+        significant(median(&errors), 2),
+        significant(worst, 2)
+    );
+    match run
+        .provenance
+        .pointer("/reference/relative_error")
+        .and_then(serde_json::Value::as_f64)
+    {
         _ if stops.is_empty() => String::new(),
         None => format!(" (relative standard error: {errors})"),
         Some(wanted) => {
-            let met = stops.values().filter(|stop| stop.stopped_by == StopReason::RelativeError).count();
+            let met = stops
+                .values()
+                .filter(|stop| stop.stopped_by == StopReason::RelativeError)
+                .count();
             format!(
-                " at most; {met} of {} stopped earlier at a relative standard error of {wanted} ({errors})",
+                " at most; {met} of {} stopped earlier at a relative standard error of {wanted} \
+                 ({errors})",
                 stops.len()
             )
         }
@@ -107,11 +143,18 @@ pub fn sheet_title(name: &str) -> &str {
 /// A link to the first contact sheet; empty without pictures.
 fn contact_sheets(run: &Finished) -> String {
     let files = sheet_files(&run.dir);
-    let first = files.first().and_then(|path| Some(sheet_link(path.file_name()?.to_str()?)));
-    let Some(first) = first.filter(|_| run.has_pictures()) else { return String::new() };
+    let first = files
+        .first()
+        .and_then(|path| Some(sheet_link(path.file_name()?.to_str()?)));
+    let Some(first) = first.filter(|_| run.has_pictures()) else {
+        return String::new();
+    };
     let others = match files.len() {
         1 => String::new(),
-        n => format!(", the first of {n} in {}", link(SHEETS_FOLDER, SHEETS_FOLDER)),
+        n => format!(
+            ", the first of {n} in {}",
+            link(SHEETS_FOLDER, SHEETS_FOLDER)
+        ),
     };
     format!("Contact sheet: {first}{others}.\n\n")
 }
@@ -120,7 +163,11 @@ fn failures(run: &Finished) -> String {
     if run.failures.is_empty() {
         return String::new();
     }
-    let mut table = MarkdownTable::new(&[("cell", Align::Left), ("label", Align::Left), ("reason", Align::Left)]);
+    let mut table = MarkdownTable::new(&[
+        ("cell", Align::Left),
+        ("label", Align::Left),
+        ("reason", Align::Left),
+    ]);
     for record in &run.failures {
         table.row(&[&record.cell, &record.label, &record.reason]);
     }

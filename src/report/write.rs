@@ -15,16 +15,27 @@ use std::path::PathBuf;
 
 pub const SUMMARY_FILE: &str = "summary.md";
 
-/// Methods in the order of [`SERIES`](crate::figure::ink::SERIES): each has one colour in all figures.
+/// Methods in the order of [`SERIES`](crate::figure::ink::SERIES): each has one colour in all
+/// figures.
 const INKED: [&str; 10] = [
-    "split-sum", "split-sum-two", "sampled", "sampled-vndf", "split-sum-cap", "split-sum-one", "split-sum-unity",
-    "split-sum-frostbite", "split-sum-four", "sampled-unfiltered",
+    "split-sum",
+    "split-sum-two",
+    "sampled",
+    "sampled-vndf",
+    "split-sum-cap",
+    "split-sum-one",
+    "split-sum-unity",
+    "split-sum-frostbite",
+    "split-sum-four",
+    "sampled-unfiltered",
 ];
 
 /// The colour of the method whose title a series begins with, or whose name it is.
 fn ink(series: &str) -> Option<usize> {
     let title = |name: &str| Method::listed(name).title;
-    let found = INKED.iter().filter(|name| series.starts_with(title(name)) || series == **name);
+    let found = INKED
+        .iter()
+        .filter(|name| series.starts_with(title(name)) || series == **name);
     let method = found.max_by_key(|name| title(name).len())?;
     INKED.iter().position(|name| name == method)
 }
@@ -39,7 +50,10 @@ pub fn drawing(figure: &Figure, width: u32) -> String {
     }
     for panel in &mut own.panels {
         panel.title = words_in(&panel.title);
-        panel.marks.iter_mut().for_each(|mark| mark.tip = words_in(&mark.tip));
+        panel
+            .marks
+            .iter_mut()
+            .for_each(|mark| mark.tip = words_in(&mark.tip));
         for scale in [&mut panel.x, &mut panel.y] {
             if let ScaleKind::Steps(names) = &mut scale.kind {
                 names.iter_mut().for_each(|name| *name = words_in(name));
@@ -68,7 +82,10 @@ impl Written {
                 files.push((format!("{}_digest.csv", question.name), digest.csv()));
             }
             if let Some(figure) = &finding.figure {
-                files.push((format!("{}.svg", question.name), drawing(figure, FILE_WIDTH)));
+                files.push((
+                    format!("{}.svg", question.name),
+                    drawing(figure, FILE_WIDTH),
+                ));
             }
         }
         let sentence = |answer: &Answer| AnswerSentence {
@@ -89,18 +106,36 @@ impl Written {
             is_cpu_timed: run.is_cpu_timed(),
             files: files.iter().map(|(name, _)| name.clone()).collect(),
         };
-        let json = |error| WriteError::Json { path: run.dir.join(ANSWERS_FOLDER).join(ANSWER_FILE), error };
-        files.push((ANSWER_FILE.to_owned(), serde_json::to_string_pretty(&record).map_err(json)? + "\n"));
+        let json = |error| WriteError::Json {
+            path: run.dir.join(ANSWERS_FOLDER).join(ANSWER_FILE),
+            error,
+        };
+        files.push((
+            ANSWER_FILE.to_owned(),
+            serde_json::to_string_pretty(&record).map_err(json)? + "\n",
+        ));
         let summary = summary::markdown(run, answers, &record);
-        Ok(Self { dir: run.dir.clone(), summary, record, files })
+        Ok(Self {
+            dir: run.dir.clone(),
+            summary,
+            record,
+            files,
+        })
     }
 
-    /// Writes all files, or none if one cannot be written, and removes files of former answers. Returns whether anything changed.
+    /// Writes all files, or none if one cannot be written, and removes files of former answers.
+    /// Returns whether anything changed.
     pub fn write(&self) -> Result<bool, WriteError> {
         let folder = self.dir.join(ANSWERS_FOLDER);
-        let io = |error| WriteError::Io { path: folder.clone(), error };
+        let io = |error| WriteError::Io {
+            path: folder.clone(),
+            error,
+        };
         std::fs::create_dir_all(&folder).map_err(io)?;
-        let answers = self.files.iter().map(|(name, text)| (folder.join(name), text));
+        let answers = self
+            .files
+            .iter()
+            .map(|(name, text)| (folder.join(name), text));
         // The summary comes last: it refers to the others.
         let due = answers.chain([(self.dir.join(SUMMARY_FILE), &self.summary)]);
         let is_new = |(path, text): &(PathBuf, &String)| !holds(path, text.as_bytes());

@@ -1,7 +1,8 @@
 //! Predicts how long a run takes.
 //!
-//! Each step (a cell, a timed configuration) has stated seconds: of a software driver (lavapipe, LLVM 15) on two quiet cores. The published
-//! runs took 0.65 to 1.25 times as long. The clock of a run corrects them.
+//! Each step (a cell, a timed configuration) has stated seconds: of a software driver (lavapipe,
+//! LLVM 15) on two quiet cores. The published runs took 0.65 to 1.25 times as long. The clock of a
+//! run corrects them.
 
 use super::timing::{FRAME, TimingJob};
 use crate::experiment::axis::{AXES, DFG, IRRADIANCE, MIPS, PREFILTER, Point, SH9};
@@ -48,7 +49,9 @@ struct Amount {
 fn stated(what: &str, of: &str, amount: Amount) -> f64 {
     let special = format!("{what} {of}");
     let known = |kind: &str| STATED_NS.iter().find(|(known, ..)| *known == kind);
-    let (_, pixel, sample) = known(&special).or_else(|| known(what)).expect("a listed kind");
+    let (_, pixel, sample) = known(&special)
+        .or_else(|| known(what))
+        .expect("a listed kind");
     1e-9 * (pixel * amount.pixels + sample * amount.samples)
 }
 
@@ -69,14 +72,30 @@ pub struct Forecast {
 }
 
 impl Forecast {
-    /// Forecasts these cells, in the order in which they are rendered, and these timings. References in `kept` are cached.
-    pub fn new(plan: &Plan, cells: &[&Cell], jobs: &[TimingJob], kept: impl IntoIterator<Item = String>) -> Self {
+    /// Forecasts these cells, in the order in which they are rendered, and these timings.
+    /// References in `kept` are cached.
+    pub fn new(
+        plan: &Plan,
+        cells: &[&Cell],
+        jobs: &[TimingJob],
+        kept: impl IntoIterator<Item = String>,
+    ) -> Self {
         let mut of = Steps::new(plan, jobs, kept);
-        let mut left: f64 = cells.iter().map(|cell| stated("end", "", amount(plan, &cell.point))).sum();
-        let mut steps: HashMap<_, _> = cells.iter().map(|cell| (cell.id.clone(), of.cell(cell))).collect();
+        let mut left: f64 = cells
+            .iter()
+            .map(|cell| stated("end", "", amount(plan, &cell.point)))
+            .sum();
+        let mut steps: HashMap<_, _> = cells
+            .iter()
+            .map(|cell| (cell.id.clone(), of.cell(cell)))
+            .collect();
         steps.extend(jobs.iter().map(|job| (job.id.clone(), of.timing(job))));
         left += steps.values().sum::<f64>();
-        Self { steps, left, done: 0.0 }
+        Self {
+            steps,
+            left,
+            done: 0.0,
+        }
     }
 
     /// Notes a cell or timed configuration that was tried.
@@ -88,9 +107,21 @@ impl Forecast {
     /// Predicts the rest after `elapsed` seconds of work.
     pub fn ahead(&self, elapsed: f64) -> Ahead {
         let &Self { left, done, .. } = self;
-        let share = if done > 0.0 { done / (done + left) } else { 0.0 };
+        let share = if done > 0.0 {
+            done / (done + left)
+        } else {
+            0.0
+        };
         let trust = (share / TRUSTED_SHARE).min(1.0);
-        Ahead { share, seconds: left * if done > 0.0 { (elapsed / done).powf(trust) } else { 1.0 } }
+        Ahead {
+            share,
+            seconds: left
+                * if done > 0.0 {
+                    (elapsed / done).powf(trust)
+                } else {
+                    1.0
+                },
+        }
     }
 }
 
@@ -107,9 +138,15 @@ pub struct Steps<'p> {
 impl<'p> Steps<'p> {
     /// Steps of a plan with these timed configurations. References in `kept` are cached.
     pub fn new(plan: &'p Plan, jobs: &[TimingJob], kept: impl IntoIterator<Item = String>) -> Self {
-        let blocks = jobs.chunk_by(|a, b| a.block == b.block).filter(|block| block.len() > 1);
+        let blocks = jobs
+            .chunk_by(|a, b| a.block == b.block)
+            .filter(|block| block.len() > 1);
         let compared = blocks.map(|block| block[0].block.clone()).collect();
-        Self { plan, seen: kept.into_iter().collect(), compared }
+        Self {
+            plan,
+            seen: kept.into_iter().collect(),
+            compared,
+        }
     }
 
     pub fn cell(&mut self, cell: &Cell) -> f64 {
@@ -123,9 +160,23 @@ impl<'p> Steps<'p> {
         if self.seen.insert(cell.radiance.clone()) {
             seconds += stated("image", method(point), own);
             let samples = plan.ladder_of(point).map_or(0.0, f64::from);
-            seconds += stated("ladder", "", Amount { samples: own.pixels * samples, ..own });
+            seconds += stated(
+                "ladder",
+                "",
+                Amount {
+                    samples: own.pixels * samples,
+                    ..own
+                },
+            );
         }
-        for Table { key, table, mut amount } in tables(plan, point).into_iter().chain(tables(plan, &reference)) {
+        for Table {
+            key,
+            table,
+            mut amount,
+        } in tables(plan, point)
+            .into_iter()
+            .chain(tables(plan, &reference))
+        {
             let by = point.settings().shading.precompute.prefilter;
             if table == PREFILTER && by == PrefilterBy::Harmonic {
                 amount.samples *= HARMONIC_HOST;
@@ -139,12 +190,22 @@ impl<'p> Steps<'p> {
 
     pub fn timing(&self, job: &TimingJob) -> f64 {
         let (plan, point) = (self.plan, &job.cell.point);
-        let Some(timing) = plan.config.timing else { return 0.0 };
+        let Some(timing) = plan.config.timing else {
+            return 0.0;
+        };
         // A frame that does not count follows each change of configuration.
-        let counted = timing.rounds * if self.compared.contains(&job.block) { 2 } else { 1 };
+        let counted = timing.rounds
+            * if self.compared.contains(&job.block) {
+                2
+            } else {
+                1
+            };
         let once: f64 = match job.phase {
             FRAME => stated("image", method(point), amount(plan, point)),
-            _ => tables(plan, point).iter().map(|own| stated("table", own.table, own.amount)).sum(),
+            _ => tables(plan, point)
+                .iter()
+                .map(|own| stated("table", own.table, own.amount))
+                .sum(),
         };
         f64::from(counted + timing.warmup) * once
     }
@@ -154,14 +215,32 @@ impl<'p> Steps<'p> {
 fn amount(plan: &Plan, point: &Point) -> Amount {
     let settings = point.settings();
     let [width, height] = settings.size.map(f64::from);
-    let specular = if settings.shading.method.uses_samples { settings.shading.samples } else { 1 };
-    let diffuse = if settings.shading.diffuse.is_integrated() { plan.config.reference.samples } else { 0 };
+    let specular = if settings.shading.method.uses_samples {
+        settings.shading.samples
+    } else {
+        1
+    };
+    let diffuse = if settings.shading.diffuse.is_integrated() {
+        plan.config.reference.samples
+    } else {
+        0
+    };
     let samples = f64::from(specular) + f64::from(diffuse);
     // A moving frame is rendered without noise, too.
     let frames = settings.shading.frames;
-    let more = if frames.motion == Motion::Still { 0.0 } else { f64::from(CONVERGED_SAMPLES) };
-    let (pixels, more) = (width * height * f64::from(frames.count), if frames.count > 1 { more } else { 0.0 });
-    Amount { pixels, samples: pixels * (samples + more) }
+    let more = if frames.motion == Motion::Still {
+        0.0
+    } else {
+        f64::from(CONVERGED_SAMPLES)
+    };
+    let (pixels, more) = (
+        width * height * f64::from(frames.count),
+        if frames.count > 1 { more } else { 0.0 },
+    );
+    Amount {
+        pixels,
+        samples: pixels * (samples + more),
+    }
 }
 
 fn method(point: &Point) -> &'static str {
@@ -179,24 +258,46 @@ struct Table {
 /// The tables that the image of a point reads.
 fn tables(plan: &Plan, point: &Point) -> Vec<Table> {
     let settings = point.settings();
-    let (shading, image) = (settings.shading, &plan.inputs.environment(&settings.environment).image);
+    let (shading, image) = (
+        settings.shading,
+        &plan.inputs.environment(&settings.environment).image,
+    );
     let texels = f64::from(image.width) * f64::from(image.height);
     let reads = [
         (PREFILTER, shading.method.uses_prefiltered()),
-        (DFG, shading.method.needs_dfg(shading.compensation, shading.diffuse)),
+        (
+            DFG,
+            shading
+                .method
+                .needs_dfg(shading.compensation, shading.diffuse),
+        ),
         (IRRADIANCE, shading.diffuse.uses_irradiance_map),
         (MIPS, true),
         (SH9, shading.diffuse.uses_sh9),
     ];
     let table = |(table, _): (&'static str, bool)| {
-        let axes = AXES.iter().zip(&point.0).filter(|(axis, _)| axis.feeds.contains(&table));
+        let axes = AXES
+            .iter()
+            .zip(&point.0)
+            .filter(|(axis, _)| axis.feeds.contains(&table));
         // An unset axis has its default: a reference shares the mips of the images.
         let key = axes.fold(table.to_owned(), |key, (axis, value)| match value {
             Value::Unset => format!("{key} {}={}", axis.name, (axis.default)()),
             value => format!("{key} {}={value}", axis.name),
         });
         let samples = shading.precompute.samples_of(table).unwrap_or(texels);
-        Table { key, table, amount: Amount { pixels: 0.0, samples } }
+        Table {
+            key,
+            table,
+            amount: Amount {
+                pixels: 0.0,
+                samples,
+            },
+        }
     };
-    reads.into_iter().filter(|(_, is_read)| *is_read).map(table).collect()
+    reads
+        .into_iter()
+        .filter(|(_, is_read)| *is_read)
+        .map(table)
+        .collect()
 }

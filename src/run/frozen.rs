@@ -1,5 +1,5 @@
-//! Loads experiments. The copy in a run's folder can be run again: the provenance beside it names the folder of its files and its `--set`
-//! texts.
+//! Loads experiments. The copy in a run's folder can be run again: the provenance beside it names
+//! the folder of its files and its `--set` texts.
 
 use super::provenance::{self, experiment_hash};
 use crate::environment::LoadOptions;
@@ -44,16 +44,22 @@ impl Frozen {
 }
 
 fn texts(list: &Value) -> Vec<String> {
-    list.as_array().into_iter().flatten().filter_map(|text| Some(text.as_str()?.to_owned())).collect()
+    list.as_array()
+        .into_iter()
+        .flatten()
+        .filter_map(|text| Some(text.as_str()?.to_owned()))
+        .collect()
 }
 
 fn read_text(path: &Path) -> std::io::Result<String> {
     let bytes = read_given(path, FILE_BYTES_MAX)?;
-    String::from_utf8(bytes).map_err(|error| std::io::Error::new(std::io::ErrorKind::InvalidData, error))
+    String::from_utf8(bytes)
+        .map_err(|error| std::io::Error::new(std::io::ErrorKind::InvalidData, error))
 }
 
-/// Reads, checks and expands the experiment at `path`; `overrides` are the texts of `--set`. The copy of a run uses the files of that run and
-/// its `--set` texts; then there is a note for the user.
+/// Reads, checks and expands the experiment at `path`; `overrides` are the texts of `--set`. The
+/// copy of a run uses the files of that run and its `--set` texts; then there is a note for the
+/// user.
 pub fn load(
     path: &Path,
     overrides: &[String],
@@ -65,32 +71,58 @@ pub fn load(
         faults.add(&Place::Default, what);
         faults.into_result().expect_err("one fault was added")
     };
-    let text = read_text(path)
-        .map_err(|error| fault("", format!("cannot be read: {error}; expected an experiment file (TOML)")))?;
+    let text = read_text(path).map_err(|error| {
+        fault(
+            "",
+            format!("cannot be read: {error}; expected an experiment file (TOML)"),
+        )
+    })?;
     let Some(frozen) = Frozen::beside(path, &text) else {
-        let source = Source { check, ..Source::new(path, &text, overrides) };
+        let source = Source {
+            check,
+            ..Source::new(path, &text, overrides)
+        };
         return Ok((Plan::from_source(&source, options)?, None));
     };
     if !frozen.is_unchanged {
-        let what = "is the experiment of a finished run but was edited (its hash differs from provenance.json); copy it to another folder \
+        let what = "is the experiment of a finished run but was edited (its hash differs from \
+                    provenance.json); copy it to another folder \
                     to run it";
         return Err(fault(&text, what.to_owned()));
     }
     if !overrides.is_empty() && !frozen.overrides.is_empty() {
         let set = frozen.overrides.join(" --set ");
-        let what = format!("was run with --set {set}; give no other --set, or run the experiment that it is a copy of");
+        let what = format!(
+            "was run with --set {set}; give no other --set, or run the experiment that it is a \
+             copy of"
+        );
         return Err(fault(&text, what));
     }
-    let all = if frozen.overrides.is_empty() { overrides } else { &frozen.overrides };
+    let all = if frozen.overrides.is_empty() {
+        overrides
+    } else {
+        &frozen.overrides
+    };
     let (file_dir, set_dir) = (frozen.file_dir.as_deref(), frozen.set_dir.as_deref());
     let own = Source::new(path, &text, all);
-    let source = Source { file_dir, set_dir: set_dir.unwrap_or(own.set_dir), check, ..own };
+    let source = Source {
+        file_dir,
+        set_dir: set_dir.unwrap_or(own.set_dir),
+        check,
+        ..own
+    };
     let plan = Plan::from_source(&source, options)?;
-    let mut words: Vec<String> =
-        file_dir.iter().map(|dir| format!("the files it names are in {}", dir.display())).collect();
-    words.extend((!frozen.overrides.is_empty()).then(|| format!("with --set {}", frozen.overrides.join(" --set "))));
+    let mut words: Vec<String> = file_dir
+        .iter()
+        .map(|dir| format!("the files it names are in {}", dir.display()))
+        .collect();
+    words.extend(
+        (!frozen.overrides.is_empty())
+            .then(|| format!("with --set {}", frozen.overrides.join(" --set "))),
+    );
     words.extend(set_dir.map(|dir| format!("whose files are in {}", dir.display())));
     let path = path.display();
-    let note = (!words.is_empty()).then(|| format!("{path}: repeats its run: {}", words.join(", ")));
+    let note =
+        (!words.is_empty()).then(|| format!("{path}: repeats its run: {}", words.join(", ")));
     Ok((plan, note))
 }

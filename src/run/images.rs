@@ -24,7 +24,8 @@ pub const STANDARD_ERROR_LAYER: &str = "standard_error";
 /// Longest beginning of a file name; the id follows.
 const SLUG_LENGTH: usize = 120;
 
-/// A value for people: builtins without prefix, files without folder and extension, numbers with few digits.
+/// A value for people: builtins without prefix, files without folder and extension, numbers with
+/// few digits.
 pub fn short_text(named: Named, point: &Point) -> String {
     short_value(named.entry(), &named.shown(&point[named.axis]).to_string()).into_owned()
 }
@@ -34,29 +35,50 @@ pub fn short_value<'v>(axis: &Axis, text: &'v str) -> Cow<'v, str> {
     match (axis.kind.path_in(text), text.strip_prefix(BUILTIN_PREFIX)) {
         (None, _) => short_number(text),
         (_, Some(formula)) => formula.into(),
-        (Some(path), None) => Path::new(path).file_stem().map_or(text.into(), |stem| stem.to_string_lossy()),
+        (Some(path), None) => Path::new(path)
+            .file_stem()
+            .map_or(text.into(), |stem| stem.to_string_lossy()),
     }
 }
 
-/// The axes whose values begin a file name. They are the same in every plan, so that a larger plan finds the files of a smaller one.
-const NAMING: [usize; 7] = [ENVIRONMENT, SCENE, BRDF, ALPHA, METHOD, DIFFUSE_METHOD, SAMPLES];
+/// The axes whose values begin a file name. They are the same in every plan, so that a larger plan
+/// finds the files of a smaller one.
+const NAMING: [usize; 7] = [
+    ENVIRONMENT,
+    SCENE,
+    BRDF,
+    ALPHA,
+    METHOD,
+    DIFFUSE_METHOD,
+    SAMPLES,
+];
 
 fn slug(point: &Point) -> String {
-    let words: Vec<String> =
-        NAMING.iter().map(|&axis| short_text(Named::own(axis), point)).filter(|word| !word.is_empty()).collect();
+    let words: Vec<String> = NAMING
+        .iter()
+        .map(|&axis| short_text(Named::own(axis), point))
+        .filter(|word| !word.is_empty())
+        .collect();
     file_words(&words.join("_"))
 }
 
-/// Makes a text safe as part of a file name: no leading `-` or `.` unless it is a number, nothing that a shell interprets.
+/// Makes a text safe as part of a file name: no leading `-` or `.` unless it is a number, nothing
+/// that a shell interprets.
 pub fn file_words(text: &str) -> String {
-    let is_number = text.strip_prefix('-').is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
+    let is_number = text
+        .strip_prefix('-')
+        .is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
     let plain = |(place, c): (usize, char)| match c {
         '-' | '.' if place == 0 && !is_number => '_',
         c if c.is_ascii_alphanumeric() || "-_.".contains(c) => c,
         _ if place == 0 => '_',
         _ => '-',
     };
-    text.chars().enumerate().map(plain).take(SLUG_LENGTH).collect()
+    text.chars()
+        .enumerate()
+        .map(plain)
+        .take(SLUG_LENGTH)
+        .collect()
 }
 
 pub fn radiance_name(point: &Point, id: &str) -> String {
@@ -78,14 +100,28 @@ pub(super) fn flip_name(cell: &Cell) -> String {
 
 pub(super) fn reference_picture_name(plan: &Plan, cell: &Cell) -> String {
     let point = plan.reference_point(&cell.point);
-    let display = AXES.iter().zip(&point.0).filter(|(axis, _)| !axis.changes_radiance());
-    let display: Vec<String> = display.map(|(axis, value)| format!("{}{value}", axis.name)).collect();
-    format!("{}.{}.{}.png", slug(&point), display.join("-"), cell.reference)
+    let display = AXES
+        .iter()
+        .zip(&point.0)
+        .filter(|(axis, _)| !axis.changes_radiance());
+    let display: Vec<String> = display
+        .map(|(axis, value)| format!("{}{value}", axis.name))
+        .collect();
+    format!(
+        "{}.{}.{}.png",
+        slug(&point),
+        display.join("-"),
+        cell.reference
+    )
 }
 
 /// Writes linear RGBA (A is the mask); for a reference also its standard error, as a layer.
 pub fn write_radiance(path: &Path, frame: &Frame) -> Result<(), PixelsError> {
-    let layers: Vec<_> = frame.standard_error.iter().map(|image| (STANDARD_ERROR_LAYER, image)).collect();
+    let layers: Vec<_> = frame
+        .standard_error
+        .iter()
+        .map(|image| (STANDARD_ERROR_LAYER, image))
+        .collect();
     exr::write_rgba(path, &frame.radiance, &frame.mask, &layers)
 }
 
@@ -103,20 +139,34 @@ pub(super) fn files(plan: &Plan, cell: &Cell) -> Vec<String> {
 /// File names of the linear images of a cell and its reference.
 pub fn linear_files(plan: &Plan, cell: &Cell) -> [String; 2] {
     let reference = plan.reference_point(&cell.point);
-    [radiance_name(&cell.point, &cell.radiance), radiance_name(&reference, &cell.reference)]
+    [
+        radiance_name(&cell.point, &cell.radiance),
+        radiance_name(&reference, &cell.reference),
+    ]
 }
 
 /// The names in `images.csv`, in the order of its columns.
 fn index_names(plan: &Plan, cell: &Cell) -> [String; 5] {
     let [radiance, reference] = linear_files(plan, cell);
-    [radiance, reference, picture_name(cell), reference_picture_name(plan, cell), error_name(cell)]
+    [
+        radiance,
+        reference,
+        picture_name(cell),
+        reference_picture_name(plan, cell),
+        error_name(cell),
+    ]
 }
 
 /// The content hashes that the records of finished cells name for each file.
 pub(super) type Recorded = BTreeMap<String, HashSet<Hash>>;
 
 /// Notes the files of a finished cell with the hashes in its record.
-pub(super) fn note(recorded: &mut Recorded, plan: &Plan, cell: &Cell, hashes: &BTreeMap<String, String>) {
+pub(super) fn note(
+    recorded: &mut Recorded,
+    plan: &Plan,
+    cell: &Cell,
+    hashes: &BTreeMap<String, String>,
+) {
     for name in files(plan, cell) {
         // A missing or invalid hash fits no file.
         let hash = hashes.get(&name).and_then(|hex| Hash::from_hex(hex).ok());
@@ -131,15 +181,28 @@ pub(super) fn damaged(store: &Store, recorded: Recorded) -> BTreeSet<String> {
         let found = content_hash(&store.image_path(name));
         found.is_ok_and(|found| hashes.iter().all(|hash| *hash.to_hex() == *found))
     };
-    recorded.into_par_iter().filter(|(name, hashes)| !is_sound(name, hashes)).map(|(name, _)| name).collect()
+    recorded
+        .into_par_iter()
+        .filter(|(name, hashes)| !is_sound(name, hashes))
+        .map(|(name, _)| name)
+        .collect()
 }
 
 /// `images.csv`: the files of each finished cell.
 pub fn index(plan: &Plan, results: &Results) -> Rows {
-    let columns = [CELL].iter().chain(IMAGES).map(|column| column.name.to_owned()).collect();
+    let columns = [CELL]
+        .iter()
+        .chain(IMAGES)
+        .map(|column| column.name.to_owned())
+        .collect();
     let is_done = |cell: &&Cell| matches!(results.get(&cell.id), Some(CellResult::Done(_)));
     let row = |cell: &Cell| {
-        std::iter::once(Field::from(cell.id.as_str())).chain(index_names(plan, cell).map(Field::Text)).collect()
+        std::iter::once(Field::from(cell.id.as_str()))
+            .chain(index_names(plan, cell).map(Field::Text))
+            .collect()
     };
-    (columns, plan.cells.iter().filter(is_done).map(row).collect())
+    (
+        columns,
+        plan.cells.iter().filter(is_done).map(row).collect(),
+    )
 }

@@ -89,44 +89,92 @@ pub struct LiveLobe {
 pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, RenderFault> {
     let methods = distinct(plan, &[], |settings| settings.shading.method.name);
     let shader = |(_, request): &(Point, RenderRequest)| {
-        let Method { name, text, uses_samples: is_sampled, .. } = *request.shading.method;
-        Some(LiveShader { name: name.to_owned(), text: text?.to_owned(), is_sampled })
+        let Method {
+            name,
+            text,
+            uses_samples: is_sampled,
+            ..
+        } = *request.shading.method;
+        Some(LiveShader {
+            name: name.to_owned(),
+            text: text?.to_owned(),
+            is_sampled,
+        })
     };
-    let of_methods = methods.iter().filter_map(|(_, request)| request.shading.method.tap_table);
+    let of_methods = methods
+        .iter()
+        .filter_map(|(_, request)| request.shading.method.tap_table);
     let counts: IndexSet<TapCount> = [TapCount::One].into_iter().chain(of_methods).collect();
     let counts: Vec<TapCount> = counts.into_iter().collect();
     let methods = methods.iter().filter_map(shader).collect();
-    let mut record =
-        LiveRecord { environments: Vec::new(), lobes: Vec::new(), left_out: 0, models: models(plan), methods };
+    let mut record = LiveRecord {
+        environments: Vec::new(),
+        lobes: Vec::new(),
+        left_out: 0,
+        models: models(plan),
+        methods,
+    };
     let environments = distinct(plan, &[], |settings| settings.environment.clone());
-    let lobes =
-        distinct(plan, &[BRDF], |settings| (settings.shading.brdf.name(), settings.shading.masking_shadowing.name()));
+    let lobes = distinct(plan, &[BRDF], |settings| {
+        (
+            settings.shading.brdf.name(),
+            settings.shading.masking_shadowing.name(),
+        )
+    });
     for (point, request) in environments.iter().take(ENVIRONMENT_COUNT) {
         let mut environment: Option<LiveEnvironment> = None;
         for (_, of_lobe) in &lobes {
-            let (brdf, masking) = (of_lobe.shading.brdf.name().to_owned(), of_lobe.shading.masking_shadowing.name());
-            let has_lobe = record.lobes.iter().any(|lobe| (&lobe.brdf, lobe.masking.as_str()) == (&brdf, masking));
-            let is_kept = environment.as_ref().is_some_and(|e| e.prefiltered.iter().any(|map| map.brdf == brdf));
+            let (brdf, masking) = (
+                of_lobe.shading.brdf.name().to_owned(),
+                of_lobe.shading.masking_shadowing.name(),
+            );
+            let has_lobe = record
+                .lobes
+                .iter()
+                .any(|lobe| (&lobe.brdf, lobe.masking.as_str()) == (&brdf, masking));
+            let is_kept = environment
+                .as_ref()
+                .is_some_and(|e| e.prefiltered.iter().any(|map| map.brdf == brdf));
             if has_lobe && is_kept {
                 continue;
             }
-            let Shading { brdf: model, masking_shadowing, .. } = of_lobe.shading;
+            let Shading {
+                brdf: model,
+                masking_shadowing,
+                ..
+            } = of_lobe.shading;
             let counts: &[TapCount] = if has_lobe { &[] } else { &counts };
-            let wanted = request.shaded(|s| (s.brdf, s.masking_shadowing) = (model, masking_shadowing));
+            let wanted =
+                request.shaded(|s| (s.brdf, s.masking_shadowing) = (model, masking_shadowing));
             let tables = renderer.light_tables(&wanted, ENVIRONMENT_TEXELS, counts)?;
             if !has_lobe {
-                let packed =
-                    |(count, table): (&TapCount, &Pixels<[f32; 4]>)| (count.sampler().to_owned(), pack(table, 1.0));
+                let packed = |(count, table): (&TapCount, &Pixels<[f32; 4]>)| {
+                    (count.sampler().to_owned(), pack(table, 1.0))
+                };
                 let dfg = pack(&tables.dfg.map(|[a, b]| [a, b, 0.0]), 1.0);
                 let (masking, dfg_axes) = (masking.to_owned(), tables.dfg_axes as u32);
                 let tap_tables = counts.iter().zip(&tables.tap_tables).map(packed).collect();
-                let is_stretchable = wanted.shading.widths.fault(model, masking_shadowing).is_none();
-                record.lobes.push(LiveLobe { brdf: brdf.clone(), masking, dfg, dfg_axes, is_stretchable, tap_tables });
+                let is_stretchable = wanted
+                    .shading
+                    .widths
+                    .fault(model, masking_shadowing)
+                    .is_none();
+                record.lobes.push(LiveLobe {
+                    brdf: brdf.clone(),
+                    masking,
+                    dfg,
+                    dfg_axes,
+                    is_stretchable,
+                    tap_tables,
+                });
             }
-            let environment = environment.get_or_insert_with(|| of_environment(point, request, &tables));
+            let environment =
+                environment.get_or_insert_with(|| of_environment(point, request, &tables));
             if !is_kept {
                 let levels = pack_all(&tables.prefiltered, environment.scale);
-                environment.prefiltered.push(LivePrefiltered { brdf, levels });
+                environment
+                    .prefiltered
+                    .push(LivePrefiltered { brdf, levels });
             }
         }
         record.environments.extend(environment);
@@ -135,19 +183,34 @@ pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, Re
     Ok(record)
 }
 
-/// Point and request of the first cell for every value of `key`, among cells that use all of `axes`.
-fn distinct<K: Eq + Hash>(plan: &Plan, axes: &[usize], key: impl Fn(&Settings) -> K) -> Vec<(Point, RenderRequest)> {
+/// Point and request of the first cell for every value of `key`, among cells that use all of
+/// `axes`.
+fn distinct<K: Eq + Hash>(
+    plan: &Plan,
+    axes: &[usize],
+    key: impl Fn(&Settings) -> K,
+) -> Vec<(Point, RenderRequest)> {
     let mut found: IndexMap<K, (Point, RenderRequest)> = IndexMap::new();
-    for cell in plan.cells.iter().filter(|cell| axes.iter().all(|&axis| cell.point[axis] != Value::Unset)) {
+    for cell in plan
+        .cells
+        .iter()
+        .filter(|cell| axes.iter().all(|&axis| cell.point[axis] != Value::Unset))
+    {
         // A request takes a copy of its scene.
         let first = || (cell.point.clone(), plan.request(&cell.point));
-        found.entry(key(&cell.point.settings())).or_insert_with(first);
+        found
+            .entry(key(&cell.point.settings()))
+            .or_insert_with(first);
     }
     found.into_values().collect()
 }
 
 fn of_environment(point: &Point, request: &RenderRequest, tables: &LightTables) -> LiveEnvironment {
-    let largest = tables.environment.iter().chain(&tables.prefiltered).flat_map(|level| level.data.iter().flatten());
+    let largest = tables
+        .environment
+        .iter()
+        .chain(&tables.prefiltered)
+        .flat_map(|level| level.data.iter().flatten());
     let scale = half_scale(largest.fold(0.0, |a: f32, b| a.max(*b)));
     LiveEnvironment {
         label: short_text(Named::own(ENVIRONMENT), point),
@@ -171,6 +234,13 @@ fn pack_all(levels: &[RgbImage], scale: f32) -> Vec<PackedImage> {
 }
 
 fn pack<const N: usize>(image: &Pixels<[f32; N]>, scale: f32) -> PackedImage {
-    let divided = Pixels::new(image.width, image.height, image.data.iter().map(|t| t.map(|x| x / scale)).collect());
-    PackedImage { size: [image.width, image.height], base64: packed::texels(&divided).base64 }
+    let divided = Pixels::new(
+        image.width,
+        image.height,
+        image.data.iter().map(|t| t.map(|x| x / scale)).collect(),
+    );
+    PackedImage {
+        size: [image.width, image.height],
+        base64: packed::texels(&divided).base64,
+    }
 }

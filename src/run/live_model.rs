@@ -1,7 +1,7 @@
 //! Scenes for the live view: exact spheres, and triangles in 16-bit numbers, packed like images.
 //!
-//! Positions are fractions of the scene's box (error at most 1/131070 of its side). Normals are octahedral \[Cigolle14\], in signed fractions of
-//! 32767 (error below 0.01 degrees).
+//! Positions are fractions of the scene's box (error at most 1/131070 of its side). Normals are
+//! octahedral \[Cigolle14\], in signed fractions of 32767 (error below 0.01 degrees).
 
 use super::images::short_text;
 use crate::experiment::axis;
@@ -78,7 +78,8 @@ pub struct LivePart {
     pub positions: String,
     /// Two octahedral coordinates as signed 32767ths, and a zero.
     pub normals: String,
-    /// The same for tangents, with the handedness (1 or -1) for the zero; empty if the mesh has none.
+    /// The same for tangents, with the handedness (1 or -1) for the zero; empty if the mesh has
+    /// none.
     pub tangents: String,
     pub triangle_count: usize,
     /// Three vertices each, counter-clockwise as seen from the side of their normals.
@@ -91,23 +92,36 @@ pub fn models(plan: &Plan) -> Vec<LiveModel> {
     for cell in &plan.cells {
         let label = short_text(axis::Named::own(axis::SCENE), &cell.point);
         if models.len() < SCENE_COUNT && models.iter().all(|known| known.label != label) {
-            let kept: usize = models.iter().flat_map(|known| &known.parts).map(|part| part.triangle_count).sum();
-            models.push(model(&label, &plan.request(&cell.point), TRIANGLES_MAX - kept));
+            let kept: usize = models
+                .iter()
+                .flat_map(|known| &known.parts)
+                .map(|part| part.triangle_count)
+                .sum();
+            models.push(model(
+                &label,
+                &plan.request(&cell.point),
+                TRIANGLES_MAX - kept,
+            ));
         }
     }
     models
 }
 
 fn model(label: &str, request: &RenderRequest, triangles_max: usize) -> LiveModel {
-    let (scene, aspect) = (&request.scene, f64::from(request.size[0]) / f64::from(request.size[1]));
+    let (scene, aspect) = (
+        &request.scene,
+        f64::from(request.size[0]) / f64::from(request.size[1]),
+    );
     if scene.is_design {
         let note = format!("{label} is not a picture, so a sphere is shown.");
         return sphere(label, note, request);
     }
     let count: usize = scene.meshes.iter().map(|mesh| mesh.indices.len() / 3).sum();
     if count > triangles_max {
-        let note =
-            format!("{label} has {count} triangles, but the page has room for {triangles_max}, so a sphere is shown.");
+        let note = format!(
+            "{label} has {count} triangles, but the page has room for {triangles_max}, so a sphere \
+             is shown."
+        );
         return sphere(label, note, request);
     }
     let note = match scene.textures.is_empty() {
@@ -149,9 +163,17 @@ fn of_scene(label: &str, note: String, scene: &Scene, camera: &Camera, aspect: f
         spheres: scene
             .spheres
             .iter()
-            .map(|s| LiveSphere { center: s.center.to_array(), radius: s.radius, surface: surface(s.material) })
+            .map(|s| LiveSphere {
+                center: s.center.to_array(),
+                radius: s.radius,
+                surface: surface(s.material),
+            })
             .collect(),
-        parts: scene.meshes.iter().flat_map(|mesh| parts(mesh, &surface(mesh.material), low, high)).collect(),
+        parts: scene
+            .meshes
+            .iter()
+            .flat_map(|mesh| parts(mesh, &surface(mesh.material), low, high))
+            .collect(),
     }
 }
 
@@ -160,9 +182,16 @@ fn averaged(scene: &Scene, material: &Material) -> LiveSurface {
     let mean = |map: Option<usize>| map.map_or([1.0; 3], |map| scene.textures[map].mean());
     let scaled = |color: [f32; 3], map| std::array::from_fn(|c| color[c] * mean(map)[c]);
     let roughness = |alpha: f32, map| alpha.sqrt() * mean(map)[1];
-    let Material { anisotropy, coat, sheen, .. } = material;
+    let Material {
+        anisotropy,
+        coat,
+        sheen,
+        ..
+    } = material;
     // Without a map the direction is +x.
-    let direction = anisotropy.map.map_or(Vec3::X, |map| scene.textures[map].mean().into());
+    let direction = anisotropy
+        .map
+        .map_or(Vec3::X, |map| scene.textures[map].mean().into());
     LiveSurface {
         albedo: scaled(material.albedo, material.albedo_map),
         metallic: material.metallic * mean(material.metallic_map)[2],
@@ -213,11 +242,18 @@ fn part(
         (fraction * 65535.0).round().to_array().map(|x| x as u16)
     };
     let positions: Vec<[u16; 3]> = vertices.iter().map(position).collect();
-    let normals: Vec<[u16; 3]> = vertices.iter().map(|&i| octahedral(mesh.normals[i], 0.0)).collect();
+    let normals: Vec<[u16; 3]> = vertices
+        .iter()
+        .map(|&i| octahedral(mesh.normals[i], 0.0))
+        .collect();
     // A tangent of length 0 is missing.
     let tangent = |&i: &usize| {
         let [x, y, z, side] = mesh.tangents[i];
-        if [x, y, z] == [0.0; 3] { [0; 3] } else { octahedral([x, y, z], side) }
+        if [x, y, z] == [0.0; 3] {
+            [0; 3]
+        } else {
+            octahedral([x, y, z], side)
+        }
     };
     let tangents: Vec<[u16; 3]> = vertices.iter().map(tangent).collect();
     let has_tangents = tangents.iter().any(|tangent| tangent[2] != 0);
@@ -226,7 +262,11 @@ fn part(
         vertex_count: vertices.len(),
         positions: packed::words(&positions),
         normals: packed::words(&normals),
-        tangents: if has_tangents { packed::words(&tangents) } else { String::new() },
+        tangents: if has_tangents {
+            packed::words(&tangents)
+        } else {
+            String::new()
+        },
         triangle_count: triangles.len(),
         triangles: packed::words(triangles),
     }
@@ -237,7 +277,13 @@ fn octahedral(n: [f32; 3], side: f32) -> [u16; 3] {
     let [x, y, z] = n.map(f64::from);
     let sum = x.abs() + y.abs() + z.abs();
     let [x, y] = [x / sum, y / sum];
-    let folded = |a: f64, b: f64| if z < 0.0 { (1.0 - b.abs()).copysign(a) } else { a };
+    let folded = |a: f64, b: f64| {
+        if z < 0.0 {
+            (1.0 - b.abs()).copysign(a)
+        } else {
+            a
+        }
+    };
     let word = |a: f64| (a * 32767.0).round() as i16 as u16;
     [word(folded(x, y)), word(folded(y, x)), side as i16 as u16]
 }

@@ -1,4 +1,5 @@
-//! Renders and scores the cells of a plan into a folder of records, images and tables. `crate::study` answers questions from the tables.
+//! Renders and scores the cells of a plan into a folder of records, images and tables.
+//! `crate::study` answers questions from the tables.
 
 pub mod columns;
 pub mod environments;

@@ -10,7 +10,8 @@ use std::process::Command;
 use std::time::SystemTime;
 
 pub const PROVENANCE_FILE: &str = "provenance.json";
-/// Key of the folder that paths in the frozen experiment are relative to, relative to the run's folder; null if it names no file.
+/// Key of the folder that paths in the frozen experiment are relative to, relative to the run's
+/// folder; null if it names no file.
 pub const EXPERIMENT_FOLDER: &str = "experiment_folder";
 /// Key of the same for paths in its overrides.
 pub const SET_FOLDER: &str = "set_folder";
@@ -20,20 +21,26 @@ const MAX_FILE_BYTES: u64 = 1 << 28;
 #[derive(Debug, thiserror::Error)]
 pub enum ProvenanceError {
     #[error("{}: cannot be read: {error}", path.display())]
-    Io { path: PathBuf, error: std::io::Error },
+    Io {
+        path: PathBuf,
+        error: std::io::Error,
+    },
     #[error(
-        "{}: is not a provenance file of splitsum: {what}; restore it from a copy, or choose another folder",
+        "{}: is not a provenance file of splitsum: {what}; restore it from a copy, or choose \
+         another folder",
         path.display()
     )]
     Strange { path: PathBuf, what: String },
     #[error(
-        "{}: holds a run in format {found}, but this program knows formats up to {SCHEMA_VERSION}; use the newer program that wrote it, or \
+        "{}: holds a run in format {found}, but this program knows formats up to {SCHEMA_VERSION}; \
+         use the newer program that wrote it, or \
          choose another folder", dir.display()
     )]
     Newer { dir: PathBuf, found: u64 },
 }
 
-/// Reads the provenance of the run in a folder, an object with its format; `None` if there is no file.
+/// Reads the provenance of the run in a folder, an object with its format; `None` if there is no
+/// file.
 pub fn read(dir: &Path) -> Result<Option<Value>, ProvenanceError> {
     read_file(&dir.join(PROVENANCE_FILE))
 }
@@ -48,17 +55,30 @@ pub(super) fn read_file(path: &Path) -> Result<Option<Value>, ProvenanceError> {
     };
     let value: Value = match serde_json::from_slice(&bytes) {
         Ok(value) => value,
-        Err(error) => return Err(ProvenanceError::Strange { path, what: error.to_string() }),
+        Err(error) => {
+            return Err(ProvenanceError::Strange {
+                path,
+                what: error.to_string(),
+            });
+        }
     };
-    let strange = |what: &str| Err(ProvenanceError::Strange { path: path.clone(), what: what.to_owned() });
+    let strange = |what: &str| {
+        Err(ProvenanceError::Strange {
+            path: path.clone(),
+            what: what.to_owned(),
+        })
+    };
     match value.get("schema_version").map(Value::as_u64) {
         _ if !value.is_object() => strange("it is not an object"),
         None => strange("it has no schema_version"),
         Some(None) => strange("its schema_version is not a whole number"),
-        Some(Some(found)) if found > SCHEMA_VERSION.into() => {
-            Err(ProvenanceError::Newer { dir: path.parent().unwrap_or(&path).to_owned(), found })
+        Some(Some(found)) if found > SCHEMA_VERSION.into() => Err(ProvenanceError::Newer {
+            dir: path.parent().unwrap_or(&path).to_owned(),
+            found,
+        }),
+        Some(Some(_)) if !value.get("sessions").is_some_and(Value::is_array) => {
+            strange("it has no list of sessions")
         }
-        Some(Some(_)) if !value.get("sessions").is_some_and(Value::is_array) => strange("it has no list of sessions"),
         Some(Some(_)) => Ok(Some(value)),
     }
 }
@@ -70,7 +90,8 @@ pub fn experiment_hash(text: &str) -> String {
 /// Keys of user input: the same experiment may be named differently.
 const AS_TYPED: [&str; 2] = ["experiment_file", "overrides"];
 
-/// Rewrites the provenance `found` in `dir` for `plan`, with its sessions; `None` if nothing changes.
+/// Rewrites the provenance `found` in `dir` for `plan`, with its sessions; `None` if nothing
+/// changes.
 pub(super) fn of_now(found: &Value, plan: &Plan, dir: &Path) -> Option<Value> {
     let mut new = provenance(plan, dir);
     new["sessions"] = found["sessions"].clone();
@@ -84,8 +105,12 @@ pub(super) fn of_now(found: &Value, plan: &Plan, dir: &Path) -> Option<Value> {
 /// The provenance of a new run in the folder `dir`, without sessions.
 pub fn provenance(plan: &Plan, dir: &Path) -> Value {
     let from_here = |folder: Option<&Path>| folder.map(|folder| relative(dir, folder));
-    let inputs: serde_json::Map<String, Value> =
-        plan.inputs.hashes().into_iter().map(|(name, hash)| (name, Value::String(hash))).collect();
+    let inputs: serde_json::Map<String, Value> = plan
+        .inputs
+        .hashes()
+        .into_iter()
+        .map(|(name, hash)| (name, Value::String(hash)))
+        .collect();
     json!({
         "schema_version": SCHEMA_VERSION,
         "name": plan.config.name,
@@ -147,14 +172,25 @@ pub fn session(device: &DeviceInfo, command_line: &[String]) -> Value {
 
 /// Commit and state of the working tree that contains the program; null if there is none.
 fn commit() -> Value {
-    let folder: Option<PathBuf> = std::env::current_exe().ok().and_then(|exe| exe.parent().map(PathBuf::from));
+    let folder: Option<PathBuf> = std::env::current_exe()
+        .ok()
+        .and_then(|exe| exe.parent().map(PathBuf::from));
     let git = |arguments: &[&str]| -> Option<String> {
-        let output = Command::new("git").arg("-C").arg(folder.as_ref()?).args(arguments).output().ok()?;
-        output.status.success().then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
+        let output = Command::new("git")
+            .arg("-C")
+            .arg(folder.as_ref()?)
+            .args(arguments)
+            .output()
+            .ok()?;
+        output
+            .status
+            .success()
+            .then(|| String::from_utf8_lossy(&output.stdout).trim().to_owned())
     };
     match git(&["rev-parse", "HEAD"]) {
         Some(hash) => {
-            let changed = git(&["status", "--porcelain", "--untracked-files=no"]).map(|text| !text.is_empty());
+            let changed = git(&["status", "--porcelain", "--untracked-files=no"])
+                .map(|text| !text.is_empty());
             json!({ "hash": hash, "dirty": changed })
         }
         None => Value::Null,
@@ -175,8 +211,12 @@ pub fn device_words(name: &str, driver: &str) -> String {
 /// Name of the machine; `host` if it has none.
 pub fn host_name() -> String {
     let text = std::fs::read_to_string("/proc/sys/kernel/hostname").ok();
-    let name = text.or_else(|| std::env::var("HOSTNAME").ok()).or_else(|| std::env::var("COMPUTERNAME").ok());
-    name.map(|name| name.trim().to_owned()).filter(|name| !name.is_empty()).unwrap_or_else(|| "host".to_owned())
+    let name = text
+        .or_else(|| std::env::var("HOSTNAME").ok())
+        .or_else(|| std::env::var("COMPUTERNAME").ok());
+    name.map(|name| name.trim().to_owned())
+        .filter(|name| !name.is_empty())
+        .unwrap_or_else(|| "host".to_owned())
 }
 
 /// The time now: `2026-01-31T23:59:59Z`.

@@ -35,7 +35,8 @@ pub type Scores = BTreeMap<String, Exact>;
 pub struct ReferenceStop {
     /// Samples per pixel and term, minimum over terms.
     pub samples: u64,
-    /// Relative standard error of the image (`shade::reference_pass::Convergence`), maximum over terms.
+    /// Relative standard error of the image (`shade::reference_pass::Convergence`), maximum over
+    /// terms.
     pub relative_error: Exact,
     pub stopped_by: StopReason,
 }
@@ -52,14 +53,24 @@ pub enum StopReason {
 listed!(StopReason, "reason to stop", { "samples": Samples, "relative-error": RelativeError });
 
 impl ReferenceStop {
-    /// Combines the terms of one image; `None` if none is a reference. `wanted` is the requested relative error.
+    /// Combines the terms of one image; `None` if none is a reference. `wanted` is the requested
+    /// relative error.
     pub fn of(terms: &[Convergence], wanted: Option<f64>) -> Option<Self> {
         let samples = terms.iter().map(|term| term.sample_count).min()?;
         let is_met = wanted.is_some() && terms.iter().all(|term| term.is_met);
         Some(Self {
             samples,
-            relative_error: Exact(terms.iter().map(|term| term.relative_error).fold(0.0, f64::max)),
-            stopped_by: if is_met { StopReason::RelativeError } else { StopReason::Samples },
+            relative_error: Exact(
+                terms
+                    .iter()
+                    .map(|term| term.relative_error)
+                    .fold(0.0, f64::max),
+            ),
+            stopped_by: if is_met {
+                StopReason::RelativeError
+            } else {
+                StopReason::Samples
+            },
         })
     }
 }
@@ -98,7 +109,8 @@ pub struct BinRecord {
     pub reference_mean: Option<Exact>,
     /// Empty if the bin has no pixels.
     pub scores: Scores,
-    /// Expected scores of an exact image, of metrics that bins determine ([`crate::metrics::Pooling`]).
+    /// Expected scores of an exact image, of metrics that bins determine
+    /// ([`crate::metrics::Pooling`]).
     #[serde(default)]
     pub noise_floors: Scores,
 }
@@ -122,11 +134,37 @@ impl StepRecord {
         let of_one = |one: &Attribution| {
             let ([lo, hi], pixel_count, noise) = (one.seen_at, one.pixel_count, one.noise);
             let record = move |own: &StepNumbers| {
-                let StepNumbers { step, share, error, first_in, last_out, shapley, step_error, share_error } = *own;
-                let numbers = [share, share_error, error, first_in, last_out, shapley, step_error, noise];
-                let number = |(column, x): (&Column, f64)| (column.name.to_owned(), Exact(rounded(x, STEP_DIGITS)));
+                let StepNumbers {
+                    step,
+                    share,
+                    error,
+                    first_in,
+                    last_out,
+                    shapley,
+                    step_error,
+                    share_error,
+                } = *own;
+                let numbers = [
+                    share,
+                    share_error,
+                    error,
+                    first_in,
+                    last_out,
+                    shapley,
+                    step_error,
+                    noise,
+                ];
+                let number = |(column, x): (&Column, f64)| {
+                    (column.name.to_owned(), Exact(rounded(x, STEP_DIGITS)))
+                };
                 let numbers = STEP_NUMBERS.iter().zip(numbers).map(number);
-                Self { lo, hi, pixel_count, step: step.to_owned(), numbers: numbers.collect() }
+                Self {
+                    lo,
+                    hi,
+                    pixel_count,
+                    step: step.to_owned(),
+                    numbers: numbers.collect(),
+                }
             };
             one.steps.iter().map(record).collect::<Vec<_>>()
         };
@@ -149,7 +187,10 @@ pub struct KeptCell {
 impl KeptCell {
     pub fn of(record: &CellRecord) -> Self {
         let all = |scores: &Scores, metrics: &[&Metric]| -> Box<[Option<f64>]> {
-            metrics.iter().map(|metric| scores.get(metric.name).map(|score| score.0)).collect()
+            metrics
+                .iter()
+                .map(|metric| scores.get(metric.name).map(|score| score.0))
+                .collect()
         };
         Self {
             scores: all(&record.scores, METRICS),
@@ -166,7 +207,9 @@ impl KeptCell {
 
     /// Expected score of an exact image.
     pub fn noise_floor(&self, metric: &str) -> Option<f64> {
-        self.noise_floors[linear_metrics().iter().position(|known| known.name == metric)?]
+        self.noise_floors[linear_metrics()
+            .iter()
+            .position(|known| known.name == metric)?]
     }
 }
 

@@ -1,7 +1,9 @@
 //! The renderer of a run, a trait so that runs can be tested without a device.
 
 use crate::ladder::Attribution;
-use crate::pipeline::{DeviceInfo, Frame, LightTables, Pipeline, PipelineError, RenderRequest, TimingSamples};
+use crate::pipeline::{
+    DeviceInfo, Frame, LightTables, Pipeline, PipelineError, RenderRequest, TimingSamples,
+};
 use crate::pixels::{Rgb8Image, RgbImage};
 use crate::precompute::taps::TapCount;
 use crate::tonemap::ToneCurve;
@@ -29,19 +31,40 @@ pub trait Renderer {
     }
     fn render(&mut self, request: &RenderRequest) -> Served<Frame>;
     fn tonemap(&mut self, radiance: &RgbImage, curve: ToneCurve) -> Served<Rgb8Image>;
-    /// The tables that light a surface, without levels of the environment wider than `width_max` texels.
-    fn light_tables(&mut self, request: &RenderRequest, width_max: u32, counts: &[TapCount]) -> Served<LightTables>;
-    /// The error on the scene `design` by steps, over all pixels and over bands of n·v, with `samples` per pixel.
-    fn attributions(&mut self, request: &RenderRequest, samples: u32, bands: &[[f64; 2]]) -> Served<Vec<Attribution>>;
+    /// The tables that light a surface, without levels of the environment wider than `width_max`
+    /// texels.
+    fn light_tables(
+        &mut self,
+        request: &RenderRequest,
+        width_max: u32,
+        counts: &[TapCount],
+    ) -> Served<LightTables>;
+    /// The error on the scene `design` by steps, over all pixels and over bands of n·v, with
+    /// `samples` per pixel.
+    fn attributions(
+        &mut self,
+        request: &RenderRequest,
+        samples: u32,
+        bands: &[[f64; 2]],
+    ) -> Served<Vec<Attribution>>;
     /// Times the passes of a frame, or of its tables: executions that do not count, then rounds.
-    fn time(&mut self, request: &RenderRequest, of_tables: bool, counts: [u32; 2]) -> Served<TimingSamples>;
+    fn time(
+        &mut self,
+        request: &RenderRequest,
+        of_tables: bool,
+        counts: [u32; 2],
+    ) -> Served<TimingSamples>;
     /// Warnings since the last call.
     fn take_warnings(&mut self) -> Vec<String>;
 }
 
 impl From<PipelineError> for RenderFault {
     fn from(error: PipelineError) -> Self {
-        Self { message: error.to_string(), device_lost: error.is_transient(), is_input: error.is_input() }
+        Self {
+            message: error.to_string(),
+            device_lost: error.is_transient(),
+            is_input: error.is_input(),
+        }
     }
 }
 
@@ -66,15 +89,30 @@ impl Renderer for Pipeline {
         Ok(Pipeline::tonemap(self, radiance, curve)?.0)
     }
 
-    fn light_tables(&mut self, request: &RenderRequest, width_max: u32, counts: &[TapCount]) -> Served<LightTables> {
+    fn light_tables(
+        &mut self,
+        request: &RenderRequest,
+        width_max: u32,
+        counts: &[TapCount],
+    ) -> Served<LightTables> {
         Ok(Pipeline::light_tables(self, request, width_max, counts)?)
     }
 
-    fn attributions(&mut self, request: &RenderRequest, samples: u32, bands: &[[f64; 2]]) -> Served<Vec<Attribution>> {
+    fn attributions(
+        &mut self,
+        request: &RenderRequest,
+        samples: u32,
+        bands: &[[f64; 2]],
+    ) -> Served<Vec<Attribution>> {
         Ok(Pipeline::attributions(self, request, samples, bands)?)
     }
 
-    fn time(&mut self, request: &RenderRequest, of_tables: bool, [warmup, rounds]: [u32; 2]) -> Served<TimingSamples> {
+    fn time(
+        &mut self,
+        request: &RenderRequest,
+        of_tables: bool,
+        [warmup, rounds]: [u32; 2],
+    ) -> Served<TimingSamples> {
         Ok(match of_tables {
             true => Pipeline::time_precompute(self, request, warmup, rounds)?,
             false => Pipeline::time(self, request, warmup, rounds)?,

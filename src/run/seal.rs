@@ -9,7 +9,9 @@ const END: &str = "\n}\n";
 
 /// Appends the checksum to an indented, non-empty JSON object.
 pub fn sealed(object: &str) -> String {
-    let body = object.strip_suffix(END).expect("an indented object ends so");
+    let body = object
+        .strip_suffix(END)
+        .expect("an indented object ends so");
     format!("{body}{BEFORE}{}{AFTER}", hash(body))
 }
 

@@ -33,9 +33,16 @@ impl FromStr for Shard {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        match text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?))) {
-            Some((index, count)) if (1..=count).contains(&index) && count <= COUNT_MAX => Ok(Self { index, count }),
-            _ => Err(format!("expected K/N with 1 <= K <= N <= {COUNT_MAX}, such as 2/4")),
+        match text
+            .split_once('/')
+            .and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)))
+        {
+            Some((index, count)) if (1..=count).contains(&index) && count <= COUNT_MAX => {
+                Ok(Self { index, count })
+            }
+            _ => Err(format!(
+                "expected K/N with 1 <= K <= N <= {COUNT_MAX}, such as 2/4"
+            )),
         }
     }
 }

@@ -1,7 +1,7 @@
 //! The timed configurations of an experiment, and the statistics of their samples.
 //!
-//! Passes of a frame are timed once for each configuration that can change their cost, apart from passes that run once per environment or
-//! model.
+//! Passes of a frame are timed once for each configuration that can change their cost, apart from
+//! passes that run once per environment or model.
 
 use super::statistics::median;
 use crate::experiment::axis::{AXES, Axis, ENVIRONMENT, METHOD, SAMPLES, SCENE, SIZE};
@@ -71,40 +71,84 @@ pub const PRECOMPUTE: &str = "precompute";
 /// Phase of passes that run for every frame.
 pub const FRAME: &str = "frame";
 
-/// Configurations to time, block by block in plan order. The scene `design` is timed only if there is no other.
+/// Configurations to time, block by block in plan order. The scene `design` is timed only if there
+/// is no other.
 pub fn jobs(plan: &Plan) -> Vec<TimingJob<'_>> {
-    let Some(timing) = plan.config.timing else { return Vec::new() };
+    let Some(timing) = plan.config.timing else {
+        return Vec::new();
+    };
     let mut seen = BTreeSet::new();
     let mut jobs = Vec::new();
     /// Whether an axis changes the times of a phase.
     type Costs = fn(&Axis) -> bool;
     let is_picture = |cell: &&Cell| !plan.inputs.scene(cell.point[SCENE].text()).is_design;
     let pictures: Vec<&Cell> = plan.cells.iter().filter(is_picture).collect();
-    let timed = if pictures.is_empty() { plan.cells.iter().collect() } else { pictures };
-    let phases: [(&str, Costs); 2] = [(PRECOMPUTE, |axis| axis.tables_cost), (FRAME, |axis| axis.frames_cost)];
+    let timed = if pictures.is_empty() {
+        plan.cells.iter().collect()
+    } else {
+        pictures
+    };
+    let phases: [(&str, Costs); 2] = [
+        (PRECOMPUTE, |axis| axis.tables_cost),
+        (FRAME, |axis| axis.frames_cost),
+    ];
     for (phase, matters) in phases {
         for &cell in &timed {
-            let image = &plan.inputs.environment(cell.point[ENVIRONMENT].text()).image;
+            let image = &plan
+                .inputs
+                .environment(cell.point[ENVIRONMENT].text())
+                .image;
             let environment_size = [image.width, image.height];
-            // Every record has all axes, so that the table has one header; irrelevant ones are empty.
-            let all = AXES.iter().zip(&cell.point.0).filter(|(axis, _)| axis.tables_cost || axis.frames_cost);
+            // Every record has all axes, so that the table has one header; irrelevant ones are
+            // empty.
+            let all = AXES
+                .iter()
+                .zip(&cell.point.0)
+                .filter(|(axis, _)| axis.tables_cost || axis.frames_cost);
             let axes: BTreeMap<String, String> = all
                 .map(|(axis, value)| {
-                    (axis.name.to_owned(), if matters(axis) { value.to_string() } else { String::new() })
+                    (
+                        axis.name.to_owned(),
+                        if matters(axis) {
+                            value.to_string()
+                        } else {
+                            String::new()
+                        },
+                    )
                 })
                 .collect();
-            let key = format!("{phase} {environment_size:?} {:?} {axes:?} {timing:?}", plan.size_of(cell));
+            let key = format!(
+                "{phase} {environment_size:?} {:?} {axes:?} {timing:?}",
+                plan.size_of(cell)
+            );
             let id = blake3::hash(key.as_bytes()).to_hex()[..16].to_owned();
             if seen.insert(id.clone()) {
                 // Tables are not compared: each configuration is a block.
-                let is_compared = |name: &str| AXES.iter().any(|axis| axis.is_compared && axis.name == name);
+                let is_compared = |name: &str| {
+                    AXES.iter()
+                        .any(|axis| axis.is_compared && axis.name == name)
+                };
                 let shared = axes.iter().filter(|(name, _)| !is_compared(name));
-                let words: Vec<String> = shared.map(|(name, value)| format!("{name}={value}")).collect();
+                let words: Vec<String> = shared
+                    .map(|(name, value)| format!("{name}={value}"))
+                    .collect();
                 let block = match phase {
-                    FRAME => format!("{environment_size:?} {:?} {}", plan.size_of(cell), words.join(" ")),
+                    FRAME => format!(
+                        "{environment_size:?} {:?} {}",
+                        plan.size_of(cell),
+                        words.join(" ")
+                    ),
                     _ => id.clone(),
                 };
-                jobs.push(TimingJob { id, phase, block, cell, axes, environment_size, size: plan.size_of(cell) });
+                jobs.push(TimingJob {
+                    id,
+                    phase,
+                    block,
+                    cell,
+                    axes,
+                    environment_size,
+                    size: plan.size_of(cell),
+                });
             }
         }
     }
@@ -120,7 +164,11 @@ pub type Key = BTreeMap<String, String>;
 /// Axes with more than one non-empty value, in the order of all axes.
 pub fn swept_axes<'k>(keys: impl IntoIterator<Item = &'k Key>) -> Vec<&'static str> {
     let mut values: BTreeMap<&str, BTreeSet<&str>> = BTreeMap::new();
-    for (name, value) in keys.into_iter().flatten().filter(|(_, value)| !value.is_empty()) {
+    for (name, value) in keys
+        .into_iter()
+        .flatten()
+        .filter(|(_, value)| !value.is_empty())
+    {
         values.entry(name).or_default().insert(value);
     }
     let is_swept = |name: &&str| values.get(name).is_some_and(|values| values.len() > 1);
@@ -133,7 +181,9 @@ pub fn is_alike(a: &Key, b: &Key) -> bool {
         value.is_empty() || other.is_none_or(|other| other.is_empty() || other == value)
     };
     let of_method = [METHOD, SAMPLES].map(|axis| AXES[axis].name);
-    a.iter().filter(|(name, _)| !of_method.contains(&name.as_str())).all(|(name, value)| is_same(value, b.get(name)))
+    a.iter()
+        .filter(|(name, _)| !of_method.contains(&name.as_str()))
+        .all(|(name, value)| is_same(value, b.get(name)))
 }
 
 /// Passes may sum to slightly more than the host's time: the clocks differ.
@@ -172,7 +222,9 @@ impl TimingRecord {
     fn sums_where(&self, counts: fn(&str) -> bool) -> Vec<f64> {
         let passes = || self.passes.iter().filter(|pass| counts(&pass.pass));
         let rounds = passes().map(|pass| pass.ms.len()).min().unwrap_or(0);
-        (0..rounds).map(|round| passes().map(|pass| pass.ms[round]).sum()).collect()
+        (0..rounds)
+            .map(|round| passes().map(|pass| pass.ms[round]).sum())
+            .collect()
     }
 
     /// Median sum of the passes over the median host time of the same submissions.

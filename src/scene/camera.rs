@@ -1,13 +1,15 @@
 //! Orthographic and perspective cameras.
 //!
-//! `right` and `up` span the image plane. Pixel (x, y) of a `w` by `h` image has its centre at the plane coordinates
+//! `right` and `up` span the image plane. Pixel (x, y) of a `w` by `h` image has its centre at the
+//! plane coordinates
 //!
 //! ```text
 //! s = (2 (x + 0.5) / w - 1) extent_x        t = (1 - 2 (y + 0.5) / h) extent_y
 //! ```
 //!
-//! and its ray is `eye + s right + t up` along `forward` (orthographic), or from `eye` along `forward + s right + t up`
-//! (perspective). `shaders/gbuffer` (`gbuffer::params`) inverts this mapping.
+//! and its ray is `eye + s right + t up` along `forward` (orthographic), or from `eye` along
+//! `forward + s right + t up` (perspective). `shaders/gbuffer` (`gbuffer::params`) inverts this
+//! mapping.
 
 use crate::scene::{Mesh, Scene, Sphere};
 use crate::spelling::listed;
@@ -50,7 +52,11 @@ pub struct Orbit {
 
 impl Default for Orbit {
     fn default() -> Self {
-        Self { yaw_deg: 0.0, pitch_deg: 0.0, distance: 1.0 }
+        Self {
+            yaw_deg: 0.0,
+            pitch_deg: 0.0,
+            distance: 1.0,
+        }
     }
 }
 
@@ -73,7 +79,11 @@ impl Orbit {
                 return Err(format!("{name} {value} is outside [{low}, {high}]"));
             }
         }
-        Ok(Self { yaw_deg, pitch_deg, distance })
+        Ok(Self {
+            yaw_deg,
+            pitch_deg,
+            distance,
+        })
     }
 
     /// Returns yaw, pitch and distance.
@@ -102,9 +112,10 @@ pub struct Camera {
 impl Camera {
     /// Frames the whole scene in an image of `size` (width, height) pixels.
     ///
-    /// A single sphere of radius r is seen from +z: a square of half side 1.05 r (orthographic), or from a distance of 4 r under 32 degrees
-    /// (perspective). Other scenes are seen from `scene.toward_viewer` with a margin of 5 %; `design` has its own camera. Pixels are
-    /// square: a wide image sees more to the sides, a tall one more above and below.
+    /// A single sphere of radius r is seen from +z: a square of half side 1.05 r (orthographic), or
+    /// from a distance of 4 r under 32 degrees (perspective). Other scenes are seen from
+    /// `scene.toward_viewer` with a margin of 5 %; `design` has its own camera. Pixels are square:
+    /// a wide image sees more to the sides, a tall one more above and below.
     pub fn for_scene(kind: CameraKind, scene: &Scene, size: [u32; 2]) -> Self {
         let aspect = f64::from(size[0]) / f64::from(size[1]);
         if scene.is_design {
@@ -120,7 +131,9 @@ impl Camera {
         // A tall image fits the width.
         let stretch = (1.0 / aspect).max(1.0);
         let projection = match kind {
-            CameraKind::Ortho => Projection::Ortho { half_height: FRAME_MARGIN * sphere.radius * stretch },
+            CameraKind::Ortho => Projection::Ortho {
+                half_height: FRAME_MARGIN * sphere.radius * stretch,
+            },
             CameraKind::Perspective => perspective(perspective_extent() * stretch),
         };
         Self {
@@ -144,16 +157,25 @@ impl Camera {
         let backward = -self.forward;
         let pole = 90.0 - Orbit::POLE_DEG;
         let yaw = backward.x.atan2(backward.z) + orbit.yaw_deg.to_radians();
-        let pitch = (backward.y.asin().to_degrees() + orbit.pitch_deg).clamp(-pole, pole).to_radians();
+        let pitch = (backward.y.asin().to_degrees() + orbit.pitch_deg)
+            .clamp(-pole, pole)
+            .to_radians();
         let offset = self.eye - middle;
         let [x, y, z] = [self.right, self.up, backward].map(|axis| axis.dot(offset));
-        let backward = DVec3::new(yaw.sin() * pitch.cos(), pitch.sin(), yaw.cos() * pitch.cos());
+        let backward = DVec3::new(
+            yaw.sin() * pitch.cos(),
+            pitch.sin(),
+            yaw.cos() * pitch.cos(),
+        );
         let right = DVec3::Y.cross(backward).normalize();
         let up = backward.cross(right);
         let (projection, scale) = match self.projection {
-            Projection::Ortho { half_height } => {
-                (Projection::Ortho { half_height: half_height * orbit.distance }, [orbit.distance, 1.0])
-            }
+            Projection::Ortho { half_height } => (
+                Projection::Ortho {
+                    half_height: half_height * orbit.distance,
+                },
+                [orbit.distance, 1.0],
+            ),
             projection => (projection, [orbit.distance; 2]),
         };
         // An orthographic eye stays in front of the whole scene.
@@ -176,7 +198,15 @@ impl Camera {
     fn of_design() -> Self {
         let projection = perspective(perspective_extent());
         let (right, up, forward) = (DVec3::X, DVec3::Y, DVec3::NEG_Z);
-        Self { eye: DVec3::ZERO, right, up, forward, projection, near: 0.5, far: 2.0 }
+        Self {
+            eye: DVec3::ZERO,
+            right,
+            up,
+            forward,
+            projection,
+            near: 0.5,
+            far: 2.0,
+        }
     }
 
     /// Finds the nearest camera along `scene.toward_viewer` whose side planes enclose the scene.
@@ -189,26 +219,46 @@ impl Camera {
         let [bottom, top] = [-reach(-up), reach(up)];
         let [back, front] = [-reach(-backward), reach(backward)];
         // Loading refuses empty scenes; the floor keeps the frame finite.
-        let size = (right_most - left_most).max(top - bottom).max(front - back).max(f64::MIN_POSITIVE);
+        let size = (right_most - left_most)
+            .max(top - bottom)
+            .max(front - back)
+            .max(f64::MIN_POSITIVE);
         // Eye in camera axes, projection and near plane.
         let ([x, y, distance], projection, near) = match kind {
             CameraKind::Ortho => {
                 let half_width = 0.5 * FRAME_MARGIN * (right_most - left_most);
                 let half_height = (0.5 * FRAME_MARGIN * (top - bottom)).max(half_width / aspect);
-                let eye = [0.5 * (left_most + right_most), 0.5 * (bottom + top), front + size];
+                let eye = [
+                    0.5 * (left_most + right_most),
+                    0.5 * (bottom + top),
+                    front + size,
+                ];
                 (eye, Projection::Ortho { half_height }, 0.5 * size)
             }
             CameraKind::Perspective => {
                 let extent_y = perspective_extent() * (1.0 / aspect).max(1.0);
-                // The plane through the eye with slope e is `x - eye_x <= e (eye_z - z)`. It touches the scene at the
-                // support of (1, 0, e), so the sum of both sides gives eye_z and their difference eye_x.
-                let (slope_x, slope_y) = (extent_y * aspect / FRAME_MARGIN, extent_y / FRAME_MARGIN);
-                let [to_right, to_left] = [reach(right + backward * slope_x), reach(backward * slope_x - right)];
-                let [to_top, to_bottom] = [reach(up + backward * slope_y), reach(backward * slope_y - up)];
-                let distance = ((to_right + to_left) / (2.0 * slope_x)).max((to_top + to_bottom) / (2.0 * slope_y));
+                // The plane through the eye with slope e is `x - eye_x <= e (eye_z - z)`. It
+                // touches the scene at the support of (1, 0, e), so the sum of both sides gives
+                // eye_z and their difference eye_x.
+                let (slope_x, slope_y) =
+                    (extent_y * aspect / FRAME_MARGIN, extent_y / FRAME_MARGIN);
+                let [to_right, to_left] = [
+                    reach(right + backward * slope_x),
+                    reach(backward * slope_x - right),
+                ];
+                let [to_top, to_bottom] = [
+                    reach(up + backward * slope_y),
+                    reach(backward * slope_y - up),
+                ];
+                let distance = ((to_right + to_left) / (2.0 * slope_x))
+                    .max((to_top + to_bottom) / (2.0 * slope_y));
                 // A long scene may reach up to the eye: half of the gap stays free.
                 let near = (0.5 * (distance - front)).max(1e-4 * size);
-                let eye = [0.5 * (to_right - to_left), 0.5 * (to_top - to_bottom), distance];
+                let eye = [
+                    0.5 * (to_right - to_left),
+                    0.5 * (to_top - to_bottom),
+                    distance,
+                ];
                 (eye, perspective(extent_y), near)
             }
         };
@@ -223,7 +273,8 @@ impl Camera {
         }
     }
 
-    /// Returns half width and half height of the image plane: world units, or at distance 1 (perspective).
+    /// Returns half width and half height of the image plane: world units, or at distance 1
+    /// (perspective).
     pub fn extent(&self, aspect: f64) -> [f64; 2] {
         let extent_y = match self.projection {
             Projection::Ortho { half_height } => half_height,
@@ -232,7 +283,8 @@ impl Camera {
         [extent_y * aspect, extent_y]
     }
 
-    /// Returns origin and unit direction of the ray through the centre of pixel (`x`, `y`); row 0 is the top row.
+    /// Returns origin and unit direction of the ray through the centre of pixel (`x`, `y`); row 0
+    /// is the top row.
     pub fn ray(&self, x: u32, y: u32, size: [u32; 2]) -> (DVec3, DVec3) {
         let [width, height] = size.map(f64::from);
         let [extent_x, extent_y] = self.extent(width / height);
@@ -245,7 +297,8 @@ impl Camera {
         }
     }
 
-    /// Returns column and row of a position, the inverse of [`Camera::ray`]: whole numbers at the centres of pixels.
+    /// Returns column and row of a position, the inverse of [`Camera::ray`]: whole numbers at the
+    /// centres of pixels.
     pub fn pixel_of(&self, position: DVec3, size: [u32; 2]) -> DVec2 {
         let [width, height] = size.map(f64::from);
         let [extent_x, extent_y] = self.extent(width / height);
@@ -267,8 +320,9 @@ impl Camera {
         }
     }
 
-    /// Returns scale and offset of `clip.z = scale z + offset` at distance `z` along `forward`, before division by
-    /// `clip.w` (1, or `z` for perspective). Depth is 0 at `near` and 1 at `far`.
+    /// Returns scale and offset of `clip.z = scale z + offset` at distance `z` along `forward`,
+    /// before division by `clip.w` (1, or `z` for perspective). Depth is 0 at `near` and 1 at
+    /// `far`.
     pub fn depth_scale_offset(&self) -> [f64; 2] {
         let range = self.far - self.near;
         match self.projection {
@@ -286,15 +340,25 @@ fn perspective_extent() -> f64 {
 /// Returns the perspective projection with half height `extent_y` at distance 1.
 fn perspective(extent_y: f64) -> Projection {
     if extent_y == perspective_extent() {
-        return Projection::Perspective { fov_deg: PERSPECTIVE_FOV_DEG };
+        return Projection::Perspective {
+            fov_deg: PERSPECTIVE_FOV_DEG,
+        };
     }
-    Projection::Perspective { fov_deg: 2.0 * extent_y.atan().to_degrees() }
+    Projection::Perspective {
+        fov_deg: 2.0 * extent_y.atan().to_degrees(),
+    }
 }
 
 /// Returns the largest `dot(p, direction)` over all points p; `direction` may have any length.
 fn support(scene: &Scene, direction: DVec3) -> f64 {
     let sphere = |s: &Sphere| s.center.dot(direction) + s.radius * direction.length();
-    let mesh = |m: &Mesh| m.corners().map(|p| p.dot(direction)).fold(f64::NEG_INFINITY, f64::max);
+    let mesh = |m: &Mesh| {
+        m.corners()
+            .map(|p| p.dot(direction))
+            .fold(f64::NEG_INFINITY, f64::max)
+    };
     let spheres = scene.spheres.iter().map(sphere);
-    spheres.chain(scene.meshes.iter().map(mesh)).fold(f64::NEG_INFINITY, f64::max)
+    spheres
+        .chain(scene.meshes.iter().map(mesh))
+        .fold(f64::NEG_INFINITY, f64::max)
 }

@@ -7,7 +7,8 @@ use glam::Vec2;
 use image::{DynamicImage, ImageReader};
 use std::io::Cursor;
 
-/// Most texels of a file's maps together: 1.9 GiB at up to 59 bytes each, on the host and on the device.
+/// Most texels of a file's maps together: 1.9 GiB at up to 59 bytes each, on the host and on the
+/// device.
 const MAX_TEXELS: u64 = 1 << 25;
 /// Most texels of one map: below 1.4 GiB while decoding.
 const MAX_FILE_TEXELS: u64 = 1 << 26;
@@ -59,7 +60,11 @@ pub(super) struct Maps {
 
 impl Default for Maps {
     fn default() -> Self {
-        Self { textures: Vec::new(), longest_side: 1 << 31, is_any_cut: false }
+        Self {
+            textures: Vec::new(),
+            longest_side: 1 << 31,
+            is_any_cut: false,
+        }
     }
 }
 
@@ -69,19 +74,35 @@ impl Maps {
         let mut texture = decode(bytes, meaning)?;
         if let Meaning::Normal { scale } = meaning {
             // Linear, so that filtering may follow.
-            let signed = |[x, y, z]: [f32; 3]| [scale * (2.0 * x - 1.0), scale * (2.0 * y - 1.0), 2.0 * z - 1.0];
-            texture.data.iter_mut().for_each(|texel| *texel = signed(*texel));
+            let signed = |[x, y, z]: [f32; 3]| {
+                [
+                    scale * (2.0 * x - 1.0),
+                    scale * (2.0 * y - 1.0),
+                    2.0 * z - 1.0,
+                ]
+            };
+            texture
+                .data
+                .iter_mut()
+                .for_each(|texel| *texel = signed(*texel));
         }
         if meaning == Meaning::Direction {
             let direction = |[x, y, length]: [f32; 3]| {
                 let unit = Vec2::new(2.0 * x - 1.0, 2.0 * y - 1.0).normalize_or(Vec2::X);
                 (length * unit).extend(0.0).to_array()
             };
-            texture.data.iter_mut().for_each(|texel| *texel = direction(*texel));
+            texture
+                .data
+                .iter_mut()
+                .for_each(|texel| *texel = direction(*texel));
         }
         self.textures.push(Texture::new(texture, wrap));
         self.cut();
-        let texels = |maps: &[Texture]| maps.iter().map(|map| map.levels[0].data.len() as u64).sum::<u64>();
+        let texels = |maps: &[Texture]| {
+            maps.iter()
+                .map(|map| map.levels[0].data.len() as u64)
+                .sum::<u64>()
+        };
         while self.longest_side > 1 && texels(&self.textures) > MAX_TEXELS {
             self.longest_side /= 2;
             self.cut();
@@ -93,7 +114,11 @@ impl Maps {
     fn cut(&mut self) {
         for map in &mut self.textures {
             let is_longer = |level: &RgbImage| level.width.max(level.height) > self.longest_side;
-            let first = map.levels.iter().position(|level| !is_longer(level)).unwrap_or(0);
+            let first = map
+                .levels
+                .iter()
+                .position(|level| !is_longer(level))
+                .unwrap_or(0);
             self.is_any_cut |= first > 0;
             map.levels.drain(..first);
         }
@@ -102,26 +127,46 @@ impl Maps {
     /// Returns the textures, and a warning if any was reduced.
     pub fn finish(self) -> (Vec<Texture>, Option<String>) {
         let side = self.longest_side;
-        let warning =
-            || format!("textures with more than {MAX_TEXELS} texels together were halved to at most {side} x {side}");
+        let warning = || {
+            format!(
+                "textures with more than {MAX_TEXELS} texels together were halved to at most \
+                 {side} x {side}"
+            )
+        };
         let warning = self.is_any_cut.then(warning);
         (self.textures, warning)
     }
 }
 
 fn decode(bytes: &[u8], meaning: Meaning) -> Result<RgbImage, String> {
-    let reader = || ImageReader::new(Cursor::new(bytes)).with_guessed_format().map_err(|error| error.to_string());
+    let reader = || {
+        ImageReader::new(Cursor::new(bytes))
+            .with_guessed_format()
+            .map_err(|error| error.to_string())
+    };
     if reader()?.format().is_none() {
         return Err("not a PNG or JPEG file".to_owned());
     }
-    let (width, height) = reader()?.into_dimensions().map_err(|error| error.to_string())?;
+    let (width, height) = reader()?
+        .into_dimensions()
+        .map_err(|error| error.to_string())?;
     if u64::from(width) * u64::from(height) > MAX_FILE_TEXELS {
-        return Err(format!("it has {width}x{height} texels; expected at most {MAX_FILE_TEXELS}"));
+        return Err(format!(
+            "it has {width}x{height} texels; expected at most {MAX_FILE_TEXELS}"
+        ));
     }
-    let to_linear = |x: f32| if meaning == Meaning::Color { srgb_decode(x) } else { x };
+    let to_linear = |x: f32| {
+        if meaning == Meaning::Color {
+            srgb_decode(x)
+        } else {
+            x
+        }
+    };
     let has_alpha = meaning == Meaning::Alpha;
     let mut texels: Vec<[f32; 3]> = Vec::new();
-    texels.try_reserve_exact(width as usize * height as usize).map_err(|error| error.to_string())?;
+    texels
+        .try_reserve_exact(width as usize * height as usize)
+        .map_err(|error| error.to_string())?;
     match reader()?.decode().map_err(|error| error.to_string())? {
         deep @ (DynamicImage::ImageLuma16(_)
         | DynamicImage::ImageLumaA16(_)
@@ -129,13 +174,20 @@ fn decode(bytes: &[u8], meaning: Meaning) -> Result<RgbImage, String> {
         | DynamicImage::ImageRgba16(_)) => {
             let deep = deep.into_rgba16();
             let linear = |x: u16| to_linear(f32::from(x) / f32::from(u16::MAX));
-            texels.extend(deep.pixels().map(|texel| read(texel.0, has_alpha).map(linear)));
+            texels.extend(
+                deep.pixels()
+                    .map(|texel| read(texel.0, has_alpha).map(linear)),
+            );
         }
         image => {
             // A table of 256 replaces a hundred million powers.
             let linear: [f32; 256] = std::array::from_fn(|x| to_linear(x as f32 / 255.0));
             let bytes = image.into_rgba8();
-            texels.extend(bytes.pixels().map(|texel| read(texel.0, has_alpha).map(|x| linear[usize::from(x)])));
+            texels.extend(
+                bytes
+                    .pixels()
+                    .map(|texel| read(texel.0, has_alpha).map(|x| linear[usize::from(x)])),
+            );
         }
     }
     Ok(Pixels::new(width, height, texels))

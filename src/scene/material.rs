@@ -26,7 +26,13 @@ pub struct Coat {
 
 impl Default for Coat {
     fn default() -> Self {
-        Self { weight: 0.0, weight_map: None, alpha: ALPHA_MIN, roughness_map: None, normal_map: None }
+        Self {
+            weight: 0.0,
+            weight_map: None,
+            alpha: ALPHA_MIN,
+            roughness_map: None,
+            normal_map: None,
+        }
     }
 }
 
@@ -45,7 +51,12 @@ pub struct Sheen {
 
 impl Default for Sheen {
     fn default() -> Self {
-        Self { color: [0.0; 3], color_map: None, alpha: DEFAULT_ALPHA, roughness_map: None }
+        Self {
+            color: [0.0; 3],
+            color_map: None,
+            alpha: DEFAULT_ALPHA,
+            roughness_map: None,
+        }
     }
 }
 
@@ -56,7 +67,8 @@ pub struct Anisotropy {
     pub strength: f32,
     /// Turns the direction of the larger width counter-clockwise about the normal, radians.
     pub turn: f32,
-    /// Index into `Scene::textures`; directions in tangent space, whose lengths multiply `strength`.
+    /// Index into `Scene::textures`; directions in tangent space, whose lengths multiply
+    /// `strength`.
     pub map: Option<usize>,
     /// Whether the g-buffer has the tangent and the strength in place of normal and alpha.
     pub is_shown: bool,
@@ -90,7 +102,14 @@ pub struct Material {
 
 impl Material {
     pub fn maps(&self) -> impl Iterator<Item = usize> {
-        [self.albedo_map, self.metallic_map, self.roughness_map, self.normal_map].into_iter().flatten()
+        [
+            self.albedo_map,
+            self.metallic_map,
+            self.roughness_map,
+            self.normal_map,
+        ]
+        .into_iter()
+        .flatten()
     }
 
     /// A surface whose tangent and strength of anisotropy replace normal and alpha.
@@ -98,7 +117,10 @@ impl Material {
         Self {
             name: self.name.clone(),
             normal_map: self.anisotropy.map,
-            anisotropy: Anisotropy { is_shown: true, ..self.anisotropy },
+            anisotropy: Anisotropy {
+                is_shown: true,
+                ..self.anisotropy
+            },
             is_one_sided: self.is_one_sided,
             ..Self::default()
         }
@@ -133,7 +155,11 @@ impl Material {
 
     /// A surface whose albedo is the colour of the sheen.
     pub(super) fn as_sheen_color(&self) -> Self {
-        Self { albedo: self.sheen.color, albedo_map: self.sheen.color_map, ..self.as_coat_weight() }
+        Self {
+            albedo: self.sheen.color,
+            albedo_map: self.sheen.color_map,
+            ..self.as_coat_weight()
+        }
     }
 
     /// A surface whose albedo is the weight of the coat.
@@ -198,21 +224,33 @@ impl MaterialOverride {
             anisotropy: Anisotropy {
                 strength: self.anisotropy.unwrap_or(material.anisotropy.strength),
                 turn: self.anisotropy_turn.unwrap_or(material.anisotropy.turn),
-                map: material.anisotropy.map.filter(|_| self.anisotropy.is_none() && self.anisotropy_turn.is_none()),
+                map: material
+                    .anisotropy
+                    .map
+                    .filter(|_| self.anisotropy.is_none() && self.anisotropy_turn.is_none()),
                 ..material.anisotropy
             },
             coat: Coat {
                 weight: self.coat.unwrap_or(material.coat.weight),
                 weight_map: material.coat.weight_map.filter(|_| self.coat.is_none()),
                 alpha: self.coat_alpha.unwrap_or(material.coat.alpha),
-                roughness_map: material.coat.roughness_map.filter(|_| self.coat_alpha.is_none()),
+                roughness_map: material
+                    .coat
+                    .roughness_map
+                    .filter(|_| self.coat_alpha.is_none()),
                 ..material.coat
             },
             sheen: Sheen {
                 color: self.sheen_color.unwrap_or(material.sheen.color),
-                color_map: material.sheen.color_map.filter(|_| self.sheen_color.is_none()),
+                color_map: material
+                    .sheen
+                    .color_map
+                    .filter(|_| self.sheen_color.is_none()),
                 alpha: self.sheen_alpha.unwrap_or(material.sheen.alpha),
-                roughness_map: material.sheen.roughness_map.filter(|_| self.sheen_alpha.is_none()),
+                roughness_map: material
+                    .sheen
+                    .roughness_map
+                    .filter(|_| self.sheen_alpha.is_none()),
             },
             ..*material
         }

@@ -1,6 +1,8 @@
-//! The scene `shader-ball`: a sphere whose opening shows a smaller one, in a cup. It has convex, concave and grazing parts.
+//! The scene `shader-ball`: a sphere whose opening shows a smaller one, in a cup. It has convex,
+//! concave and grazing parts.
 //!
-//! Both bodies are surfaces of revolution. A profile is a list of arcs and lines in the half plane (r, z).
+//! Both bodies are surfaces of revolution. A profile is a list of arcs and lines in the half plane
+//! (r, z).
 
 use super::mesh::{Mesh, is_degenerate, position};
 use super::{Material, Scene};
@@ -31,7 +33,9 @@ type Part = Vec<(DVec2, DVec2)>;
 fn arc(center: DVec2, radius: f64, from: f64, to: f64) -> Part {
     let rows = ((to - from).abs() / ROW_DEG).ceil().max(1.0);
     let at = |row: f64| toward(from + (to - from) * row / rows);
-    (0..=rows as u32).map(|row| (center + radius * at(f64::from(row)), at(f64::from(row)))).collect()
+    (0..=rows as u32)
+        .map(|row| (center + radius * at(f64::from(row)), at(f64::from(row))))
+        .collect()
 }
 
 /// Makes a line seen from the side at `deg` degrees.
@@ -48,7 +52,12 @@ fn ball() -> Vec<Part> {
     let lip = arc((1.0 - LIP) * toward(OPENING_DEG), LIP, OPENING_DEG, -80.0);
     let inward = end(&lip) + 0.14 * toward(-80.0).perp();
     let wall = line(end(&lip), inward, -80.0);
-    let core = arc(DVec2::ZERO, inward.length(), inward.x.atan2(inward.y).to_degrees(), 0.0);
+    let core = arc(
+        DVec2::ZERO,
+        inward.length(),
+        inward.x.atan2(inward.y).to_degrees(),
+        0.0,
+    );
     vec![outer, lip, wall, core]
 }
 
@@ -56,7 +65,12 @@ fn cup() -> Vec<Part> {
     let (edge_deg, lip, wall_deg, foot) = (128.0, 0.07, 72.0, 0.05);
     // Normals point to the bowl's centre, so the radius is negative.
     let bowl = arc(DVec2::ZERO, -(1.0 + GAP), 0.0, edge_deg - 180.0);
-    let rim = arc((1.0 + GAP + lip) * toward(edge_deg), lip, edge_deg - 180.0, wall_deg);
+    let rim = arc(
+        (1.0 + GAP + lip) * toward(edge_deg),
+        lip,
+        edge_deg - 180.0,
+        wall_deg,
+    );
     let wall_end = end(&rim) - 0.3 * toward(wall_deg).perp();
     let wall = line(end(&rim), wall_end, wall_deg);
     let base = arc(wall_end - foot * toward(wall_deg), foot, wall_deg, 180.0);
@@ -72,7 +86,11 @@ fn revolved(parts: &[Part], turn: DQuat) -> Mesh {
         for (point, normal) in part {
             for column in 0..=COLUMNS {
                 let (sin, cos) = (TAU * f64::from(column) / f64::from(COLUMNS)).sin_cos();
-                let place = |p: &DVec2| (turn * DVec3::new(p.x * sin, p.y, p.x * cos)).as_vec3().to_array();
+                let place = |p: &DVec2| {
+                    (turn * DVec3::new(p.x * sin, p.y, p.x * cos))
+                        .as_vec3()
+                        .to_array()
+                };
                 mesh.positions.push(place(point));
                 mesh.normals.push(place(normal));
             }
@@ -81,8 +99,15 @@ fn revolved(parts: &[Part], turn: DQuat) -> Mesh {
             for column in 0..COLUMNS {
                 let [a, b] = [row, row + 1].map(|row| first + row * (COLUMNS + 1) + column);
                 // Two corners of a triangle at a pole coincide.
-                let has_area = |triangle: &[u32; 3]| !is_degenerate(triangle.map(|i| position(&mesh.positions, i)));
-                mesh.indices.extend([[a, a + 1, b + 1], [a, b + 1, b]].iter().filter(|t| has_area(t)).flatten());
+                let has_area = |triangle: &[u32; 3]| {
+                    !is_degenerate(triangle.map(|i| position(&mesh.positions, i)))
+                };
+                mesh.indices.extend(
+                    [[a, a + 1, b + 1], [a, b + 1, b]]
+                        .iter()
+                        .filter(|t| has_area(t))
+                        .flatten(),
+                );
             }
         }
     }

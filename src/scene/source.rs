@@ -28,5 +28,9 @@ impl SceneFiles for Disk {
 pub(super) fn existing(files: &dyn SceneFiles, from: &Path, file: &str) -> PathBuf {
     let folder = from.parent().unwrap_or(Path::new(""));
     let slashes = folder.join(file.replace('\\', "/"));
-    if files.has(&slashes) { slashes } else { folder.join(file) }
+    if files.has(&slashes) {
+        slashes
+    } else {
+        folder.join(file)
+    }
 }

@@ -1,9 +1,12 @@
-//! How engines look up an anisotropic lobe in tables made for one width: data for the method `split-sum-bent`.
+//! How engines look up an anisotropic lobe in tables made for one width: data for the method
+//! `split-sum-bent`.
 //!
-//! An engine knows alpha and a strength by its own law of widths; both follow from the two widths. With `pr = √alpha` and `g`
-//! the view less its part along the bitangent, the lookup `P(d, level) (f0 A + B)` has a bent normal `n' = mix(n, g, share)`,
-//! a direction d between `r' = reflect(-v, n')` and n or n', and one alpha for the level and, but for `-square`, for A and B. The formulas are in
-//! `shaders/shade/method/split_sum_bent.glsl` and its twin; sources at the versions that `docs/anisotropy.md` names.
+//! An engine knows alpha and a strength by its own law of widths; both follow from the two widths.
+//! With `pr = √alpha` and `g` the view less its part along the bitangent, the lookup `P(d, level)
+//! (f0 A + B)` has a bent normal `n' = mix(n, g, share)`, a direction d between `r' = reflect(-v,
+//! n')` and n or n', and one alpha for the level and, but for `-square`, for A and B. The formulas
+//! are in `shaders/shade/method/split_sum_bent.glsl` and its twin; sources at the versions that
+//! `docs/anisotropy.md` names.
 
 use crate::glsl::constants as code;
 use crate::spelling::listed;
@@ -57,7 +60,8 @@ pub enum Toward {
     BentLess = code::BEND_TOWARD_BENT_LESS,
     /// Frostbite's mix of n' and the direction of `BentLess`.
     Twice = code::BEND_TOWARD_TWICE,
-    /// With pr times `sat(1.2 - a)`, of the level too: Unity's share between n and r', and back to r' by `smoothstep(0, 1, alpha²)`.
+    /// With pr times `sat(1.2 - a)`, of the level too: Unity's share between n and r', and back to
+    /// r' by `smoothstep(0, 1, alpha²)`.
     Unity = code::BEND_TOWARD_UNITY,
     /// From alpha 0.4 to 0.8, over to Frostbite's direction.
     Cap = code::BEND_TOWARD_CAP,
@@ -114,7 +118,8 @@ bends! {
     "playcanvas" Narrow QuarticRoot Mirror Own "reflDirAniso of PlayCanvas";
     "unity" Mean Root Unity Own "GetGGXAnisotropicModifiedNormalAndRoughness of HDRP";
     "materialx" Geometric Plain Mirror Own "mx_environment_prefilter of MaterialX: no bend";
-    "filament-square" Mean Linear Normal Square "filament, with A and B at the root mean square width";
+    "filament-square" Mean Linear Normal Square "filament, with A and B at the root mean square \
+                                                 width";
     "gltf-square" Narrow QuarticUnit Bent Square "gltf, with A and B at the root mean square width";
     "unity-square" Mean Root Unity Square "unity, with A and B at the root mean square width";
 }
@@ -123,6 +128,9 @@ listed!(Bend, "bend", BENDS);
 
 impl Bend {
     pub fn code(&self) -> u32 {
-        self.parameters as u32 | (self.normal as u32) << 4 | (self.toward as u32) << 8 | (self.dfg as u32) << 12
+        self.parameters as u32
+            | (self.normal as u32) << 4
+            | (self.toward as u32) << 8
+            | (self.dfg as u32) << 12
     }
 }

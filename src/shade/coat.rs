@@ -1,14 +1,17 @@
-//! Clear coat: a second specular lobe over the base, with its own weight c, width alpha_c and normal n_c.
+//! Clear coat: a second specular lobe over the base, with its own weight c, width alpha_c and
+//! normal n_c.
 //!
-//! With base L_b and, at μ = n_c·v and alpha_c, the coat's integrals `I1 = ∫ f n·l L dl` for F = 1 and `I` for f0 = 0.04, its albedo
-//! `E = 0.04 A + B` and Schlick's `F = 0.04 + 0.96 (1 - μ)⁵`, the truths are
+//! With base L_b and, at μ = n_c·v and alpha_c, the coat's integrals `I1 = ∫ f n·l L dl` for F = 1
+//! and `I` for f0 = 0.04, its albedo `E = 0.04 A + B` and Schlick's `F = 0.04 + 0.96 (1 - μ)⁵`, the
+//! truths are
 //!
 //! | | radiance | source |
 //! |---|---|---|
 //! | `khr` | `(1 - c F) L_b + c F I1` | KHR_materials_clearcoat, "Layering" \[KhrClearcoat20\] |
 //! | `albedo` | `(1 - c E) L_b + c I` | OpenPBR 1.1, albedo scaling; exact in a white furnace |
 //!
-//! The base loses light once, diffuse term included. Refraction, absorption and light between the layers are left out.
+//! The base loses light once, diffuse term included. Refraction, absorption and light between the
+//! layers are left out.
 
 use crate::brdf::f_schlick;
 use crate::spelling::listed;
@@ -71,13 +74,15 @@ pub struct CoatRenderer {
     pub name: &'static str,
     /// Where it is from, for `splitsum list coats`.
     pub about: &'static str,
-    /// The method of the coat's lookup `P (A + B)`, of which only P counts; `None` for the exact layers by the method of the image.
+    /// The method of the coat's lookup `P (A + B)`, of which only P counts; `None` for the exact
+    /// layers by the method of the image.
     pub lookup: Option<&'static str>,
     /// Converts alpha_c to the alpha of the level that is read.
     pub alpha: fn(f32) -> f32,
     /// Scales P.
     pub scale: CoatWeight,
-    /// What the base loses: its specular term `(1 - c w)^p` and its diffuse term with the other power.
+    /// What the base loses: its specular term `(1 - c w)^p` and its diffuse term with the other
+    /// power.
     pub loss: CoatWeight,
     pub powers: [i32; 2],
 }
@@ -97,20 +102,23 @@ pub static COAT_RENDERERS: &[CoatRenderer] = &[
     EXACT,
     CoatRenderer {
         name: "filament",
-        about: "evaluateClearCoatIBL of Filament; also the glTF Sample Renderer and PlayCanvas: c F P along r",
+        about: "evaluateClearCoatIBL of Filament; also the glTF Sample Renderer and PlayCanvas: c \
+                F P along r",
         lookup: Some("split-sum"),
         ..EXACT
     },
     CoatRenderer {
         name: "bevy",
-        about: "environment_map_light_clearcoat of Bevy: Frostbite's direction, the base's specular term attenuated twice",
+        about: "environment_map_light_clearcoat of Bevy: Frostbite's direction, the base's \
+                specular term attenuated twice",
         lookup: Some("split-sum-frostbite"),
         powers: [2, 1],
         ..EXACT
     },
     CoatRenderer {
         name: "unity",
-        about: "EvaluateBSDF_Env of HDRP's Lit: a mirror, the specular term attenuated twice and the diffuse term never",
+        about: "EvaluateBSDF_Env of HDRP's Lit: a mirror, the specular term attenuated twice and \
+                the diffuse term never",
         lookup: Some("split-sum"),
         alpha: |_| crate::glsl::constants::ALPHA_MIN,
         powers: [2, 0],
@@ -125,7 +133,8 @@ pub static COAT_RENDERERS: &[CoatRenderer] = &[
     },
     CoatRenderer {
         name: "openpbr",
-        about: "mx_dielectric_bsdf of MaterialX, as OpenPBR layers it: c (0.04 A + B) P along r, the base scaled by the albedo",
+        about: "mx_dielectric_bsdf of MaterialX, as OpenPBR layers it: c (0.04 A + B) P along r, \
+                the base scaled by the albedo",
         lookup: Some("split-sum"),
         scale: CoatWeight::Albedo,
         loss: CoatWeight::Albedo,
@@ -145,12 +154,24 @@ pub struct CoatShares {
 }
 
 /// Returns the shares for a coat of weight `weight` at μ = n_c·v; `pair` is its (A, B).
-pub fn shares(layering: CoatLayering, renderer: &CoatRenderer, weight: f64, n_dot_v: f64, pair: DVec2) -> CoatShares {
+pub fn shares(
+    layering: CoatLayering,
+    renderer: &CoatRenderer,
+    weight: f64,
+    n_dot_v: f64,
+    pair: DVec2,
+) -> CoatShares {
     let (loss, coat) = match (renderer.lookup, layering) {
-        (Some(_), _) => (renderer.loss, renderer.scale.reflectance(n_dot_v, pair) / (pair.x + pair.y)),
+        (Some(_), _) => (
+            renderer.loss,
+            renderer.scale.reflectance(n_dot_v, pair) / (pair.x + pair.y),
+        ),
         (None, CoatLayering::Khr) => (layering.loss(), layering.loss().reflectance(n_dot_v, pair)),
         (None, CoatLayering::Albedo) => (layering.loss(), 1.0),
     };
     let left = 1.0 - weight * loss.reflectance(n_dot_v, pair);
-    CoatShares { base: renderer.powers.map(|power| left.powi(power)), coat: weight * coat }
+    CoatShares {
+        base: renderer.powers.map(|power| left.powi(power)),
+        coat: weight * coat,
+    }
 }

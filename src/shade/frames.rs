@@ -35,11 +35,13 @@ pub enum History {
     Plain,
     /// Clamps the history to the range of the 3x3 pixels of the frame first.
     Clamp,
-    /// Divides radiance by the split sum under light of radiance 1, f0 A + B, and multiplies the result.
+    /// Divides radiance by the split sum under light of radiance 1, f0 A + B, and multiplies the
+    /// result.
     Demodulated,
     /// Accumulates the difference from the split sum, and adds the split sum of the last frame.
     ControlVariate,
-    /// Finds the history where the previous frame saw the same light reflected, not the same surface.
+    /// Finds the history where the previous frame saw the same light reflected, not the same
+    /// surface.
     Reflected,
 }
 

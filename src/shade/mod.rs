@@ -18,7 +18,8 @@ pub mod twin;
 macro_rules! of_a_term {
     ($kind:ty) => {
         impl $kind {
-            /// Whether the passes of the reference estimate it: without bias, with a standard error.
+            /// Whether the passes of the reference estimate it: without bias, with a standard
+            /// error.
             pub fn is_integrated(&self) -> bool {
                 self.lobe.is_some()
             }

@@ -6,7 +6,9 @@ use crate::environment::layout::MapLayout;
 use crate::gbuffer::pass::GbufferImages;
 use crate::glsl::constants::SHADE_FLAG_NO_SPECULAR;
 use crate::glsl::layout::{BackgroundParams, ShadeParams, SharedStruct};
-use crate::gpu::{Bind, Buffer, Filter, GpuError, Image, Part, Recorder, Sampler, Wrap, has_shader};
+use crate::gpu::{
+    Bind, Buffer, Filter, GpuError, Image, Part, Recorder, Sampler, Wrap, has_shader,
+};
 use crate::precompute::points::{PointRange, Points};
 use crate::scene::{Camera, Projection};
 use glam::DVec3;
@@ -52,11 +54,20 @@ pub(super) const TABLE: Sampler = Sampler(Filter::Linear, Wrap::CLAMP);
 
 pub const BACKGROUND_SHADER: &str = "shade/background.comp";
 
-/// Names the shader of a method's specular pass. Methods that do not use the model have one shader for all models.
+/// Names the shader of a method's specular pass. Methods that do not use the model have one shader
+/// for all models.
 pub fn specular_shader(layout: &MapLayout, method: &Method, brdf: &dyn Brdf) -> String {
-    let general = format!("shade/specular.comp:{}:{}", layout.name, method.shader.unwrap_or(method.name));
+    let general = format!(
+        "shade/specular.comp:{}:{}",
+        layout.name,
+        method.shader.unwrap_or(method.name)
+    );
     let special = format!("{general}:{}", brdf.name());
-    if has_shader(&special) { special } else { general }
+    if has_shader(&special) {
+        special
+    } else {
+        general
+    }
 }
 
 impl<'a> Passes<'a> {
@@ -64,7 +75,10 @@ impl<'a> Passes<'a> {
     pub(super) fn binds(&self, rest: &[Bind<'a>]) -> Vec<Bind<'a>> {
         let [_, tangents, ..] = &self.tangents.unwrap_or(self.gbuffer).attachments;
         let attachments = self.gbuffer.attachments.iter().chain([tangents]);
-        attachments.map(|image| Bind::Sample(image, Sampler::TEXELS)).chain(rest.iter().cloned()).collect()
+        attachments
+            .map(|image| Bind::Sample(image, Sampler::TEXELS))
+            .chain(rest.iter().cloned())
+            .collect()
     }
 
     /// Adds the law of the widths to specialization constants.
@@ -75,10 +89,17 @@ impl<'a> Passes<'a> {
 
     /// Returns the push constants for rows from `first_row` on.
     pub(super) fn params(&self, first_row: u32) -> ShadeParams {
-        let Self { shading, camera, tables, gbuffer, .. } = *self;
+        let Self {
+            shading,
+            camera,
+            tables,
+            gbuffer,
+            ..
+        } = *self;
         let rows = shading.placement.environment_from_world().transpose();
         let row = |v: DVec3| v.extend(0.0).as_vec4().to_array();
-        let ([width, height], [environment_width, environment_height]) = (gbuffer.size, tables.environment.mip_size(0));
+        let ([width, height], [environment_width, environment_height]) =
+            (gbuffer.size, tables.environment.mip_size(0));
         ShadeParams {
             environment_from_world_0: row(rows.x_axis),
             environment_from_world_1: row(rows.y_axis),
@@ -95,7 +116,11 @@ impl<'a> Passes<'a> {
             environment_scale: shading.environment_scale,
             lod_bias: shading.lod_bias,
             pad0: 0,
-            flags: if shading.method.is_none() { SHADE_FLAG_NO_SPECULAR } else { 0 },
+            flags: if shading.method.is_none() {
+                SHADE_FLAG_NO_SPECULAR
+            } else {
+                0
+            },
             seed: shading.point_seed(),
             pair_count: 0,
             point_count: 0,
@@ -114,14 +139,38 @@ impl<'a> Passes<'a> {
         part: Part,
     ) -> Result<(), GpuError> {
         let rest = [rest, &[Bind::ReadWrite(self.radiance)]].concat();
-        recorder.dispatch(shader, &self.with_widths(constants), &self.binds(&rest), push, part.groups)
+        recorder.dispatch(
+            shader,
+            &self.with_widths(constants),
+            &self.binds(&rest),
+            push,
+            part.groups,
+        )
     }
 
     /// Adds the specular image-based radiance of `points` to a part of the image.
-    pub fn specular(&self, recorder: &mut Recorder, points: PointRange<'a>, part: Part) -> Result<(), GpuError> {
-        let Shading { method, brdf, precompute, .. } = *self.shading;
+    pub fn specular(
+        &self,
+        recorder: &mut Recorder,
+        points: PointRange<'a>,
+        part: Part,
+    ) -> Result<(), GpuError> {
+        let Shading {
+            method,
+            brdf,
+            precompute,
+            ..
+        } = *self.shading;
         let shader = specular_shader(precompute.layout, method, brdf);
-        let Tables { environment, filtered, prefiltered, dfg, tap_table, shifts, .. } = self.tables;
+        let Tables {
+            environment,
+            filtered,
+            prefiltered,
+            dfg,
+            tap_table,
+            shifts,
+            ..
+        } = self.tables;
         let binds = [
             Bind::Sample(environment, Sampler::MAP),
             Bind::Sample(filtered, Sampler::MAP),
@@ -132,17 +181,42 @@ impl<'a> Passes<'a> {
             Bind::ReadWrite(self.radiance),
             Bind::Read(shifts),
         ];
-        let params = ShadeParams { point_count: points.count, ..self.params(part.first_row) };
+        let params = ShadeParams {
+            point_count: points.count,
+            ..self.params(part.first_row)
+        };
         let constants = self.with_widths(self.shading.constants());
-        recorder.dispatch(&shader, &constants, &self.binds(&binds), &params.to_bytes(), part.groups)
+        recorder.dispatch(
+            &shader,
+            &constants,
+            &self.binds(&binds),
+            &params.to_bytes(),
+            part.groups,
+        )
     }
 
     pub fn diffuse(&self, recorder: &mut Recorder, part: Part) -> Result<(), GpuError> {
-        let Shading { diffuse, precompute, .. } = *self.shading;
-        let Tables { irradiance_map, dfg, sh9, .. } = self.tables;
-        let rest = [Bind::Sample(irradiance_map, Sampler::MAP), Bind::Sample(dfg, TABLE), Bind::Read(sh9)];
+        let Shading {
+            diffuse,
+            precompute,
+            ..
+        } = *self.shading;
+        let Tables {
+            irradiance_map,
+            dfg,
+            sh9,
+            ..
+        } = self.tables;
+        let rest = [
+            Bind::Sample(irradiance_map, Sampler::MAP),
+            Bind::Sample(dfg, TABLE),
+            Bind::Read(sh9),
+        ];
         let push = self.params(part.first_row).to_bytes();
-        let shader = format!("shade/diffuse.comp:{}:{}", precompute.layout.name, diffuse.name);
+        let shader = format!(
+            "shade/diffuse.comp:{}:{}",
+            precompute.layout.name, diffuse.name
+        );
         let constants = self.shading.table_constants(MaskingShadowing::default());
         self.dispatch(recorder, &shader, constants, &rest, &push, part)
     }
@@ -166,6 +240,13 @@ impl<'a> Passes<'a> {
             environment_scale: self.shading.environment_scale,
         };
         let rest = [Bind::Sample(&self.tables.environment, Sampler::MAP)];
-        self.dispatch(recorder, BACKGROUND_SHADER, [0; 9], &rest, &params.to_bytes(), part)
+        self.dispatch(
+            recorder,
+            BACKGROUND_SHADER,
+            [0; 9],
+            &rest,
+            &params.to_bytes(),
+            part,
+        )
     }
 }

@@ -1,11 +1,14 @@
 //! Exact shading in f64, with error bounds: the integrals that all methods approximate.
 //!
-//! For one point with normal n, view v and an environment's bilinear map L, over the l with `n_dot_l > 0`:
+//! For one point with normal n, view v and an environment's bilinear map L, over the l with
+//! `n_dot_l > 0`:
 //!
-//! - specular: `∫ f L n_dot_l dl`, `f n_dot_l = D(h) F(v·h) G2(v, l) / (4 n_dot_v)` [Walter07, eq. 20];
+//! - specular: `∫ f L n_dot_l dl`, `f n_dot_l = D(h) F(v·h) G2(v, l) / (4 n_dot_v)` [Walter07, eq.
+//!   20];
 //! - diffuse of albedo 1: `1/π ∫ (1 - F(v·h)) L n_dot_l dl`; with `F = 0` it is Lambert's.
 //!
-//! Schlick's `F = f0 + (1 - f0) (1 - v·h)⁵` is linear in `f0`, so two integrals of each kind serve every `f0`. See `examples/integrate_pixel.rs`.
+//! Schlick's `F = f0 + (1 - f0) (1 - v·h)⁵` is linear in `f0`, so two integrals of each kind serve
+//! every `f0`. See `examples/integrate_pixel.rs`.
 
 use crate::brdf::{Brdf, MaskingShadowing, Stretch, Widths, reflect, schlick_weight};
 use crate::math::equirect_quadrature::{EquirectQuadrature, Focus};
@@ -14,7 +17,8 @@ use crate::math::quadrature::{Bounded, Estimate, Tolerance};
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// A point to shade. `n` and `v` are unit vectors in the environment's frame, `n·v > 0`; `alpha` is in (0, 1].
+/// A point to shade. `n` and `v` are unit vectors in the environment's frame, `n·v > 0`; `alpha` is
+/// in (0, 1].
 #[derive(Clone, Copy, Debug)]
 pub struct Surface {
     pub model: &'static dyn Brdf,
@@ -31,17 +35,36 @@ pub struct Surface {
 
 impl Surface {
     /// Makes a surface of one width from normal and view.
-    pub fn new(model: &'static dyn Brdf, masking: MaskingShadowing, alpha: f64, f0: DVec3, [n, v]: [DVec3; 2]) -> Self {
-        Self { model, masking, alpha, stretch: None, f0, n, v }
+    pub fn new(
+        model: &'static dyn Brdf,
+        masking: MaskingShadowing,
+        alpha: f64,
+        f0: DVec3,
+        [n, v]: [DVec3; 2],
+    ) -> Self {
+        Self {
+            model,
+            masking,
+            alpha,
+            stretch: None,
+            f0,
+            n,
+            v,
+        }
     }
 
     /// Returns the surface with two widths.
     pub fn stretched(self, stretch: Stretch) -> Self {
-        Self { alpha: stretch.widths.mean(), stretch: Some(stretch), ..self }
+        Self {
+            alpha: stretch.widths.mean(),
+            stretch: Some(stretch),
+            ..self
+        }
     }
 
     pub fn widths(&self) -> Widths {
-        self.stretch.map_or(self.alpha.into(), |stretch| stretch.widths)
+        self.stretch
+            .map_or(self.alpha.into(), |stretch| stretch.widths)
     }
 
     /// Calls a function with the focus on the lobe, which at grazing views is a long arc.
@@ -54,13 +77,21 @@ impl Surface {
             let h = v + l.with_z(l.z.max(0.0));
             (h.truncate() / (h.z * widths)).extend(l.z)
         };
-        // Across the plane of incidence the lobe about the mirror direction is narrowest: 2 alpha (v·h).
+        // Across the plane of incidence the lobe about the mirror direction is narrowest: 2 alpha
+        // (v·h).
         let alpha = widths.min_element();
-        integrate(Focus { direction: reflect(self.v, self.n), radius: alpha * v.z.max(alpha), place: Some(&place) })
+        integrate(Focus {
+            direction: reflect(self.v, self.n),
+            radius: alpha * v.z.max(alpha),
+            place: Some(&place),
+        })
     }
 
     pub fn frame(&self) -> Frame {
-        self.stretch.map_or_else(|| Frame::from_normal(self.n), |stretch| Frame::from_tangent(self.n, stretch.tangent))
+        self.stretch.map_or_else(
+            || Frame::from_normal(self.n),
+            |stretch| Frame::from_tangent(self.n, stretch.tangent),
+        )
     }
 }
 
@@ -78,9 +109,16 @@ pub struct Answer {
 }
 
 /// A relative error bound of 1e-5. True errors are a tenth to a thousandth of the bound.
-pub const TOLERANCE: Tolerance = Tolerance { relative: 1e-5, max_part_count: 100_000 };
+pub const TOLERANCE: Tolerance = Tolerance {
+    relative: 1e-5,
+    max_part_count: 100_000,
+};
 
-pub fn integrate(environment: &EquirectQuadrature, surface: &Surface, tolerance: Tolerance) -> Answer {
+pub fn integrate(
+    environment: &EquirectQuadrature,
+    surface: &Surface,
+    tolerance: Tolerance,
+) -> Answer {
     let Surface { f0, n, v, .. } = *surface;
     let specular = specular(environment, surface, tolerance);
     let diffuse = diffuse(environment, n, v, tolerance);
@@ -93,8 +131,14 @@ pub fn integrate(environment: &EquirectQuadrature, surface: &Surface, tolerance:
 }
 
 /// Integrates `∫ f L n·l dl` with F = 1 and with `F = Fc = (1 - v·h)⁵`.
-pub fn specular(environment: &EquirectQuadrature, surface: &Surface, tolerance: Tolerance) -> Estimate<2> {
-    let Surface { model, masking, v, .. } = *surface;
+pub fn specular(
+    environment: &EquirectQuadrature,
+    surface: &Surface,
+    tolerance: Tolerance,
+) -> Estimate<2> {
+    let Surface {
+        model, masking, v, ..
+    } = *surface;
     let (frame, widths) = (surface.frame(), surface.widths());
     let v_local = frame.to_local(v);
     let kernel = |l: DVec3| {
@@ -103,13 +147,21 @@ pub fn specular(environment: &EquirectQuadrature, surface: &Surface, tolerance: 
             return [0.0; 2];
         }
         let f = widths.lobe(model, v_local, l_local, masking);
-        [f, f * schlick_weight(v_local.dot((v_local + l_local).normalize()))]
+        [
+            f,
+            f * schlick_weight(v_local.dot((v_local + l_local).normalize())),
+        ]
     };
     surface.focused(|focus| environment.integrate(kernel, Some(focus), tolerance))
 }
 
 /// Integrates `∫ n·l L dl / π` and `∫ Fc n·l L dl / π`, `Fc = (1 - v·h)⁵`.
-pub fn diffuse(environment: &EquirectQuadrature, n: DVec3, v: DVec3, tolerance: Tolerance) -> Estimate<2> {
+pub fn diffuse(
+    environment: &EquirectQuadrature,
+    n: DVec3,
+    v: DVec3,
+    tolerance: Tolerance,
+) -> Estimate<2> {
     let kernel = |l: DVec3| {
         let n_dot_l = n.dot(l);
         if n_dot_l <= 0.0 {

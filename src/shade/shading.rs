@@ -31,7 +31,8 @@ pub struct Shading {
     pub pixel_points: PixelPoints,
     /// The sequence of frames that the image ends.
     pub frames: Frames,
-    /// The index of the image in a sequence, which then assigns the points; `None` for an image alone.
+    /// The index of the image in a sequence, which then assigns the points; `None` for an image
+    /// alone.
     pub frame: Option<u32>,
     /// Added to the mip level of a filtered method.
     pub lod_bias: f32,
@@ -90,7 +91,11 @@ impl Shading {
             Some(FramePoints::Owen) => PixelPoints::Owen as u32,
             Some(_) => PIXEL_POINTS_SHIFTED,
         };
-        constants[8] = if self.method.uses_bend { self.bend.code() } else { self.sheen_lookup.code() };
+        constants[8] = if self.method.uses_bend {
+            self.bend.code()
+        } else {
+            self.sheen_lookup.code()
+        };
         constants
     }
 
@@ -108,12 +113,24 @@ impl Shading {
     pub fn point_seed(&self) -> u32 {
         /// 2^32 over the golden ratio: no two frames of near sets have one seed.
         const STEP: u32 = 0x9e37_79b9;
-        self.point_set.wrapping_add(self.frame.unwrap_or(0).wrapping_mul(STEP))
+        self.point_set
+            .wrapping_add(self.frame.unwrap_or(0).wrapping_mul(STEP))
     }
 
     /// Returns the specialization constants of passes that read no map of the lobe.
     pub(super) fn table_constants(&self, masking: MaskingShadowing) -> [u32; 9] {
-        // The second and the fourth belong to the reference, the eighth to the scene (`Passes::tangents`).
-        [masking as u32, 0, 0, 0, 0, self.compensation as u32, self.precompute.dfg_axes as u32, 0, 0]
+        // The second and the fourth belong to the reference, the eighth to the scene
+        // (`Passes::tangents`).
+        [
+            masking as u32,
+            0,
+            0,
+            0,
+            0,
+            self.compensation as u32,
+            self.precompute.dfg_axes as u32,
+            0,
+            0,
+        ]
     }
 }

@@ -1,10 +1,12 @@
 //! Sheen of cloth over a base ([`crate::brdf::SheenVisibility`]), with its own colour C and width.
 //!
-//! With base L_b, `I = ∫ f_s n·l L dl` of the lobe for colour 1 and its albedo `E = ∫ f_s n·l dl`, the truth is
+//! With base L_b, `I = ∫ f_s n·l L dl` of the lobe for colour 1 and its albedo `E = ∫ f_s n·l dl`,
+//! the truth is
 //!
 //! `C I + max(0, 1 - max(C) E) L_b`
 //!
-//! as KHR_materials_sheen scales the base by n·v alone \[KhrSheen20\]. E may exceed 1, hence the clamp. A coat lies over both.
+//! as KHR_materials_sheen scales the base by n·v alone \[KhrSheen20\]. E may exceed 1, hence the
+//! clamp. A coat lies over both.
 
 use crate::brdf::{perceptual_roughness_from_alpha, reflect};
 use crate::glsl::constants as code;
@@ -27,8 +29,8 @@ pub enum SheenMap {
 pub enum SheenToward {
     Normal = code::SHEEN_TOWARD_NORMAL,
     Mirror = code::SHEEN_TOWARD_MIRROR,
-    /// A fit of the lobe's first moment. With `pr = √alpha` it is along `v + (u - n·v) n`, u from `2.7 pr + 3.48 alpha` at
-    /// grazing views to `1.17 alpha`.
+    /// A fit of the lobe's first moment. With `pr = √alpha` it is along `v + (u - n·v) n`, u from
+    /// `2.7 pr + 3.48 alpha` at grazing views to `1.17 alpha`.
     Moment = code::SHEEN_TOWARD_MOMENT,
 }
 
@@ -93,7 +95,12 @@ pub static SHEEN_LOOKUPS: &[SheenLookup] = &[
         level: SheenLevel::Own,
         ..MOMENT
     },
-    SheenLookup { name: "irradiance", about: "irradiance at n", map: SheenMap::Irradiance, ..MOMENT },
+    SheenLookup {
+        name: "irradiance",
+        about: "irradiance at n",
+        map: SheenMap::Irradiance,
+        ..MOMENT
+    },
     SheenLookup {
         name: "charlie",
         about: "a map prefiltered by the sheen lobe, along n",
@@ -111,7 +118,8 @@ pub static SHEEN_LOOKUPS: &[SheenLookup] = &[
     },
     SheenLookup {
         name: "khronos",
-        about: "getIBLRadianceCharlie of the glTF Sample Renderer: a map prefiltered by the sheen lobe, along r",
+        about: "getIBLRadianceCharlie of the glTF Sample Renderer: a map prefiltered by the sheen \
+                lobe, along r",
         map: SheenMap::Charlie,
         toward: SheenToward::Mirror,
         level: SheenLevel::Own,
@@ -127,7 +135,8 @@ pub static SHEEN_LOOKUPS: &[SheenLookup] = &[
     },
     SheenLookup {
         name: "playcanvas",
-        about: "addReflectionSheen of PlayCanvas: the roughest level along n, an older fit at 1 - roughness; the base loses 0.157 C",
+        about: "addReflectionSheen of PlayCanvas: the roughest level along n, an older fit at 1 - \
+                roughness; the base loses 0.157 C",
         toward: SheenToward::Normal,
         factor: SheenAlbedo::Fit(|n_dot_v, pr| three_albedo_before(n_dot_v, 1.0 - pr)),
         loss: SheenAlbedo::Fit(|_, _| 0.157),
@@ -156,8 +165,16 @@ fn three_albedo(n_dot_v: f64, pr: f64) -> f64 {
 /// The same function before, π times.
 fn three_albedo_before(n_dot_v: f64, pr: f64) -> f64 {
     let (a, b, more) = match pr < 0.25 {
-        true => (-339.2 * pr * pr + 161.4 * pr - 25.9, 44.0 * pr * pr - 23.7 * pr + 3.26, 0.0),
-        false => (-8.48 * pr * pr + 14.3 * pr - 9.95, 1.97 * pr * pr - 3.27 * pr + 0.72, 0.1 * (pr - 0.25)),
+        true => (
+            -339.2 * pr * pr + 161.4 * pr - 25.9,
+            44.0 * pr * pr - 23.7 * pr + 3.26,
+            0.0,
+        ),
+        false => (
+            -8.48 * pr * pr + 14.3 * pr - 9.95,
+            1.97 * pr * pr - 3.27 * pr + 0.72,
+            0.1 * (pr - 0.25),
+        ),
     };
     (a * n_dot_v + b).exp() + more
 }
@@ -178,9 +195,13 @@ fn materialx_albedo(x: f64, pr: f64) -> f64 {
 }
 
 impl SheenLookup {
-    /// Returns itself if it reads the prefiltered map of the image, scaled by the exact albedo; else the first.
+    /// Returns itself if it reads the prefiltered map of the image, scaled by the exact albedo;
+    /// else the first.
     pub fn plain(&'static self) -> &'static Self {
-        let is_plain = matches!((self.map, self.factor), (SheenMap::Levels, SheenAlbedo::Exact));
+        let is_plain = matches!(
+            (self.map, self.factor),
+            (SheenMap::Levels, SheenAlbedo::Exact)
+        );
         if is_plain { self } else { &SHEEN_LOOKUPS[0] }
     }
 
@@ -188,24 +209,44 @@ impl SheenLookup {
         self.toward as u32 | (self.level as u32) << 4
     }
 
-    /// Returns direction and alpha of the level that are looked up, as `shaders/shade/method/sheen_lookup.glsl`.
+    /// Returns direction and alpha of the level that are looked up, as
+    /// `shaders/shade/method/sheen_lookup.glsl`.
     pub fn place(&self, [n, v]: [DVec3; 2], alpha: f64) -> (DVec3, f64) {
         let n_dot_v = n.dot(v);
         let grazing = 2.7 * perceptual_roughness_from_alpha(alpha) + 3.48 * alpha;
         let direction = match self.toward {
             SheenToward::Normal => n,
             SheenToward::Mirror => reflect(v, n),
-            SheenToward::Moment => (v + (grazing + (1.17 * alpha - grazing) * n_dot_v - n_dot_v) * n).normalize(),
+            SheenToward::Moment => {
+                (v + (grazing + (1.17 * alpha - grazing) * n_dot_v - n_dot_v) * n).normalize()
+            }
         };
-        (direction, if self.level == SheenLevel::Roughest { 1.0 } else { alpha })
+        (
+            direction,
+            if self.level == SheenLevel::Roughest {
+                1.0
+            } else {
+                alpha
+            },
+        )
     }
 }
 
-/// What the images of a surface with sheen count: the base's and the sheen's. Without a lookup the sheen's image is I.
-pub fn shares(lookup: Option<&SheenLookup>, color: DVec3, alpha: f64, n_dot_v: f64, albedo: f64) -> [DVec3; 2] {
+/// What the images of a surface with sheen count: the base's and the sheen's. Without a lookup the
+/// sheen's image is I.
+pub fn shares(
+    lookup: Option<&SheenLookup>,
+    color: DVec3,
+    alpha: f64,
+    n_dot_v: f64,
+    albedo: f64,
+) -> [DVec3; 2] {
     let [factor, loss] = match lookup {
         Some(lookup) => [lookup.factor, lookup.loss].map(|of| of.at(albedo, n_dot_v, alpha)),
         None => [1.0, albedo],
     };
-    [DVec3::splat((1.0 - color.max_element() * loss).max(0.0)), factor * color]
+    [
+        DVec3::splat((1.0 - color.max_element() * loss).max(0.0)),
+        factor * color,
+    ]
 }

@@ -1,8 +1,8 @@
 //! The f64 twins of the methods, which frames are compared with, and their inputs.
 //!
-//! The twin of an estimator computes the same sum from the same tables and points: only f32 and the device's filter
-//! differ, so a wrong level, weight or exponent shows at any sample count. A method that draws random points is
-//! compared with the mean of its estimator, within its standard error.
+//! The twin of an estimator computes the same sum from the same tables and points: only f32 and the
+//! device's filter differ, so a wrong level, weight or exponent shows at any sample count. A method
+//! that draws random points is compared with the mean of its estimator, within its standard error.
 
 use super::bend::Bend;
 use super::reference::Surface;
@@ -77,7 +77,8 @@ impl Samples {
     pub fn points(&self) -> impl Iterator<Item = DVec2> {
         (0..self.count).map(|i| {
             let point = (self.sequence.point)(i, self.count, self.set);
-            self.pixel.map_or(point, |pixel| scrambled(point, pixel, self.set))
+            self.pixel
+                .map_or(point, |pixel| scrambled(point, pixel, self.set))
         })
     }
 }
@@ -88,14 +89,25 @@ impl Light {
         [self.environment[0].width, self.environment[0].height]
     }
 
-    /// Returns the radiance from a direction at a level of the environment's own mips, clamped to the chain.
+    /// Returns the radiance from a direction at a level of the environment's own mips, clamped to
+    /// the chain.
     pub fn radiance(&self, direction: DVec3, lod: f64) -> DVec3 {
-        trilinear(&self.environment, uv_from_direction(direction), lod, Wrap::EQUIRECT, |texel| texel)
+        trilinear(
+            &self.environment,
+            uv_from_direction(direction),
+            lod,
+            Wrap::EQUIRECT,
+            |texel| texel,
+        )
     }
 
     /// Returns the mean radiance of the lobe of width `alpha` about `r`, from the prefiltered map.
     pub fn mean_radiance(&self, r: DVec3, alpha: f64) -> DVec3 {
-        self.prefiltered.value(r, self.level_mapping.mip_from_alpha(alpha, self.prefiltered.levels.len() as u32))
+        self.prefiltered.value(
+            r,
+            self.level_mapping
+                .mip_from_alpha(alpha, self.prefiltered.levels.len() as u32),
+        )
     }
 
     /// Returns (A, B) of the DFG table: the lobe reflects `f0 A + B` of constant radiance.
@@ -103,7 +115,8 @@ impl Light {
         self.dfg_axes.lookup(&self.dfg, n_dot_v, alpha)
     }
 
-    /// Computes the split sum with a lookup of that direction and width: `P(direction, width) (f0 A + B)`.
+    /// Computes the split sum with a lookup of that direction and width: `P(direction, width) (f0 A
+    /// + B)`.
     pub fn split_sum(&self, surface: &Surface, direction: DVec3, width: f64) -> DVec3 {
         let pair = self.dfg(surface.n.dot(surface.v), surface.alpha);
         self.mean_radiance(direction, width) * (surface.f0 * pair.x + pair.y)
@@ -112,7 +125,12 @@ impl Light {
     /// Computes the split sum at alpha along `normalize(mix(n, r, t))`, with t by n·v and alpha.
     pub fn split_sum_between(&self, surface: &Surface, share_of_r: fn(f64, f64) -> f64) -> DVec3 {
         let Surface { n, v, alpha, .. } = *surface;
-        self.split_sum(surface, n.lerp(reflect(v, n), share_of_r(n.dot(v), alpha)).normalize(), alpha)
+        self.split_sum(
+            surface,
+            n.lerp(reflect(v, n), share_of_r(n.dot(v), alpha))
+                .normalize(),
+            alpha,
+        )
     }
 
     /// Sums the taps of a table; a colour counts by its mean.
@@ -123,7 +141,10 @@ impl Light {
         let taps = table.taps(n.dot(v), alpha, dielectric).into_iter();
         let mean: DVec3 = taps
             .map(|[place, level, weight]| {
-                weight * self.prefiltered.value(n.lerp(reflect(v, n), place).normalize(), level)
+                weight
+                    * self
+                        .prefiltered
+                        .value(n.lerp(reflect(v, n), place).normalize(), level)
             })
             .sum();
         mean.max(DVec3::ZERO) * (surface.f0 * pair.x + pair.y)

@@ -9,15 +9,26 @@ use crate::table::markdown::{Align, MarkdownTable};
 use std::fmt::Write;
 
 pub fn page() -> String {
-    let mut text = "# Columns\n\nWritten by `splitsum list columns`, from the lists in the code. A missing value is an empty field. Numbers have all \
+    let mut text =
+        "# Columns\n\nWritten by `splitsum list columns`, from the lists in the code. A \
+                    missing value is an empty field. Numbers have all \
                     their digits. An interval is a 95 % interval.\n\n"
-        .to_owned();
+            .to_owned();
     let _ = write!(text, "`{}`: {}\n\n## Axes\n\n", CELL.name, CELL.about);
-    text += &table(Named::all().map(|axis| (axis.name(), format!("{}.", capitalised(axis.about())))));
+    text +=
+        &table(Named::all().map(|axis| (axis.name(), format!("{}.", capitalised(axis.about())))));
     text += "\nAn axis is empty in the rows of methods that do not use it.\n\n## Metrics\n\n";
     let metric = |d: &crate::metrics::Metric| {
-        let constants: Vec<String> = d.parameters.iter().map(|(name, value)| format!("{name} = {value}")).collect();
-        let constants = if constants.is_empty() { String::new() } else { format!(" ({})", constants.join(", ")) };
+        let constants: Vec<String> = d
+            .parameters
+            .iter()
+            .map(|(name, value)| format!("{name} = {value}"))
+            .collect();
+        let constants = if constants.is_empty() {
+            String::new()
+        } else {
+            format!(" ({})", constants.join(", "))
+        };
         format!(
             "{}{constants}. {} values, better: {}.",
             capitalised(d.formula.trim_end_matches('.')),
@@ -31,20 +42,35 @@ pub fn page() -> String {
         let _ = write!(text, "\n### {file}\n\n{about}\n\n");
         text += &of_columns(*columns);
     }
-    text += "\n## Tables of answers\n\nEach answered question has a table in `answers/`. Its first columns are the axes that distinguish its \
-             rows; `environment`, `brdf`, `alpha` and `f0` are included even with one value if rows are single cases.\n";
+    text += "\n## Tables of answers\n\nEach answered question has a table in `answers/`. Its first \
+             columns are the axes that distinguish its \
+             rows; `environment`, `brdf`, `alpha` and `f0` are included even with one value if \
+             rows are single cases.\n";
     for question in QUESTIONS {
-        let _ = write!(text, "\n### answers/{}.csv\n\n{}\n\n", question.name, question.asks);
+        let _ = write!(
+            text,
+            "\n### answers/{}.csv\n\n{}\n\n",
+            question.name, question.asks
+        );
         let weight = question.is_weighted.then_some(&WEIGHT);
         text += &of_columns(weight.into_iter().chain(question.columns));
     }
-    text += "\n## Counts of compiled code\n\n`splitsum cost --out` writes one row per pass and family.\n\n";
-    text += &table(crate::cost::table::columns().iter().map(|(name, about)| (name.as_str(), about.clone())));
+    text += "\n## Counts of compiled code\n\n`splitsum cost --out` writes one row per pass and \
+             family.\n\n";
+    text += &table(
+        crate::cost::table::columns()
+            .iter()
+            .map(|(name, about)| (name.as_str(), about.clone())),
+    );
     text
 }
 
 fn of_columns<'c>(columns: impl IntoIterator<Item = &'c Column>) -> String {
-    table(columns.into_iter().map(|column| (column.name, column.about.to_owned())))
+    table(
+        columns
+            .into_iter()
+            .map(|column| (column.name, column.about.to_owned())),
+    )
 }
 
 fn table<'n>(rows: impl Iterator<Item = (&'n str, String)>) -> String {

@@ -18,7 +18,11 @@ pub struct Names(Vec<Named>);
 impl Names {
     /// The names of a run's experiment; the axes' own if it is unknown.
     pub fn of(run: &Finished) -> Self {
-        let named = |axis| run.config.as_ref().map_or(Named::own(axis), |config| config.named(axis));
+        let named = |axis| {
+            run.config
+                .as_ref()
+                .map_or(Named::own(axis), |config| config.named(axis))
+        };
         Self((0..AXES.len()).map(named).collect())
     }
 
@@ -39,8 +43,8 @@ impl Names {
         self.0[axis].shown(value)
     }
 
-    /// A short value: builtins without prefix, numbers with few digits. Environments of files are short already; a folder distinguishes equal
-    /// file names.
+    /// A short value: builtins without prefix, numbers with few digits. Environments of files are
+    /// short already; a folder distinguishes equal file names.
     pub fn short(&self, axis: usize, value: &Value) -> String {
         let text = self.shown(axis, value).to_string();
         match axis == ENVIRONMENT && !text.starts_with(BUILTIN_PREFIX) {
@@ -60,21 +64,43 @@ impl Names {
     }
 
     /// As [`Self::label`], for the axes with `is_shown`.
-    pub fn label_where(&self, axes: &[usize], key: &[Value], is_shown: impl Fn(usize) -> bool) -> String {
-        let shown = axes.iter().zip(key).filter(|(axis, value)| **value != Value::Unset && is_shown(**axis));
-        shown.map(|(&axis, value)| self.one(axis, value)).collect::<Vec<_>>().join(" · ")
+    pub fn label_where(
+        &self,
+        axes: &[usize],
+        key: &[Value],
+        is_shown: impl Fn(usize) -> bool,
+    ) -> String {
+        let shown = axes
+            .iter()
+            .zip(key)
+            .filter(|(axis, value)| **value != Value::Unset && is_shown(**axis));
+        shown
+            .map(|(&axis, value)| self.one(axis, value))
+            .collect::<Vec<_>>()
+            .join(" · ")
     }
 
     /// "alpha 0.1", "sky"; empty for an unset value.
     pub fn one(&self, axis: usize, value: &Value) -> String {
-        if *value == Value::Unset { String::new() } else { self.0[axis].symbol().label(&self.short(axis, value)) }
+        if *value == Value::Unset {
+            String::new()
+        } else {
+            self.0[axis].symbol().label(&self.short(axis, value))
+        }
     }
 
     /// "alpha 0.05 (roughness 0.22)", "sky".
     pub fn heading(&self, axis: usize, value: &Value) -> String {
-        match self.beside(axis).map(|second| (second, second.shown(value).size())) {
+        match self
+            .beside(axis)
+            .map(|second| (second, second.shown(value).size()))
+        {
             Some((second, Some(size))) => {
-                format!("{} ({})", self.one(axis, value), second.symbol().label(&significant(size, DIGITS)))
+                format!(
+                    "{} ({})",
+                    self.one(axis, value),
+                    second.symbol().label(&significant(size, DIGITS))
+                )
             }
             _ => self.one(axis, value),
         }
@@ -82,15 +108,21 @@ impl Names {
 
     /// Column heads of values on these axes: alpha also shows the perceptual roughness.
     pub fn heads(&self, axes: &[usize]) -> Vec<&'static str> {
-        let names = |&axis: &usize| std::iter::once(self.name(axis)).chain(self.beside(axis).map(Named::name));
+        let names = |&axis: &usize| {
+            std::iter::once(self.name(axis)).chain(self.beside(axis).map(Named::name))
+        };
         axes.iter().flat_map(names).collect()
     }
 
     /// Cells under [`Self::heads`].
     pub fn head(&self, axes: &[usize], key: &[Value]) -> Vec<Cell> {
         let cells = |(&axis, value): (&usize, &Value)| {
-            let beside = self.beside(axis).map(|second| Cell::from(&second.shown(value)));
-            std::iter::once(Cell::from(self.short(axis, value))).chain(beside).collect::<Vec<_>>()
+            let beside = self
+                .beside(axis)
+                .map(|second| Cell::from(&second.shown(value)));
+            std::iter::once(Cell::from(self.short(axis, value)))
+                .chain(beside)
+                .collect::<Vec<_>>()
         };
         axes.iter().zip(key).flat_map(cells).collect()
     }

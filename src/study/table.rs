@@ -30,7 +30,12 @@ impl From<&Value> for Cell {
 pub fn axis_cells(axes: &[usize], key: &[Value]) -> Vec<Cell> {
     let cells = |(&axis, value): (&usize, &Value)| {
         let usual = Named::usual(axis);
-        [Some(value.into()), usual.is_second().then(|| (&usual.shown(value)).into())].into_iter().flatten()
+        [
+            Some(value.into()),
+            usual.is_second().then(|| (&usual.shown(value)).into()),
+        ]
+        .into_iter()
+        .flatten()
     };
     axes.iter().zip(key).flat_map(cells).collect()
 }
@@ -51,20 +56,31 @@ impl Table {
     }
 
     pub fn with_names(columns: impl IntoIterator<Item: Into<String>>) -> Self {
-        Self { columns: columns.into_iter().map(Into::into).collect(), rows: Vec::new() }
+        Self {
+            columns: columns.into_iter().map(Into::into).collect(),
+            rows: Vec::new(),
+        }
     }
 
-    /// The rows of several tables under the names of all their columns, each after the name of its table in a column `head`.
+    /// The rows of several tables under the names of all their columns, each after the name of its
+    /// table in a column `head`.
     pub fn united(head: &str, tables: Vec<(&str, Self)>) -> Self {
         let names = tables.iter().flat_map(|(_, table)| table.columns.clone());
         let names: IndexSet<String> = std::iter::once(head.to_owned()).chain(names).collect();
         let mut all = Self::with_names(names);
         for (name, table) in tables {
-            let places: Vec<Option<usize>> =
-                all.columns.iter().skip(1).map(|column| table.columns.iter().position(|own| own == column)).collect();
+            let places: Vec<Option<usize>> = all
+                .columns
+                .iter()
+                .skip(1)
+                .map(|column| table.columns.iter().position(|own| own == column))
+                .collect();
             for row in table.rows {
-                let cells = places.iter().map(|place| place.map_or(Cell::Missing, |place| row[place].clone()));
-                all.rows.push(std::iter::once(name.into()).chain(cells).collect());
+                let cells = places
+                    .iter()
+                    .map(|place| place.map_or(Cell::Missing, |place| row[place].clone()));
+                all.rows
+                    .push(std::iter::once(name.into()).chain(cells).collect());
             }
         }
         all
@@ -72,29 +88,57 @@ impl Table {
 
     /// Adds a row, as long as the columns.
     pub fn row(&mut self, cells: Vec<Cell>) {
-        assert_eq!(cells.len(), self.columns.len(), "a row has a cell for each column");
+        assert_eq!(
+            cells.len(),
+            self.columns.len(),
+            "a row has a cell for each column"
+        );
         self.rows.push(cells);
     }
 
     /// Removes columns that are empty in every row.
     pub fn without_empty(mut self) -> Self {
         let is_empty = |column: usize| self.rows.iter().all(|row| row[column] == Cell::Missing);
-        for column in (0..self.columns.len()).rev().filter(|&column| is_empty(column)).collect::<Vec<_>>() {
+        for column in (0..self.columns.len())
+            .rev()
+            .filter(|&column| is_empty(column))
+            .collect::<Vec<_>>()
+        {
             self.columns.remove(column);
-            self.rows.iter_mut().for_each(|row| drop(row.remove(column)));
+            self.rows
+                .iter_mut()
+                .for_each(|row| drop(row.remove(column)));
         }
         self
     }
 
     pub fn csv(&self) -> String {
-        String::from_utf8_lossy(&csv::to_text(&self.columns, self.rows.iter().map(Vec::as_slice))).into_owned()
+        String::from_utf8_lossy(&csv::to_text(
+            &self.columns,
+            self.rows.iter().map(Vec::as_slice),
+        ))
+        .into_owned()
     }
 
     pub fn markdown(&self) -> String {
-        let is_number = |column: usize| self.rows.iter().all(|row| !matches!(row[column], Cell::Text(_)));
-        let align = |column: usize| if is_number(column) { Align::Right } else { Align::Left };
-        let columns: Vec<(&str, Align)> =
-            self.columns.iter().enumerate().map(|(column, name)| (name.as_str(), align(column))).collect();
+        let is_number = |column: usize| {
+            self.rows
+                .iter()
+                .all(|row| !matches!(row[column], Cell::Text(_)))
+        };
+        let align = |column: usize| {
+            if is_number(column) {
+                Align::Right
+            } else {
+                Align::Left
+            }
+        };
+        let columns: Vec<(&str, Align)> = self
+            .columns
+            .iter()
+            .enumerate()
+            .map(|(column, name)| (name.as_str(), align(column)))
+            .collect();
         let mut table = MarkdownTable::new(&columns);
         for row in &self.rows {
             table.row(&row.iter().map(shown).collect::<Vec<_>>());

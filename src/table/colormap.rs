@@ -6,11 +6,11 @@ use std::sync::LazyLock;
 /// Colours over [0, 1].
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Palette {
-    /// Black, purple, pale yellow, perceptually uniform: `magma` of Smith and van der Walt (matplotlib, CC0), in the 8-bit codes of d3. FLIP's
-    /// authors use it, too.
+    /// Black, purple, pale yellow, perceptually uniform: `magma` of Smith and van der Walt
+    /// (matplotlib, CC0), in the 8-bit codes of d3. FLIP's authors use it, too.
     Magma,
-    /// Blue, near white, red: `RdBu` of ColorBrewer 2.0 \[Brewer03\], reversed, interpolated linearly in encoded RGB. Safe for the
-    /// colour-blind.
+    /// Blue, near white, red: `RdBu` of ColorBrewer 2.0 \[Brewer03\], reversed, interpolated
+    /// linearly in encoded RGB. Safe for the colour-blind.
     BlueRed,
 }
 
@@ -36,8 +36,9 @@ pub const OFF_MASK_COLOR: [u8; 3] = [236, 236, 236];
 impl Palette {
     /// The sRGB-encoded colour at `t`, clamped to [0, 1].
     pub fn color(self, t: f64) -> [u8; 3] {
-        static MAGMA: LazyLock<[[u8; 3]; 256]> =
-            LazyLock::new(|| std::array::from_fn(|i| colorous::MAGMA.eval_rational(i, 256).as_array()));
+        static MAGMA: LazyLock<[[u8; 3]; 256]> = LazyLock::new(|| {
+            std::array::from_fn(|i| colorous::MAGMA.eval_rational(i, 256).as_array())
+        });
         if t.is_nan() {
             return NAN_COLOR;
         }
@@ -75,11 +76,19 @@ pub struct ColorScale {
     pub range: Range,
 }
 
-pub const RELATIVE_ERROR: ColorScale = ColorScale { palette: Palette::Magma, range: Range::Log { lo: 1e-3, hi: 1.0 } };
+pub const RELATIVE_ERROR: ColorScale = ColorScale {
+    palette: Palette::Magma,
+    range: Range::Log { lo: 1e-3, hi: 1.0 },
+};
 /// Blue is too dark, red too bright.
-pub const SIGNED_ERROR: ColorScale =
-    ColorScale { palette: Palette::BlueRed, range: Range::Linear { lo: -0.5, hi: 0.5 } };
-pub const FLIP_ERROR: ColorScale = ColorScale { palette: Palette::Magma, range: Range::Linear { lo: 0.0, hi: 1.0 } };
+pub const SIGNED_ERROR: ColorScale = ColorScale {
+    palette: Palette::BlueRed,
+    range: Range::Linear { lo: -0.5, hi: 0.5 },
+};
+pub const FLIP_ERROR: ColorScale = ColorScale {
+    palette: Palette::Magma,
+    range: Range::Linear { lo: 0.0, hi: 1.0 },
+};
 
 /// Parts of a linear range between ticks.
 const LINEAR_TICK_COUNT: u32 = 4;
@@ -100,26 +109,38 @@ impl ColorScale {
         }
     }
 
-    /// Values on a legend, ascending: powers of ten of a logarithmic range, ends and quarters of a linear one.
+    /// Values on a legend, ascending: powers of ten of a logarithmic range, ends and quarters of a
+    /// linear one.
     pub fn ticks(&self) -> Vec<f64> {
         match self.range {
-            Range::Linear { lo, hi } => {
-                (0..=LINEAR_TICK_COUNT).map(|i| lo + (hi - lo) * f64::from(i) / f64::from(LINEAR_TICK_COUNT)).collect()
-            }
+            Range::Linear { lo, hi } => (0..=LINEAR_TICK_COUNT)
+                .map(|i| lo + (hi - lo) * f64::from(i) / f64::from(LINEAR_TICK_COUNT))
+                .collect(),
             Range::Log { lo, hi } => {
                 // Parsed: a power is not the nearest f64.
                 let decade = |exponent: i32| format!("1e{exponent}").parse::<f64>().ok();
                 let [first, last] = [lo.log10().round() as i32, hi.log10().round() as i32];
-                (first..=last).filter_map(decade).filter(|tick| (lo..=hi).contains(tick)).collect()
+                (first..=last)
+                    .filter_map(decade)
+                    .filter(|tick| (lo..=hi).contains(tick))
+                    .collect()
             }
         }
     }
 
     /// Colours a map; the mask must have its size.
     pub fn image(&self, map: &GrayImage, mask: &GrayImage) -> Rgb8Image {
-        assert_eq!([map.width, map.height], [mask.width, mask.height], "size of the mask of an error map");
+        assert_eq!(
+            [map.width, map.height],
+            [mask.width, mask.height],
+            "size of the mask of an error map"
+        );
         Rgb8Image::from_fn(map.width, map.height, |x, y| {
-            if mask.get(x, y) == 0.0 { OFF_MASK_COLOR } else { self.color(f64::from(map.get(x, y))) }
+            if mask.get(x, y) == 0.0 {
+                OFF_MASK_COLOR
+            } else {
+                self.color(f64::from(map.get(x, y)))
+            }
         })
     }
 }

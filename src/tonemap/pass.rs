@@ -7,7 +7,10 @@ use crate::pixels::{Pixels, Rgb8Image};
 
 /// Makes a buffer for the packed pixels of an image.
 pub fn packed(gpu: &Gpu, size: [u32; 2]) -> Result<Buffer, GpuError> {
-    gpu.buffer("tone-mapped pixels", 4 * u64::from(size[0]) * u64::from(size[1]))
+    gpu.buffer(
+        "tone-mapped pixels",
+        4 * u64::from(size[0]) * u64::from(size[1]),
+    )
 }
 
 /// Applies `curve` to `radiance` (a vec4 per pixel).
@@ -18,9 +21,23 @@ pub fn run(
     packed: &Buffer,
     [width, height]: [u32; 2],
 ) -> Result<Report, GpuError> {
-    let push = TonemapParams { width, height, exposure: curve.exposure, contrast: curve.contrast }.to_bytes();
+    let push = TonemapParams {
+        width,
+        height,
+        exposure: curve.exposure,
+        contrast: curve.contrast,
+    }
+    .to_bytes();
     let binds = [Bind::Read(radiance), Bind::Write(packed)];
-    gpu.submit_pass("tonemap", |r| r.dispatch("tonemap/tonemap.comp", &[], &binds, &push, image_groups(width, height)))
+    gpu.submit_pass("tonemap", |r| {
+        r.dispatch(
+            "tonemap/tonemap.comp",
+            &[],
+            &binds,
+            &push,
+            image_groups(width, height),
+        )
+    })
 }
 
 pub fn read(gpu: &Gpu, packed: &Buffer, size: [u32; 2]) -> Result<Rgb8Image, GpuError> {

@@ -6,13 +6,18 @@ use crate::pixels::{Rgb8Image, RgbImage};
 const CODE_MAX: f64 = 255.0;
 
 impl ToneCurve {
-    /// Returns the display values of linear radiance, each in [0, 1); radiance above 2^53 / exposure rounds to 1.
+    /// Returns the display values of linear radiance, each in [0, 1); radiance above 2^53 /
+    /// exposure rounds to 1.
     ///
-    /// Panics if radiance is negative or not finite, or if exposure or contrast is not positive and finite.
+    /// Panics if radiance is negative or not finite, or if exposure or contrast is not positive and
+    /// finite.
     pub fn apply(&self, radiance: [f64; 3]) -> [f64; 3] {
         let (exposure, contrast) = (f64::from(self.exposure), f64::from(self.contrast));
         let positive = |x: f64| x.is_finite() && x > 0.0;
-        assert!(positive(exposure) && positive(contrast), "tone curve parameters must be positive: {self:?}");
+        assert!(
+            positive(exposure) && positive(contrast),
+            "tone curve parameters must be positive: {self:?}"
+        );
         radiance.map(|l| {
             assert!(
                 l.is_finite() && l >= 0.0,
@@ -23,10 +28,12 @@ impl ToneCurve {
         })
     }
 
-    /// Returns display values as 8-bit codes: `255 c` rounded to nearest, halves up. Panics as [`Self::apply`] does.
+    /// Returns display values as 8-bit codes: `255 c` rounded to nearest, halves up. Panics as
+    /// [`Self::apply`] does.
     pub fn apply_rgb8(&self, radiance: [f32; 3]) -> [u8; 3] {
         // The cast cannot truncate: c is in [0, 1].
-        self.apply(radiance.map(f64::from)).map(|c| (c * CODE_MAX).round() as u8)
+        self.apply(radiance.map(f64::from))
+            .map(|c| (c * CODE_MAX).round() as u8)
     }
 
     /// Returns the 8-bit display image of a radiance image. Panics as [`Self::apply`] does.

@@ -15,8 +15,13 @@ impl Browse {
     pub fn ui(&mut self, ui: &Ui, places: &mut BTreeMap<String, Rect>) -> Option<Option<PathBuf>> {
         let modal = egui::Modal::new("browse".into()).show(ui.ctx(), |ui| {
             ui.set_width(460.0);
-            ui.heading(if self.axis == ENVIRONMENT { "Open an environment" } else { "Open a model" });
-            let field = TextEdit::singleline(&mut self.typed).hint_text("Path of a file, then Enter");
+            ui.heading(if self.axis == ENVIRONMENT {
+                "Open an environment"
+            } else {
+                "Open a model"
+            });
+            let field =
+                TextEdit::singleline(&mut self.typed).hint_text("Path of a file, then Enter");
             let field = ui.add(field.desired_width(f32::INFINITY));
             places.insert("path".to_owned(), field.rect);
             let is_typed = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));

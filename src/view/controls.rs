@@ -5,7 +5,8 @@ use super::state::{Side, State};
 use super::theme;
 use crate::environment::{BUILTIN_PREFIX, BUILTINS};
 use crate::experiment::axis::{
-    ALBEDO, ALPHA, AXES, ENVIRONMENT, EXPOSURE, F0, METALLIC, METHOD, Named, Part, Point, SAMPLES, SCENE, SIZE,
+    ALBEDO, ALPHA, AXES, ENVIRONMENT, EXPOSURE, F0, METALLIC, METHOD, Named, Part, Point, SAMPLES,
+    SCENE, SIZE,
 };
 use crate::experiment::value::{Kind, Range, Value};
 use crate::scene::{CameraKind, SCENES};
@@ -57,7 +58,8 @@ impl Controls {
         }
         self.axis(ui, EXPOSURE, state);
         ui.add_space(4.0);
-        let advanced = egui::CollapsingHeader::new("Advanced").show_unindented(ui, |ui| self.advanced(ui, state));
+        let advanced = egui::CollapsingHeader::new("Advanced")
+            .show_unindented(ui, |ui| self.advanced(ui, state));
         self.place("advanced", &advanced.header_response);
         let mut browse = self.browse.take()?;
         let chosen = browse.ui(ui, &mut self.places);
@@ -68,34 +70,71 @@ impl Controls {
     }
 
     fn advanced(&mut self, ui: &mut Ui, state: &mut State) {
-        self.row(ui, "Camera", "Drag to turn, wheel to zoom, 0 to reset", |controls, ui| {
-            for (kind, word) in CameraKind::all().zip(["Parallel", "Perspective"]) {
-                controls.place(kind.name(), &ui.radio_value(&mut state.view.camera, *kind, word));
-            }
-        });
+        self.row(
+            ui,
+            "Camera",
+            "Drag to turn, wheel to zoom, 0 to reset",
+            |controls, ui| {
+                for (kind, word) in CameraKind::all().zip(["Parallel", "Perspective"]) {
+                    controls.place(
+                        kind.name(),
+                        &ui.radio_value(&mut state.view.camera, *kind, word),
+                    );
+                }
+            },
+        );
         let switches = [
-            ("background", "Environment as background", &mut state.view.background),
+            (
+                "background",
+                "Environment as background",
+                &mut state.view.background,
+            ),
             ("fill", "Picture as large as the window", &mut state.fill),
             ("probe", "Values under the pointer (P)", &mut self.has_probe),
         ];
         let placed = switches.map(|(name, label, is_on)| (name, ui.checkbox(is_on, label)));
-        placed.iter().for_each(|(name, response)| self.place(*name, response));
-        self.row(ui, "Reference up to", "Samples a pixel at which the reference stops", |controls, ui| {
-            let count = &mut state.view.reference_samples;
-            let items = REFERENCE_COUNTS.map(|count| (count.to_string(), count.to_string()));
-            let chosen = controls.menu(ui, "reference samples", MENU_WIDTH, &count.to_string(), items.into());
-            *count = chosen.and_then(|text| text.parse().ok()).unwrap_or(*count);
-        });
+        placed
+            .iter()
+            .for_each(|(name, response)| self.place(*name, response));
+        self.row(
+            ui,
+            "Reference up to",
+            "Samples a pixel at which the reference stops",
+            |controls, ui| {
+                let count = &mut state.view.reference_samples;
+                let items = REFERENCE_COUNTS.map(|count| (count.to_string(), count.to_string()));
+                let chosen = controls.menu(
+                    ui,
+                    "reference samples",
+                    MENU_WIDTH,
+                    &count.to_string(),
+                    items.into(),
+                );
+                *count = chosen.and_then(|text| text.parse().ok()).unwrap_or(*count);
+            },
+        );
         for part in [Part::Case, Part::Method, Part::Display, Part::Table] {
             let heading = part.heading();
             ui.add_space(8.0);
             // The rest concerns flags of `render`.
             ui.heading(heading.split(',').next().unwrap_or(heading));
-            let eight = [ENVIRONMENT, SCENE, ALPHA, METALLIC, f0(state), METHOD, SAMPLES, EXPOSURE];
-            let is_choice =
-                |axis: usize| !matches!(AXES[axis].kind, Kind::NameOrFile { names, .. } if names().len() < 2);
-            let is_here = |axis: &usize| AXES[*axis].part.heading() == heading && !eight.contains(axis);
-            (0..AXES.len()).filter(is_here).filter(|axis| is_choice(*axis)).for_each(|axis| self.axis(ui, axis, state));
+            let eight = [
+                ENVIRONMENT,
+                SCENE,
+                ALPHA,
+                METALLIC,
+                f0(state),
+                METHOD,
+                SAMPLES,
+                EXPOSURE,
+            ];
+            let is_choice = |axis: usize| !matches!(AXES[axis].kind, Kind::NameOrFile { names, .. } if names().len() < 2);
+            let is_here =
+                |axis: &usize| AXES[*axis].part.heading() == heading && !eight.contains(axis);
+            (0..AXES.len())
+                .filter(is_here)
+                .filter(|axis| is_choice(*axis))
+                .for_each(|axis| self.axis(ui, axis, state));
         }
     }
 
@@ -103,7 +142,13 @@ impl Controls {
         ui.horizontal(|ui| {
             let (place, response) = ui.allocate_exact_size(LABEL, egui::Sense::hover());
             let font = egui::TextStyle::Body.resolve(ui.style());
-            ui.painter().text(place.left_center(), Align2::LEFT_CENTER, label, font, theme::INK);
+            ui.painter().text(
+                place.left_center(),
+                Align2::LEFT_CENTER,
+                label,
+                font,
+                theme::INK,
+            );
             // A window has no commands.
             response.on_hover_text(about.split("; `splitsum").next().unwrap_or(about));
             add(self, ui);
@@ -119,18 +164,30 @@ impl Controls {
         shown: &str,
         items: Vec<(String, String)>,
     ) -> Option<String> {
-        let words = items.iter().find(|(code, _)| code == shown).map_or(shown, |(_, words)| words);
-        let combo = ComboBox::from_id_salt(name).width(width).height(900.0).truncate();
+        let words = items
+            .iter()
+            .find(|(code, _)| code == shown)
+            .map_or(shown, |(_, words)| words);
+        let combo = ComboBox::from_id_salt(name)
+            .width(width)
+            .height(900.0)
+            .truncate();
         let list = |ui: &mut Ui| {
             ui.set_min_width(MENU_WIDTH);
             let is_clicked = |(code, words): &&(String, String)| {
                 let method = Method::all().find(|method| method.name == code);
                 let about = method.map_or(String::new(), |method| format!(": {}", method.about));
-                let response = ui.selectable_label(code == shown, words).on_hover_text(format!("{code}{about}"));
+                let response = ui
+                    .selectable_label(code == shown, words)
+                    .on_hover_text(format!("{code}{about}"));
                 self.place(format!("choice {code}"), &response);
                 response.clicked()
             };
-            items.iter().filter(is_clicked).last().map(|(code, _)| code.clone())
+            items
+                .iter()
+                .filter(is_clicked)
+                .last()
+                .map(|(code, _)| code.clone())
         };
         let cut = |ui: &mut Ui| {
             ui.set_max_width(width);
@@ -146,58 +203,100 @@ impl Controls {
     fn input(&mut self, ui: &mut Ui, axis: usize, state: &mut State) {
         let named = Named::own(axis);
         let text = state.point[axis].text().to_owned();
-        self.row(ui, &named.label(), &capitalised(named.about()), |controls, ui| {
-            let mut names: Vec<String> = match axis {
-                ENVIRONMENT => BUILTINS.iter().map(|built| format!("{BUILTIN_PREFIX}{}", built.name)).collect(),
-                _ => SCENES.iter().map(|scene| scene.name.to_owned()).collect(),
-            };
-            if !names.contains(&text) {
-                names.push(text.clone());
-            }
-            let words = |name: &String| match Path::new(name).extension().and(Path::new(name).file_name()) {
-                Some(file) => file.to_string_lossy().into_owned(),
-                None => in_words(name.trim_start_matches(BUILTIN_PREFIX)),
-            };
-            let items = names.iter().map(|name| (name.clone(), words(name))).collect();
-            if let Some(name) = controls.menu(ui, named.name(), INPUT_WIDTH, &text, items) {
-                state.point[axis] = Value::from(name);
-            }
-            let button = ui.button("Open").on_hover_text("Type a path, or drop a file on the picture");
-            controls.place(format!("open {}", named.name()), &button);
-            if button.clicked() {
-                controls.browse = Some(Browse { axis, typed: String::new() });
-            }
-        });
+        self.row(
+            ui,
+            &named.label(),
+            &capitalised(named.about()),
+            |controls, ui| {
+                let mut names: Vec<String> = match axis {
+                    ENVIRONMENT => BUILTINS
+                        .iter()
+                        .map(|built| format!("{BUILTIN_PREFIX}{}", built.name))
+                        .collect(),
+                    _ => SCENES.iter().map(|scene| scene.name.to_owned()).collect(),
+                };
+                if !names.contains(&text) {
+                    names.push(text.clone());
+                }
+                let words = |name: &String| match Path::new(name)
+                    .extension()
+                    .and(Path::new(name).file_name())
+                {
+                    Some(file) => file.to_string_lossy().into_owned(),
+                    None => in_words(name.trim_start_matches(BUILTIN_PREFIX)),
+                };
+                let items = names
+                    .iter()
+                    .map(|name| (name.clone(), words(name)))
+                    .collect();
+                if let Some(name) = controls.menu(ui, named.name(), INPUT_WIDTH, &text, items) {
+                    state.point[axis] = Value::from(name);
+                }
+                let button = ui
+                    .button("Open")
+                    .on_hover_text("Type a path, or drop a file on the picture");
+                controls.place(format!("open {}", named.name()), &button);
+                if button.clicked() {
+                    controls.browse = Some(Browse {
+                        axis,
+                        typed: String::new(),
+                    });
+                }
+            },
+        );
     }
 
     fn method(&mut self, ui: &mut Ui, side: &str, state: &mut State) {
-        let value = if side == "left" { &mut state.point[METHOD] } else { &mut state.right };
-        self.row(ui, &capitalised(side), &format!("Method of the {side} half"), |controls, ui| {
-            let current = Method::listed(value.text());
-            let in_file = Some(current).filter(|current| !Method::names().contains(&current.name));
-            let items = Method::all().chain(in_file).map(|method| (method.name.to_owned(), method.title.to_owned()));
-            if let Some(name) = controls.menu(ui, side, MENU_WIDTH, current.name, items.collect()) {
-                *value = Value::from(name);
-            }
-        });
+        let value = if side == "left" {
+            &mut state.point[METHOD]
+        } else {
+            &mut state.right
+        };
+        self.row(
+            ui,
+            &capitalised(side),
+            &format!("Method of the {side} half"),
+            |controls, ui| {
+                let current = Method::listed(value.text());
+                let in_file =
+                    Some(current).filter(|current| !Method::names().contains(&current.name));
+                let items = Method::all()
+                    .chain(in_file)
+                    .map(|method| (method.name.to_owned(), method.title.to_owned()));
+                if let Some(name) =
+                    controls.menu(ui, side, MENU_WIDTH, current.name, items.collect())
+                {
+                    *value = Value::from(name);
+                }
+            },
+        );
     }
 
     fn axis(&mut self, ui: &mut Ui, axis: usize, state: &mut State) {
         let named = Named::usual(axis);
-        let label = if axis == f0(state) { Named::own(F0).label() } else { named.label() };
+        let label = if axis == f0(state) {
+            Named::own(F0).label()
+        } else {
+            named.label()
+        };
         let is_used = |side| {
             let point = state.image(side, 1).point;
             // The reference has its own count.
             point[axis] != Value::Unset && !(axis == SAMPLES && point.method().is_integrated())
         };
         let is_unset = state.point[axis] == Value::Unset;
-        let is_used =
-            AXES[axis].part == Part::Display || is_unset || [Side::Left, Side::Right].into_iter().any(is_used);
+        let is_used = AXES[axis].part == Part::Display
+            || is_unset
+            || [Side::Left, Side::Right].into_iter().any(is_used);
         let point = &mut state.point;
         self.row(ui, &label, &capitalised(named.about()), |controls, ui| {
             ui.add_enabled_ui(is_used, |ui| {
                 // A control of an unset axis shows its first value; moving it sets the axis.
-                let before = if is_unset { first(axis, named, point) } else { point[axis].clone() };
+                let before = if is_unset {
+                    first(axis, named, point)
+                } else {
+                    point[axis].clone()
+                };
                 let mut value = before.clone();
                 controls.value(ui, named, !is_unset, &mut value);
                 if value != before {
@@ -205,7 +304,9 @@ impl Controls {
                     point[axis] = value;
                 }
                 if !is_unset && (AXES[axis].default)() == Value::Unset {
-                    let response = ui.small_button("×").on_hover_text("Return to the model's value");
+                    let response = ui
+                        .small_button("×")
+                        .on_hover_text("Return to the model's value");
                     controls.place(format!("{} reset", named.name()), &response);
                     if response.clicked() {
                         point[axis] = Value::Unset;
@@ -223,10 +324,22 @@ impl Controls {
             (kind, Value::Number(_) | Value::Count(_)) => {
                 let ((range, is_log), is_count) = (reach(kind), matches!(kind, Kind::Count { .. }));
                 let mut number = shown.size().unwrap_or_default();
-                let slider = Slider::new(&mut number, range).logarithmic(is_log).clamping(SliderClamping::Never);
-                let slider = if is_count { slider.integer() } else { slider.max_decimals(3) };
+                let slider = Slider::new(&mut number, range)
+                    .logarithmic(is_log)
+                    .clamping(SliderClamping::Never);
+                let slider = if is_count {
+                    slider.integer()
+                } else {
+                    slider.max_decimals(3)
+                };
                 let response = ui.add(numbered(slider, is_set));
-                found = response.changed().then(|| if is_count { number.to_string() } else { short(number) });
+                found = response.changed().then(|| {
+                    if is_count {
+                        number.to_string()
+                    } else {
+                        short(number)
+                    }
+                });
                 self.place(name, &response);
             }
             (Kind::Color(_), Value::Color([r, g, b])) => {
@@ -234,7 +347,10 @@ impl Controls {
                 ui.spacing_mut().interact_size.x = 28.0;
                 let mut grey = (r + g + b) / 3.0;
                 let mut color = [*r, *g, *b];
-                let response = ui.add(numbered(Slider::new(&mut grey, 0.0..=1.0).max_decimals(3), is_set));
+                let response = ui.add(numbered(
+                    Slider::new(&mut grey, 0.0..=1.0).max_decimals(3),
+                    is_set,
+                ));
                 self.place(name, &response);
                 if response.changed() {
                     found = Some(short(grey.into()));
@@ -252,7 +368,9 @@ impl Controls {
                 found = (sides != *pair).then(|| format!("{}x{}", sides[0], sides[1]));
             }
             (Kind::Name { names, .. } | Kind::NameOrFile { names, .. }, Value::Text(text)) => {
-                let items = names().into_iter().map(|name| (name.to_owned(), name.to_owned()));
+                let items = names()
+                    .into_iter()
+                    .map(|name| (name.to_owned(), name.to_owned()));
                 found = self.menu(ui, name, MENU_WIDTH, text, items.collect());
             }
             _ => {}
@@ -266,12 +384,20 @@ impl Controls {
 
 /// Returns the axis of F0: a metal's is its albedo.
 fn f0(state: &State) -> usize {
-    if state.point[METALLIC] == Value::Number(1.0) { ALBEDO } else { F0 }
+    if state.point[METALLIC] == Value::Number(1.0) {
+        ALBEDO
+    } else {
+        F0
+    }
 }
 
 /// Shows the slider's number, or what an unset axis stands for.
 fn numbered(slider: Slider<'_>, is_set: bool) -> Slider<'_> {
-    if is_set { slider } else { slider.custom_formatter(|_, _| "model".to_owned()) }
+    if is_set {
+        slider
+    } else {
+        slider.custom_formatter(|_, _| "model".to_owned())
+    }
 }
 
 /// Returns the first value of an axis that the user sets.
@@ -290,15 +416,27 @@ fn first(axis: usize, named: Named, point: &Point) -> Value {
 /// Returns a slider's range, and whether it is logarithmic.
 fn reach(kind: Kind) -> (std::ops::RangeInclusive<f64>, bool) {
     match kind {
-        Kind::Number(Range { max, min_open: true, .. }) if max > 1.0 => (DECADES[0]..=DECADES[1].min(max), true),
-        Kind::Number(Range { min, max, .. }) | Kind::NumberOrName { range: Range { min, max, .. }, .. } => {
-            (min..=max, false)
-        }
-        Kind::Count { min, max } => (f64::from(min)..=f64::from(max.min(SAMPLES_MAX.max(min))), true),
+        Kind::Number(Range {
+            max,
+            min_open: true,
+            ..
+        }) if max > 1.0 => (DECADES[0]..=DECADES[1].min(max), true),
+        Kind::Number(Range { min, max, .. })
+        | Kind::NumberOrName {
+            range: Range { min, max, .. },
+            ..
+        } => (min..=max, false),
+        Kind::Count { min, max } => (
+            f64::from(min)..=f64::from(max.min(SAMPLES_MAX.max(min))),
+            true,
+        ),
         _ => (crate::experiment::value::ALPHA_MIN..=1.0, false),
     }
 }
 
 fn short(number: f64) -> String {
-    format!("{number:.3e}").parse::<f64>().unwrap_or(number).to_string()
+    format!("{number:.3e}")
+        .parse::<f64>()
+        .unwrap_or(number)
+        .to_string()
 }

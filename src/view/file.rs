@@ -30,7 +30,10 @@ impl State {
         let mut words = axis_flags(&point);
         words.push(format!("--right={}", quoted(&self.right.to_string())));
         words.extend(view_flags(&self.view));
-        words.push(format!("--reference-samples={}", self.view.reference_samples));
+        words.push(format!(
+            "--reference-samples={}",
+            self.view.reference_samples
+        ));
         words.extend((!self.view.background).then(|| "--no-background".to_owned()));
         format!("splitsum view {}", words.join(" "))
     }
@@ -40,22 +43,39 @@ impl State {
 fn axis_flags(point: &Point) -> Vec<String> {
     let defaults = Point::default();
     let is_shown = |axis: usize| point[axis] != defaults[axis] || ALWAYS.contains(&axis);
-    let names = Named::all().filter(|named| !named.is_second() && point[named.axis] != Value::Unset);
+    let names =
+        Named::all().filter(|named| !named.is_second() && point[named.axis] != Value::Unset);
     names
         .filter(|named| is_shown(named.axis))
-        .map(|named| format!("--{}={}", named.flag(), quoted(&point[named.axis].to_string())))
+        .map(|named| {
+            format!(
+                "--{}={}",
+                named.flag(),
+                quoted(&point[named.axis].to_string())
+            )
+        })
         .collect()
 }
 
 fn view_flags(view: &View) -> Vec<String> {
-    let mut words = vec![format!("--camera={}", view.camera.name()), format!("--seed={}", view.seed)];
+    let mut words = vec![
+        format!("--camera={}", view.camera.name()),
+        format!("--seed={}", view.seed),
+    ];
     if !view.orbit.is_still() {
-        words.push(format!("--orbit={}", view.orbit.numbers().map(|x| x.to_string()).join(",")));
+        words.push(format!(
+            "--orbit={}",
+            view.orbit.numbers().map(|x| x.to_string()).join(",")
+        ));
     }
     words
 }
 
 pub fn quoted(word: &str) -> String {
     let is_plain = |c: char| c.is_ascii_alphanumeric() || "-_./:,=+#@%".contains(c);
-    if word.chars().all(is_plain) { word.to_owned() } else { format!("'{}'", word.replace('\'', "'\\''")) }
+    if word.chars().all(is_plain) {
+        word.to_owned()
+    } else {
+        format!("'{}'", word.replace('\'', "'\\''"))
+    }
 }

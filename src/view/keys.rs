@@ -29,10 +29,24 @@ pub fn press(ui: &Ui, state: &mut State, has_probe: &mut bool) -> Pressed {
         pressed.is_flipped = input.key_down(Key::Space);
         let mut stops = 0.0;
         for event in &input.events {
-            let egui::Event::Key { key, pressed: true, modifiers, .. } = event else { continue };
+            let egui::Event::Key {
+                key,
+                pressed: true,
+                modifiers,
+                ..
+            } = event
+            else {
+                continue;
+            };
             // A slow pass sees several keys, each with its own modifiers.
             let (picture, orbit, shift) = (state.picture, state.view.orbit, modifiers.shift);
-            let toggled = |wanted: Picture| if picture == wanted { Picture::Image } else { wanted };
+            let toggled = |wanted: Picture| {
+                if picture == wanted {
+                    Picture::Image
+                } else {
+                    wanted
+                }
+            };
             let turn = |yaw: f64, pitch: f64| turned(orbit, yaw, pitch);
             match key {
                 key if modifiers.command => pressed.save |= *key == Key::S,
@@ -54,8 +68,14 @@ pub fn press(ui: &Ui, state: &mut State, has_probe: &mut bool) -> Pressed {
                 Key::ArrowDown => state.view.orbit = turn(0.0, -KEY_DEG),
                 key => {
                     // Keys 1 to 9 choose a method in list order.
-                    let digit = key.symbol_or_name().parse::<usize>().ok().filter(|digit| *digit > 0);
-                    if let Some(method) = digit.and_then(|digit| crate::shade::METHODS.get(digit - 1)) {
+                    let digit = key
+                        .symbol_or_name()
+                        .parse::<usize>()
+                        .ok()
+                        .filter(|digit| *digit > 0);
+                    if let Some(method) =
+                        digit.and_then(|digit| crate::shade::METHODS.get(digit - 1))
+                    {
                         state.point[METHOD] = Value::Text(method.name.to_owned().into());
                     }
                 }
@@ -72,12 +92,19 @@ pub fn press(ui: &Ui, state: &mut State, has_probe: &mut bool) -> Pressed {
 /// Turns the orbit, in hundredths of a degree.
 pub fn turned(orbit: Orbit, yaw: f64, pitch: f64) -> Orbit {
     let yaw_deg = (orbit.yaw_deg + yaw + 180.0).rem_euclid(360.0) - 180.0;
-    rounded(Orbit { yaw_deg, pitch_deg: (orbit.pitch_deg + pitch).clamp(-180.0, 180.0), ..orbit })
+    rounded(Orbit {
+        yaw_deg,
+        pitch_deg: (orbit.pitch_deg + pitch).clamp(-180.0, 180.0),
+        ..orbit
+    })
 }
 
 pub fn nearer(orbit: Orbit, factor: f64) -> Orbit {
     let [nearest, farthest] = Orbit::DISTANCE;
-    rounded(Orbit { distance: (orbit.distance * factor).clamp(nearest, farthest), ..orbit })
+    rounded(Orbit {
+        distance: (orbit.distance * factor).clamp(nearest, farthest),
+        ..orbit
+    })
 }
 
 /// Rounds as files and flags write it.

@@ -19,7 +19,8 @@ const STATUS_HEIGHT: f32 = 30.0;
 const MARGIN: f32 = 14.0;
 /// Half the width of the wipe's line for the pointer.
 const GRIP: f32 = 9.0;
-/// Pixels of the largest picture that fills the window: every device holds its reference. Larger windows enlarge it.
+/// Pixels of the largest picture that fills the window: every device holds its reference. Larger
+/// windows enlarge it.
 const PIXELS_MAX: f32 = (1 << 20) as f32;
 const NOTICE: Duration = Duration::from_secs(10);
 /// Delay before the window says that it is busy.
@@ -36,7 +37,8 @@ pub struct Panel {
     pub wants_fullscreen: bool,
     pub canvas: Canvas,
     is_flipped: bool,
-    /// Whether a drag of the picture began on the wipe's line: a slow window hears press and move together.
+    /// Whether a drag of the picture began on the wipe's line: a slow window hears press and move
+    /// together.
     is_wiping: bool,
     /// The state that the user asked for, the last one with a picture, and since when they differ.
     generation: u64,
@@ -86,18 +88,30 @@ impl Panel {
         self.is_flipped = pressed.is_flipped;
         self.wants_save |= pressed.save;
         self.wants_fullscreen |= pressed.fullscreen;
-        let ground = Ground::side_top_panel(ui.style()).inner_margin(egui::Margin::symmetric(12, 0));
-        egui::Panel::right("controls").resizable(false).exact_size(PANEL_WIDTH).frame(ground).show_inside(ui, |ui| {
-            let area = egui::ScrollArea::vertical().auto_shrink(false);
-            if let Some(path) = area.show(ui, |ui| self.controls.ui(ui, state)).inner {
-                self.open(&path, state);
-            }
-        });
-        let ground = Ground::side_top_panel(ui.style()).inner_margin(egui::Margin::symmetric(14, 0));
-        egui::Panel::bottom("status").resizable(false).exact_size(STATUS_HEIGHT).frame(ground).show_inside(ui, |ui| {
-            ui.centered_and_justified(|ui| ui.horizontal_centered(|ui| self.status(ui, shown)));
-        });
-        egui::CentralPanel::default().frame(Ground::NONE).show_inside(ui, |ui| self.picture(ui, state, shown));
+        let ground =
+            Ground::side_top_panel(ui.style()).inner_margin(egui::Margin::symmetric(12, 0));
+        egui::Panel::right("controls")
+            .resizable(false)
+            .exact_size(PANEL_WIDTH)
+            .frame(ground)
+            .show_inside(ui, |ui| {
+                let area = egui::ScrollArea::vertical().auto_shrink(false);
+                if let Some(path) = area.show(ui, |ui| self.controls.ui(ui, state)).inner {
+                    self.open(&path, state);
+                }
+            });
+        let ground =
+            Ground::side_top_panel(ui.style()).inner_margin(egui::Margin::symmetric(14, 0));
+        egui::Panel::bottom("status")
+            .resizable(false)
+            .exact_size(STATUS_HEIGHT)
+            .frame(ground)
+            .show_inside(ui, |ui| {
+                ui.centered_and_justified(|ui| ui.horizontal_centered(|ui| self.status(ui, shown)));
+            });
+        egui::CentralPanel::default()
+            .frame(Ground::NONE)
+            .show_inside(ui, |ui| self.picture(ui, state, shown));
     }
 
     fn picture(&mut self, ui: &mut Ui, state: &mut State, shown: &Shown) {
@@ -106,11 +120,15 @@ impl Panel {
         if state.fill {
             let [width, height] = [area.width(), area.height()].map(|side| (side * scale).floor());
             let factor = (width * height / PIXELS_MAX).sqrt().ceil().max(1.0);
-            state.point[SIZE] = Value::Pair([width, height].map(|side| ((side / factor) as u32).max(1)));
+            state.point[SIZE] =
+                Value::Pair([width, height].map(|side| ((side / factor) as u32).max(1)));
         }
         if shown.size().is_none() {
-            let job =
-                LayoutJob::simple_singleline("Rendering the first picture".into(), theme::medium(15.0), theme::MUTED);
+            let job = LayoutJob::simple_singleline(
+                "Rendering the first picture".into(),
+                theme::medium(15.0),
+                theme::MUTED,
+            );
             veiled(ui, area, Align2::CENTER_CENTER, job);
             self.toolbar(ui, area, state);
             return;
@@ -122,10 +140,19 @@ impl Panel {
         let size = vec2(width, height) * if fit >= 1.0 { fit.floor() } else { fit };
         let corner = ((area.center() - 0.5 * size).to_vec2() * scale).floor() / scale;
         let rect = Rect::from_min_size(corner.to_pos2(), size);
-        let wipe = if self.is_flipped { 1.0 - state.wipe.round() } else { state.shown_wipe() };
+        let wipe = if self.is_flipped {
+            1.0 - state.wipe.round()
+        } else {
+            state.shown_wipe()
+        };
         let is_stale = [Side::Left, Side::Right].map(|side| self.is_stale(state, shown, side));
         let pixels = |v: egui::Vec2| [v.x, v.y].map(|side| (side * scale).round().max(0.0) as u32);
-        self.canvas = Canvas { corner: pixels(rect.min.to_vec2()), size: pixels(rect.size()), wipe, is_stale };
+        self.canvas = Canvas {
+            corner: pixels(rect.min.to_vec2()),
+            size: pixels(rect.size()),
+            wipe,
+            is_stale,
+        };
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         self.controls.place("image", &response);
         self.look(ui, state, &response, rect);
@@ -133,7 +160,10 @@ impl Panel {
         if wipe == state.wipe && !self.is_flipped {
             self.wipe(ui, state, rect);
         }
-        let halves = [(Side::Left, Align2::LEFT_BOTTOM, wipe > 0.0), (Side::Right, Align2::RIGHT_BOTTOM, wipe < 1.0)];
+        let halves = [
+            (Side::Left, Align2::LEFT_BOTTOM, wipe > 0.0),
+            (Side::Right, Align2::RIGHT_BOTTOM, wipe < 1.0),
+        ];
         for ((side, align, is_seen), is_stale) in halves.into_iter().zip(is_stale) {
             let size = vec2(0.5 * inner.width() - MARGIN, inner.height());
             let place = align.anchor_size(align.pos_in_rect(&inner), size);
@@ -141,58 +171,96 @@ impl Panel {
                 caption(ui, place, align, shot, is_stale);
             }
         }
-        if let Some(colors) = state.picture.scale().filter(|_| !is_stale[0] || !is_stale[1]) {
+        if let Some(colors) = state
+            .picture
+            .scale()
+            .filter(|_| !is_stale[0] || !is_stale[1])
+        {
             legend(ui, rect, &colors);
         }
         self.toolbar(ui, area, state);
         if self.controls.has_probe {
             let text = overlay::probe(shown, self.probed).trim_end().to_owned();
             let job = LayoutJob::simple(text, FontId::monospace(12.5), theme::INK, f32::INFINITY);
-            veiled(ui, inner.with_min_y(area.top() + 96.0), Align2::LEFT_TOP, job);
+            veiled(
+                ui,
+                inner.with_min_y(area.top() + 96.0),
+                Align2::LEFT_TOP,
+                job,
+            );
         }
     }
 
-    /// Whether a half shows another state: at once if the other half or the picture is newer, else after a moment.
+    /// Whether a half shows another state: at once if the other half or the picture is newer, else
+    /// after a moment.
     fn is_stale(&self, state: &State, shown: &Shown, side: Side) -> bool {
-        let Some(shot) = shown.side(side) else { return false };
+        let Some(shot) = shown.side(side) else {
+            return false;
+        };
         let is_other = shot.kind != state.picture || shot.generation < self.seen;
         shot.generation != self.generation
-            && (is_other || self.outdated.is_some_and(|since| since.elapsed() >= BUSY_AFTER))
+            && (is_other
+                || self
+                    .outdated
+                    .is_some_and(|since| since.elapsed() >= BUSY_AFTER))
     }
 
     fn toolbar(&mut self, ui: &mut Ui, area: Rect, state: &mut State) {
         let place = Rect::from_min_max(area.min + vec2(MARGIN - 4.0, MARGIN - 4.0), area.max);
         ui.scope_builder(UiBuilder::new().max_rect(place), |ui| {
-            Ground::new().fill(theme::VEIL).corner_radius(8).inner_margin(4).show(ui, |ui| {
-                ui.horizontal(|ui| {
-                    ui.spacing_mut().item_spacing.x = 4.0;
-                    let pictures = [
-                        (Picture::Image, "Image", "The picture; E or S returns to it from an error"),
-                        (Picture::Error, "Error", "Relative error against the reference (E)"),
-                        (Picture::Signed, "Signed", "Relative error: blue is too dark, red too bright (S)"),
-                    ];
-                    for (picture, label, about) in pictures {
-                        let button = ui.selectable_value(&mut state.picture, picture, label).on_hover_text(about);
-                        self.controls.place(label, &button);
-                    }
-                    ui.separator();
-                    let actions = [
-                        ("Save", "Save the picture, EXR files and commands in a new folder (Ctrl+S)"),
-                        ("Reset camera", "Return to the first view (0)"),
-                        ("Fullscreen", "Turn full screen on or off (F)"),
-                    ];
-                    let clicked = actions.map(|(label, about)| {
-                        let button = ui.add(egui::Button::new(label).frame_when_inactive(false)).on_hover_text(about);
-                        self.controls.place(label, &button);
-                        button.clicked()
+            Ground::new()
+                .fill(theme::VEIL)
+                .corner_radius(8)
+                .inner_margin(4)
+                .show(ui, |ui| {
+                    ui.horizontal(|ui| {
+                        ui.spacing_mut().item_spacing.x = 4.0;
+                        let pictures = [
+                            (
+                                Picture::Image,
+                                "Image",
+                                "The picture; E or S returns to it from an error",
+                            ),
+                            (
+                                Picture::Error,
+                                "Error",
+                                "Relative error against the reference (E)",
+                            ),
+                            (
+                                Picture::Signed,
+                                "Signed",
+                                "Relative error: blue is too dark, red too bright (S)",
+                            ),
+                        ];
+                        for (picture, label, about) in pictures {
+                            let button = ui
+                                .selectable_value(&mut state.picture, picture, label)
+                                .on_hover_text(about);
+                            self.controls.place(label, &button);
+                        }
+                        ui.separator();
+                        let actions = [
+                            (
+                                "Save",
+                                "Save the picture, EXR files and commands in a new folder (Ctrl+S)",
+                            ),
+                            ("Reset camera", "Return to the first view (0)"),
+                            ("Fullscreen", "Turn full screen on or off (F)"),
+                        ];
+                        let clicked = actions.map(|(label, about)| {
+                            let button = ui
+                                .add(egui::Button::new(label).frame_when_inactive(false))
+                                .on_hover_text(about);
+                            self.controls.place(label, &button);
+                            button.clicked()
+                        });
+                        self.wants_save |= clicked[0];
+                        self.wants_fullscreen |= clicked[2];
+                        if clicked[1] {
+                            state.view.orbit = HOME;
+                        }
                     });
-                    self.wants_save |= clicked[0];
-                    self.wants_fullscreen |= clicked[2];
-                    if clicked[1] {
-                        state.view.orbit = HOME;
-                    }
                 });
-            });
         });
     }
 
@@ -204,14 +272,18 @@ impl Panel {
         let x = rect.left() + state.wipe * rect.width();
         if response.drag_started() {
             let origin = ui.input(|input| input.pointer.press_origin());
-            self.is_wiping = !self.is_flipped && origin.is_some_and(|place| (place.x - x).abs() <= GRIP);
+            self.is_wiping =
+                !self.is_flipped && origin.is_some_and(|place| (place.x - x).abs() <= GRIP);
         }
-        if let Some(pointer) = response.interact_pointer_pos().filter(|_| self.is_wiping && response.dragged()) {
+        if let Some(pointer) = response
+            .interact_pointer_pos()
+            .filter(|_| self.is_wiping && response.dragged())
+        {
             state.wipe = ((pointer.x - rect.left()) / rect.width()).clamp(0.0, 1.0);
         } else if response.dragged() {
             // Half a turn over the picture's width, as in the report.
-            let [dx, dy] =
-                [response.drag_delta().x, response.drag_delta().y].map(|d| f64::from(d / rect.width()) * 180.0);
+            let [dx, dy] = [response.drag_delta().x, response.drag_delta().y]
+                .map(|d| f64::from(d / rect.width()) * 180.0);
             if shift {
                 turn_light(state, dx);
             } else {
@@ -225,34 +297,56 @@ impl Panel {
         let [width, height] = state.size();
         self.probed = response.hover_pos().map(|place| {
             let share = (place - rect.min) / rect.size();
-            [(share.x, width), (share.y, height)].map(|(x, side)| ((x * side as f32).max(0.0) as u32).min(side - 1))
+            [(share.x, width), (share.y, height)]
+                .map(|(x, side)| ((x * side as f32).max(0.0) as u32).min(side - 1))
         });
     }
 
-    /// Drags and draws the line between the halves. Its whole length lies above the picture that turns the camera.
+    /// Drags and draws the line between the halves. Its whole length lies above the picture that
+    /// turns the camera.
     fn wipe(&mut self, ui: &mut Ui, state: &mut State, rect: Rect) {
         let x = rect.left() + state.wipe * rect.width();
         let line = Rect::from_x_y_ranges(x - GRIP..=x + GRIP, rect.y_range());
-        let response =
-            ui.interact(line, ui.id().with("wipe"), Sense::drag()).on_hover_cursor(CursorIcon::ResizeHorizontal);
+        let response = ui
+            .interact(line, ui.id().with("wipe"), Sense::drag())
+            .on_hover_cursor(CursorIcon::ResizeHorizontal);
         self.controls.place("wipe", &response);
-        if let Some(pointer) = response.interact_pointer_pos().filter(|_| response.dragged()) {
+        if let Some(pointer) = response
+            .interact_pointer_pos()
+            .filter(|_| response.dragged())
+        {
             state.wipe = ((pointer.x - rect.left()) / rect.width()).clamp(0.0, 1.0);
         }
-        wipe_line(ui, line.translate(vec2(rect.left() + state.wipe * rect.width() - x, 0.0)));
+        wipe_line(
+            ui,
+            line.translate(vec2(rect.left() + state.wipe * rect.width() - x, 0.0)),
+        );
     }
 
     /// Shows the last notice, or how far the renderer is, in one line.
     fn status(&mut self, ui: &mut Ui, shown: &Shown) {
-        let device = shown.device.as_ref().map_or("", |device| device.name.as_str());
-        let is_recent = self.noticed.is_some_and(|at| self.is_fault || at.elapsed() < NOTICE);
+        let device = shown
+            .device
+            .as_ref()
+            .map_or("", |device| device.name.as_str());
+        let is_recent = self
+            .noticed
+            .is_some_and(|at| self.is_fault || at.elapsed() < NOTICE);
         let (text, is_fault) = match &shown.status {
             Status::Refused(why) | Status::Lost(why) | Status::Failed(why) => (why.clone(), true),
             _ if is_recent => (self.notice.clone(), self.is_fault),
             status => (progress(shown, *status == Status::Done), false),
         };
-        let hint = if self.has_opened { device } else { "Drop an .hdr or a model here" };
-        let line = if hint.is_empty() || is_fault { text.clone() } else { format!("{text} · {hint}") };
+        let hint = if self.has_opened {
+            device
+        } else {
+            "Drop an .hdr or a model here"
+        };
+        let line = if hint.is_empty() || is_fault {
+            text.clone()
+        } else {
+            format!("{text} · {hint}")
+        };
         let color = if is_fault { theme::WARN } else { theme::MUTED };
         ui.add(egui::Label::new(egui::RichText::new(line).color(color)).truncate())
             .on_hover_text(format!("{text}\n{device}"));
@@ -260,10 +354,21 @@ impl Panel {
 }
 
 fn progress(shown: &Shown, is_done: bool) -> String {
-    let Some(truth) = &shown.truth else { return "Rendering".to_owned() };
-    let error = truth.frame.convergences.iter().map(|term| term.relative_error).fold(0.0, f64::max);
+    let Some(truth) = &shown.truth else {
+        return "Rendering".to_owned();
+    };
+    let error = truth
+        .frame
+        .convergences
+        .iter()
+        .map(|term| term.relative_error)
+        .fold(0.0, f64::max);
     let percent = crate::table::markdown::significant(100.0 * error, 2);
     let samples = truth.image.view.reference_samples;
-    let doing = if is_done { "Reference done" } else { "Refining the reference" };
+    let doing = if is_done {
+        "Reference done"
+    } else {
+        "Refining the reference"
+    };
     format!("{doing}: {samples} samples a pixel, standard error {percent} %")
 }

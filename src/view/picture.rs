@@ -45,7 +45,15 @@ pub fn of_frame(
         return Ok(pipeline.tonemap(&frame.radiance, curve)?.0);
     };
     // A scene out of sight has no error.
-    let comparison = truth.map(|truth| Comparison::new(&frame.radiance, &truth.radiance, &frame.mask, curve, epsilon));
+    let comparison = truth.map(|truth| {
+        Comparison::new(
+            &frame.radiance,
+            &truth.radiance,
+            &frame.mask,
+            curve,
+            epsilon,
+        )
+    });
     let Some(Ok(comparison)) = comparison else {
         return Ok(Pixels::filled(frame.mask.width, frame.mask.height, GROUND));
     };
@@ -54,7 +62,11 @@ pub fn of_frame(
         _ => comparison.relative_error_map(),
     };
     let mut image = scale.image(&map, &frame.mask);
-    let uncovered = image.data.iter_mut().zip(&frame.mask.data).filter(|(_, covered)| **covered == 0.0);
+    let uncovered = image
+        .data
+        .iter_mut()
+        .zip(&frame.mask.data)
+        .filter(|(_, covered)| **covered == 0.0);
     uncovered.for_each(|(texel, _)| *texel = GROUND);
     Ok(image)
 }

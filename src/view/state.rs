@@ -4,8 +4,8 @@ use super::picture::Picture;
 use crate::bakes::given::Given;
 use crate::environment::{BUILTIN_PREFIX, Environment};
 use crate::experiment::axis::{
-    ALBEDO, ALPHA, AXES, ENVIRONMENT, F0, METALLIC, METHOD, Part, Point, REFERENCE, Reference, SAMPLES, SCENE, SIZE,
-    View,
+    ALBEDO, ALPHA, AXES, ENVIRONMENT, F0, METALLIC, METHOD, Part, Point, REFERENCE, Reference,
+    SAMPLES, SCENE, SIZE, View,
 };
 use crate::experiment::value::Value;
 use crate::pipeline::RenderRequest;
@@ -34,7 +34,11 @@ pub struct State {
 }
 
 /// The first view: some room around the model.
-pub const HOME: Orbit = Orbit { yaw_deg: 0.0, pitch_deg: 0.0, distance: 1.125 };
+pub const HOME: Orbit = Orbit {
+    yaw_deg: 0.0,
+    pitch_deg: 0.0,
+    distance: 1.125,
+};
 const FIRST_SAMPLES: u32 = 32;
 
 /// Settings shared by the images of a state.
@@ -56,14 +60,22 @@ impl State {
     /// Shows `point` on the left and the reference on the right.
     pub fn new(point: Point, view: View) -> Self {
         let right = Value::Text(REFERENCE.to_owned().into());
-        Self { point, right, view, picture: Picture::Image, wipe: 0.5, fill: false }
+        Self {
+            point,
+            right,
+            view,
+            picture: Picture::Image,
+            wipe: 0.5,
+            fill: false,
+        }
     }
 
     /// Makes paths absolute, so that saved files find them.
     pub fn name_files(&mut self) {
         for axis in [ENVIRONMENT, SCENE] {
             let name = self.point[axis].text();
-            let is_file = Path::new(name).extension().is_some() && !name.starts_with(BUILTIN_PREFIX);
+            let is_file =
+                Path::new(name).extension().is_some() && !name.starts_with(BUILTIN_PREFIX);
             if let Ok(whole) = std::path::absolute(name)
                 && is_file
             {
@@ -72,20 +84,34 @@ impl State {
         }
     }
 
-    /// Opens an environment or a model; a model that has materials shows them. Returns its kind in words.
+    /// Opens an environment or a model; a model that has materials shows them. Returns its kind in
+    /// words.
     pub fn open(&mut self, path: &Path) -> Result<&'static str, String> {
-        let unknown = || format!("{}: expected an .hdr, .exr, {} file", path.display(), scene_extensions());
+        let unknown = || {
+            format!(
+                "{}: expected an .hdr, .exr, {} file",
+                path.display(),
+                scene_extensions()
+            )
+        };
         let axis = file_axis(path).ok_or_else(unknown)?;
         self.point[axis] = Value::from(path.display().to_string());
         if axis == SCENE && has_materials(self.point[SCENE].text()) {
-            [ALPHA, METALLIC, F0, ALBEDO].into_iter().for_each(|axis| self.point[axis] = Value::Unset);
+            [ALPHA, METALLIC, F0, ALBEDO]
+                .into_iter()
+                .for_each(|axis| self.point[axis] = Value::Unset);
         }
-        Ok(if axis == SCENE { "Model" } else { "Environment" })
+        Ok(if axis == SCENE {
+            "Model"
+        } else {
+            "Environment"
+        })
     }
 
     /// Returns the left half's share; an error against the reference takes the whole width.
     pub fn shown_wipe(&self) -> f32 {
-        let is_reference = [Side::Left, Side::Right].map(|side| self.method(side).text() == REFERENCE);
+        let is_reference =
+            [Side::Left, Side::Right].map(|side| self.method(side).text() == REFERENCE);
         match (self.picture.scale().is_some(), is_reference) {
             (true, [false, true]) => 1.0,
             (true, [true, false]) => 0.0,
@@ -107,7 +133,9 @@ impl State {
     pub fn counts(&self) -> Vec<u32> {
         let last = self.view.reference_samples;
         let mut counts: Vec<u32> = std::iter::successors(Some(last), |count| Some(count / 4))
-            .take_while(|&count| count >= FIRST_SAMPLES && count % FIRST_SAMPLES == 0 || count == last)
+            .take_while(|&count| {
+                count >= FIRST_SAMPLES && count % FIRST_SAMPLES == 0 || count == last
+            })
             .collect();
         counts.reverse();
         counts
@@ -124,14 +152,21 @@ impl State {
     pub fn image(&self, side: Side, count: u32) -> Image {
         let mut point = self.point.clone();
         point[METHOD] = self.method(side).clone();
-        if point[METHOD].text() == REFERENCE { self.truth(count) } else { self.of(point, count) }
+        if point[METHOD].text() == REFERENCE {
+            self.truth(count)
+        } else {
+            self.of(point, count)
+        }
     }
 
     /// Returns the reference's image of both terms.
     pub fn truth(&self, count: u32) -> Image {
         let mut point = self.point.clone();
         point[METHOD] = Value::Text(REFERENCE.to_owned().into());
-        let reference = Reference { samples: count, ..Reference::default() };
+        let reference = Reference {
+            samples: count,
+            ..Reference::default()
+        };
         self.of(point.reference(&reference), count)
     }
 
@@ -148,27 +183,49 @@ impl State {
         }
         Image {
             point,
-            view: View { reference_samples: if is_drawn { count } else { FIRST_SAMPLES }, ..self.view.clone() },
+            view: View {
+                reference_samples: if is_drawn { count } else { FIRST_SAMPLES },
+                ..self.view.clone()
+            },
         }
     }
 }
 
 /// Returns the axis that takes a file of this name.
 pub fn file_axis(path: &Path) -> Option<usize> {
-    let is_map = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("hdr") || end.eq_ignore_ascii_case("exr"));
-    if is_map { Some(ENVIRONMENT) } else { scene_format(path).map(|_| SCENE) }
+    let is_map = path
+        .extension()
+        .is_some_and(|end| end.eq_ignore_ascii_case("hdr") || end.eq_ignore_ascii_case("exr"));
+    if is_map {
+        Some(ENVIRONMENT)
+    } else {
+        scene_format(path).map(|_| SCENE)
+    }
 }
 
 pub fn has_materials(name: &str) -> bool {
     let path = Path::new(name);
-    let is_obj = path.extension().is_some_and(|end| end.eq_ignore_ascii_case("obj"));
-    let names_library = || std::fs::read(path).is_ok_and(|text| text.windows(7).any(|word| word == b"mtllib "));
+    let is_obj = path
+        .extension()
+        .is_some_and(|end| end.eq_ignore_ascii_case("obj"));
+    let names_library =
+        || std::fs::read(path).is_ok_and(|text| text.windows(7).any(|word| word == b"mtllib "));
     name == "spheres" || scene_format(path).is_some() && (!is_obj || names_library())
 }
 
 impl Image {
     pub fn request(&self, inputs: &Inputs) -> RenderRequest {
-        let Inputs { environment, scene, camera } = inputs;
-        self.point.settings().seen_by(*camera, environment, scene.clone(), &self.view, Given::default())
+        let Inputs {
+            environment,
+            scene,
+            camera,
+        } = inputs;
+        self.point.settings().seen_by(
+            *camera,
+            environment,
+            scene.clone(),
+            &self.view,
+            Given::default(),
+        )
     }
 }

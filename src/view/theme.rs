@@ -2,7 +2,10 @@
 
 use crate::shade::Role;
 use egui::epaint::Shadow;
-use egui::{Color32, CornerRadius, FontData, FontDefinitions, FontFamily, FontId, Stroke, TextStyle, Visuals};
+use egui::{
+    Color32, CornerRadius, FontData, FontDefinitions, FontFamily, FontId, Stroke, TextStyle,
+    Visuals,
+};
 use std::sync::Arc;
 
 pub const PAPER: Color32 = Color32::from_rgb(0x10, 0x12, 0x14);
@@ -79,7 +82,8 @@ fn visuals() -> Visuals {
         (&mut widgets.open, LINE, EDGE, INK),
     ];
     for (look, ground, edge, ink) in looks {
-        (look.bg_fill, look.weak_bg_fill, look.corner_radius) = (ground, ground, CornerRadius::same(6));
+        (look.bg_fill, look.weak_bg_fill, look.corner_radius) =
+            (ground, ground, CornerRadius::same(6));
         (look.bg_stroke, look.fg_stroke) = (Stroke::new(1.0, edge), Stroke::new(1.0, ink));
     }
     visuals
@@ -88,13 +92,30 @@ fn visuals() -> Visuals {
 fn fonts() -> FontDefinitions {
     let mut fonts = FontDefinitions::empty();
     let files: [(&str, &[u8], FontFamily); 3] = [
-        ("text", include_bytes!("../../assets/fonts/text-regular.ttf"), FontFamily::Proportional),
-        ("medium", include_bytes!("../../assets/fonts/text-medium.ttf"), FontFamily::Name("medium".into())),
-        ("code", include_bytes!("../../assets/fonts/code-regular.ttf"), FontFamily::Monospace),
+        (
+            "text",
+            include_bytes!("../../assets/fonts/text-regular.ttf"),
+            FontFamily::Proportional,
+        ),
+        (
+            "medium",
+            include_bytes!("../../assets/fonts/text-medium.ttf"),
+            FontFamily::Name("medium".into()),
+        ),
+        (
+            "code",
+            include_bytes!("../../assets/fonts/code-regular.ttf"),
+            FontFamily::Monospace,
+        ),
     ];
     for (name, bytes, family) in files {
-        fonts.font_data.insert(name.to_owned(), Arc::new(FontData::from_static(bytes)));
-        fonts.families.insert(family, vec![name.to_owned(), "text".to_owned(), "code".to_owned()]);
+        fonts
+            .font_data
+            .insert(name.to_owned(), Arc::new(FontData::from_static(bytes)));
+        fonts.families.insert(
+            family,
+            vec![name.to_owned(), "text".to_owned(), "code".to_owned()],
+        );
     }
     fonts
 }

@@ -75,7 +75,9 @@ fn earlier(a: Option<Instant>, b: Option<Instant>) -> Option<Instant> {
 /// Returns winit's error without the place in its source.
 fn words(error: &winit::error::OsError) -> String {
     let text = error.to_string();
-    let place = text.strip_prefix("os error at ").and_then(|rest| rest.split_once(": "));
+    let place = text
+        .strip_prefix("os error at ")
+        .and_then(|rest| rest.split_once(": "));
     place.map_or(text.clone(), |(_, words)| words.to_owned())
 }
 
@@ -102,8 +104,15 @@ impl Screen {
         let size = self.size.to_logical(scale);
         let input = self.input.egui_input_mut();
         input.time = Some(self.opened.elapsed().as_secs_f64());
-        input.screen_rect = Some(egui::Rect::from_min_size(egui::Pos2::ZERO, egui::vec2(size.width, size.height)));
-        input.viewports.entry(ViewportId::ROOT).or_default().native_pixels_per_point = Some(scale as f32);
+        input.screen_rect = Some(egui::Rect::from_min_size(
+            egui::Pos2::ZERO,
+            egui::vec2(size.width, size.height),
+        ));
+        input
+            .viewports
+            .entry(ViewportId::ROOT)
+            .or_default()
+            .native_pixels_per_point = Some(scale as f32);
         input.take()
     }
 }
@@ -147,7 +156,11 @@ struct Heard {
 impl Heard {
     fn hear(&mut self, event: &WindowEvent) {
         match event {
-            WindowEvent::KeyboardInput { event, is_synthetic: false, .. } if !event.repeat => self.inputs += 1,
+            WindowEvent::KeyboardInput {
+                event,
+                is_synthetic: false,
+                ..
+            } if !event.repeat => self.inputs += 1,
             WindowEvent::MouseInput { .. } => self.inputs += 1,
             WindowEvent::CursorMoved { position, .. } => self.pointer = [position.x, position.y],
             _ => {}
@@ -156,7 +169,12 @@ impl Heard {
 }
 
 impl App {
-    fn new(state: State, opened: (Options, LoadOptions), out: PathBuf, proxy: EventLoopProxy<Arrived>) -> Self {
+    fn new(
+        state: State,
+        opened: (Options, LoadOptions),
+        out: PathBuf,
+        proxy: EventLoopProxy<Arrived>,
+    ) -> Self {
         let context = egui::Context::default();
         theme::apply(&context);
         // A slow frame must not turn a click into a drag.
@@ -186,14 +204,25 @@ impl App {
 
     fn open_screen(&self, events: &ActiveEventLoop) -> Result<Screen, String> {
         let size = |[width, height]: [f64; 2]| LogicalSize::new(width, height);
-        let monitor = events.primary_monitor().or_else(|| events.available_monitors().next());
-        let room = monitor.map_or(size(SIZE), |monitor| monitor.size().to_logical(monitor.scale_factor()));
-        let first = size([SIZE[0].min(room.width), SIZE[1].min(room.height - BARS).max(SMALLEST[1])]);
+        let monitor = events
+            .primary_monitor()
+            .or_else(|| events.available_monitors().next());
+        let room = monitor.map_or(size(SIZE), |monitor| {
+            monitor.size().to_logical(monitor.scale_factor())
+        });
+        let first = size([
+            SIZE[0].min(room.width),
+            SIZE[1].min(room.height - BARS).max(SMALLEST[1]),
+        ]);
         let attributes = Window::default_attributes()
             .with_title("splitsum view")
             .with_inner_size(first)
             .with_min_inner_size(size(SMALLEST));
-        let window = Rc::new(events.create_window(attributes).map_err(|error| words(&error))?);
+        let window = Rc::new(
+            events
+                .create_window(attributes)
+                .map_err(|error| words(&error))?,
+        );
         let surface = surface_of(&window).map_err(|error| error.to_string())?;
         let input = egui_winit::State::new(
             self.context.clone(),
@@ -219,23 +248,40 @@ impl App {
     }
 
     fn frame(&mut self, events: &ActiveEventLoop) {
-        let Some(screen) = &mut self.screen else { return };
+        let Some(screen) = &mut self.screen else {
+            return;
+        };
         let PhysicalSize { width, height } = screen.size;
         // A minimised window may have no pixels.
-        let (Some(columns), Some(rows)) = (NonZeroU32::new(width), NonZeroU32::new(height)) else { return };
+        let (Some(columns), Some(rows)) = (NonZeroU32::new(width), NonZeroU32::new(height)) else {
+            return;
+        };
         let input = screen.egui_input();
         self.painted = Instant::now();
         self.is_press_unseen = false;
-        for file in input.dropped_files.iter().filter_map(|file| file.path.clone()) {
+        for file in input
+            .dropped_files
+            .iter()
+            .filter_map(|file| file.path.clone())
+        {
             self.panel.open(&file, &mut self.state);
         }
         let (panel, state, shown) = (&mut self.panel, &mut self.state, &self.shown);
         let output = self.context.run_ui(input, |ui| panel.ui(ui, state, shown));
-        screen.input.handle_platform_output(&screen.window, output.platform_output);
-        let delay = output.viewport_output.get(&ViewportId::ROOT).map(|viewport| viewport.repaint_delay);
-        let repaints_at = delay.filter(|delay| *delay < Duration::from_secs(3600)).map(|delay| Instant::now() + delay);
+        screen
+            .input
+            .handle_platform_output(&screen.window, output.platform_output);
+        let delay = output
+            .viewport_output
+            .get(&ViewportId::ROOT)
+            .map(|viewport| viewport.repaint_delay);
+        let repaints_at = delay
+            .filter(|delay| *delay < Duration::from_secs(3600))
+            .map(|delay| Instant::now() + delay);
         self.wakes_at = earlier(repaints_at, self.panel.dims_at(self.painted));
-        let shapes = self.context.tessellate(output.shapes, output.pixels_per_point);
+        let shapes = self
+            .context
+            .tessellate(output.shapes, output.pixels_per_point);
         let presented = screen.surface.resize(columns, rows).and_then(|()| {
             let mut buffer = screen.surface.buffer_mut()?;
             let [r, g, b, _] = theme::PAPER.to_array().map(u32::from);
@@ -246,10 +292,18 @@ impl App {
             canvas.paint(shown, |x, y, row| {
                 let (x, y) = ((left + x).min(width), (top + y).min(height - 1));
                 let places = &mut pixels[(y * width + x) as usize..((y + 1) * width) as usize];
-                places.iter_mut().zip(row).for_each(|(place, [r, g, b])| *place = [*b, *g, *r, 0]);
+                places
+                    .iter_mut()
+                    .zip(row)
+                    .for_each(|(place, [r, g, b])| *place = [*b, *g, *r, 0]);
             });
             let target = &mut BufferMutRef::new(pixels, width as usize, height as usize);
-            screen.painter.render(target, &shapes, &output.textures_delta, output.pixels_per_point);
+            screen.painter.render(
+                target,
+                &shapes,
+                &output.textures_delta,
+                output.pixels_per_point,
+            );
             screen.window.pre_present_notify();
             buffer.present()
         });
@@ -261,7 +315,10 @@ impl App {
                     screen.surface = surface;
                     screen.window.request_redraw();
                 }
-                _ => self.end(events, Windowed::Lost(format!("the window's surface was lost: {error}"))),
+                _ => self.end(
+                    events,
+                    Windowed::Lost(format!("the window's surface was lost: {error}")),
+                ),
             }
             return;
         }
@@ -276,14 +333,19 @@ impl App {
             && let Some(screen) = &self.screen
         {
             let is_full = screen.window.fullscreen().is_some();
-            screen.window.set_fullscreen((!is_full).then_some(Fullscreen::Borderless(None)));
+            screen
+                .window
+                .set_fullscreen((!is_full).then_some(Fullscreen::Borderless(None)));
         }
     }
 
     fn ask(&mut self) {
         self.state.name_files();
         // The wipe is the window's own.
-        let wanted = State { wipe: 0.0, ..self.state.clone() };
+        let wanted = State {
+            wipe: 0.0,
+            ..self.state.clone()
+        };
         if self.asked.as_ref() == Some(&wanted) {
             return;
         }
@@ -325,8 +387,11 @@ impl App {
     }
 
     fn save(&mut self) {
-        let saved = self.saved().map(|folder| format!("Saved in {}", folder.display()));
-        self.panel.report(saved.map_err(|why| format!("Not saved: {why}")));
+        let saved = self
+            .saved()
+            .map(|folder| format!("Saved in {}", folder.display()));
+        self.panel
+            .report(saved.map_err(|why| format!("Not saved: {why}")));
         if let Some(screen) = &self.screen {
             screen.window.request_redraw();
         }
@@ -334,28 +399,45 @@ impl App {
 
     fn saved(&self) -> Result<PathBuf, String> {
         let is_whole = |side| self.shown.side(side).is_some_and(|shot| shot.scale == 1);
-        if self.shown.generation != self.generation || !(is_whole(Side::Left) && is_whole(Side::Right)) {
+        if self.shown.generation != self.generation
+            || !(is_whole(Side::Left) && is_whole(Side::Right))
+        {
             return Err("the picture is still coarse; try again in a moment".to_owned());
         }
         let free = |number: &u32| !self.out.join(format!("view-{number}")).exists();
         let number = (1..).find(free).expect("a free number");
         let folder = self.out.join(format!("view-{number}"));
-        let fault = |path: &Path, error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
+        let fault =
+            |path: &Path, error: &dyn std::fmt::Display| format!("{}: {error}", path.display());
         std::fs::create_dir_all(&folder).map_err(|error| fault(&folder, &error))?;
-        let program = std::env::current_exe().ok().and_then(|file| Some(file.parent()?.display().to_string()));
+        let program = std::env::current_exe()
+            .ok()
+            .and_then(|file| Some(file.parent()?.display().to_string()));
         let search = format!("PATH=$PATH:{}", quoted(&program.unwrap_or_default()));
-        let mut commands = format!("#!/bin/sh\n# Renders the halves of this state again.\n{search}\n");
+        let mut commands =
+            format!("#!/bin/sh\n# Renders the halves of this state again.\n{search}\n");
         for (name, side) in [("left", Side::Left), ("right", Side::Right)] {
             let shot = self.shown.side(side).expect("asked above");
             let path = folder.join(format!("{name}.exr"));
             write_radiance(&path, &shot.frame).map_err(|error| error.to_string())?;
-            commands += &(self.state.render_command(&shot.image, &format!("{name}-again.exr")) + "\n");
+            commands += &(self
+                .state
+                .render_command(&shot.image, &format!("{name}-again.exr"))
+                + "\n");
         }
-        let picture = composed(&self.shown, self.state.shown_wipe()).ok_or("there is no picture yet")?;
-        png::write_rgb8(&folder.join("picture.png"), &picture).map_err(|error| error.to_string())?;
+        let picture =
+            composed(&self.shown, self.state.shown_wipe()).ok_or("there is no picture yet")?;
+        png::write_rgb8(&folder.join("picture.png"), &picture)
+            .map_err(|error| error.to_string())?;
         let texts = [
             ("render.sh", commands),
-            ("view.sh", format!("#!/bin/sh\n# Opens this state again.\n{search}\n{}\n", self.state.view_command())),
+            (
+                "view.sh",
+                format!(
+                    "#!/bin/sh\n# Opens this state again.\n{search}\n{}\n",
+                    self.state.view_command()
+                ),
+            ),
         ];
         for (name, text) in texts {
             let path = folder.join(name);
@@ -366,13 +448,22 @@ impl App {
 
     /// Writes the file for tests.
     fn write_report(&mut self, is_still: bool) {
-        let Some((path, before)) = &mut self.reported else { return };
+        let Some((path, before)) = &mut self.reported else {
+            return;
+        };
         let scale = f64::from(self.context.pixels_per_point());
-        let place =
-            |rect: &egui::Rect| [rect.left(), rect.top(), rect.width(), rect.height()].map(|x| f64::from(x) * scale);
-        let controls: BTreeMap<_, _> =
-            self.panel.controls.places.iter().map(|(name, rect)| (name, place(rect))).collect();
-        let scales = [Side::Left, Side::Right].map(|side| self.shown.side(side).map(|shot| shot.scale));
+        let place = |rect: &egui::Rect| {
+            [rect.left(), rect.top(), rect.width(), rect.height()].map(|x| f64::from(x) * scale)
+        };
+        let controls: BTreeMap<_, _> = self
+            .panel
+            .controls
+            .places
+            .iter()
+            .map(|(name, rect)| (name, place(rect)))
+            .collect();
+        let scales =
+            [Side::Left, Side::Right].map(|side| self.shown.side(side).map(|shot| shot.scale));
         let text = serde_json::json!({
             "controls": controls,
             "inputs": self.heard.inputs,
@@ -413,7 +504,12 @@ impl ApplicationHandler<Arrived> for App {
         }
         match self.open_screen(events) {
             Ok(screen) => self.screen = Some(screen),
-            Err(why) => return self.end(events, Windowed::NoDisplay(format!("cannot open a window: {why}"))),
+            Err(why) => {
+                return self.end(
+                    events,
+                    Windowed::NoDisplay(format!("cannot open a window: {why}")),
+                );
+            }
         }
         if let Some((options, load)) = self.opened.take() {
             let proxy = self.proxy.clone();
@@ -438,7 +534,10 @@ impl ApplicationHandler<Arrived> for App {
     }
 
     fn about_to_wait(&mut self, events: &ActiveEventLoop) {
-        events.set_control_flow(self.wakes_at.map_or(ControlFlow::Wait, ControlFlow::WaitUntil));
+        events.set_control_flow(
+            self.wakes_at
+                .map_or(ControlFlow::Wait, ControlFlow::WaitUntil),
+        );
     }
 
     fn window_event(&mut self, events: &ActiveEventLoop, _: WindowId, event: WindowEvent) {
@@ -450,7 +549,9 @@ impl ApplicationHandler<Arrived> for App {
             self.is_press_unseen = state.is_pressed();
         }
         self.heard.hear(&event);
-        let Some(screen) = &mut self.screen else { return };
+        let Some(screen) = &mut self.screen else {
+            return;
+        };
         let response = screen.input.on_window_event(&screen.window, &event);
         match event {
             WindowEvent::Resized(size) => {
@@ -464,7 +565,10 @@ impl ApplicationHandler<Arrived> for App {
             }
             WindowEvent::Destroyed => {
                 self.screen = None;
-                self.end(events, Windowed::Lost("the window was taken away".to_owned()));
+                self.end(
+                    events,
+                    Windowed::Lost("the window was taken away".to_owned()),
+                );
             }
             WindowEvent::RedrawRequested => self.frame(events),
             // Leaves the processor to a renderer that is behind.

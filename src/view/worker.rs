@@ -1,5 +1,5 @@
-//! The renderer's thread. It takes the newest state, shows it coarsely if the whole takes long, then whole, then
-//! refines the reference until the state changes.
+//! The renderer's thread. It takes the newest state, shows it coarsely if the whole takes long,
+//! then whole, then refines the reference until the state changes.
 
 use super::picture::{Picture, of_frame};
 use super::state::{Image, Inputs, Side, State};
@@ -17,7 +17,8 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
-/// Times between which the resolution of a moving picture stays, ms; half the side takes a quarter of the time.
+/// Times between which the resolution of a moving picture stays, ms; half the side takes a quarter
+/// of the time.
 const COARSE_MS: std::ops::Range<f64> = 15.0..120.0;
 /// A first picture that takes longer, because of its tables, is dropped for the next state.
 const PATIENCE: Duration = Duration::from_secs(5);
@@ -94,23 +95,35 @@ pub struct Worker {
 
 impl Worker {
     /// Starts the thread, which opens the device and calls `wake` at each update.
-    pub fn start(options: Options, load: LoadOptions, wake: impl Fn() + Send + 'static) -> std::io::Result<Self> {
+    pub fn start(
+        options: Options,
+        load: LoadOptions,
+        wake: impl Fn() + Send + 'static,
+    ) -> std::io::Result<Self> {
         let post = Arc::new(Post::default());
         let theirs = post.clone();
         let work = move || {
-            let outcome =
-                std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| Renderer::run(&theirs, options, load, &wake)));
+            let outcome = std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| {
+                Renderer::run(&theirs, options, load, &wake)
+            }));
             let status = match outcome {
                 Ok(Ok(())) => return,
                 Ok(Err(error)) if error.is_transient() => Status::Lost(error.to_string()),
                 Ok(Err(error)) => Status::Failed(error.to_string()),
-                Err(_) => Status::Failed("the renderer failed because of a bug in splitsum".to_owned()),
+                Err(_) => {
+                    Status::Failed("the renderer failed because of a bug in splitsum".to_owned())
+                }
             };
             lock(&theirs.shown).status = status;
             wake();
         };
-        let thread = std::thread::Builder::new().name("renderer".to_owned()).spawn(work)?;
-        Ok(Self { post, thread: Some(thread) })
+        let thread = std::thread::Builder::new()
+            .name("renderer".to_owned())
+            .spawn(work)?;
+        Ok(Self {
+            post,
+            thread: Some(thread),
+        })
     }
 
     pub fn ask(&self, generation: u64, state: State) {
@@ -132,7 +145,11 @@ impl Worker {
     pub fn close(&mut self) -> Shown {
         {
             let _held = lock(&self.post.state);
-            for flag in [&self.post.is_closed, &*self.post.interrupt, &*self.post.is_overdue] {
+            for flag in [
+                &self.post.is_closed,
+                &*self.post.interrupt,
+                &*self.post.is_overdue,
+            ] {
                 flag.store(true, Ordering::Relaxed);
             }
             self.post.arrived.notify_one();
@@ -179,13 +196,34 @@ impl From<PipelineError> for Stop {
 }
 
 impl<'a> Renderer<'a> {
-    fn run(post: &'a Post, options: Options, load: LoadOptions, wake: &'a dyn Fn()) -> Result<(), PipelineError> {
-        let pipeline = Pipeline::new(Options { is_interactive: true, ..options })?;
-        let shown = Shown { device: Some(pipeline.device().clone()), ..Shown::default() };
+    fn run(
+        post: &'a Post,
+        options: Options,
+        load: LoadOptions,
+        wake: &'a dyn Fn(),
+    ) -> Result<(), PipelineError> {
+        let pipeline = Pipeline::new(Options {
+            is_interactive: true,
+            ..options
+        })?;
+        let shown = Shown {
+            device: Some(pipeline.device().clone()),
+            ..Shown::default()
+        };
         let kept = Recent::weighed(KEPT, |frame: &Arc<Frame>| frame.bytes());
         let (environment, scene, framed) = (None, None, None);
-        let mut renderer =
-            Self { post, wake, pipeline, load, environment, scene, framed, kept, shown, coarse: COARSEST };
+        let mut renderer = Self {
+            post,
+            wake,
+            pipeline,
+            load,
+            environment,
+            scene,
+            framed,
+            kept,
+            shown,
+            coarse: COARSEST,
+        };
         while let Some((generation, state)) = renderer.next() {
             renderer.shown.generation = generation;
             let status = match renderer.show(&state) {
@@ -215,7 +253,11 @@ impl<'a> Renderer<'a> {
                 *lock(&self.post.begun) = Some(Instant::now());
                 return Some(next);
             }
-            state = self.post.arrived.wait(state).unwrap_or_else(PoisonError::into_inner);
+            state = self
+                .post
+                .arrived
+                .wait(state)
+                .unwrap_or_else(PoisonError::into_inner);
         }
     }
 
@@ -231,16 +273,25 @@ impl<'a> Renderer<'a> {
         if let Some(fault) = motion_fault(&state.point.collapsed(), false) {
             return Err(Stop::Refused(format!("motion: {fault}")));
         }
-        self.pipeline.interrupt_by(Some(self.post.is_overdue.clone()));
+        self.pipeline
+            .interrupt_by(Some(self.post.is_overdue.clone()));
         let counts = state.counts();
-        if self.shown.truth.as_ref().is_some_and(|shot| !counts.iter().any(|&count| state.truth(count) == shot.image)) {
+        if self
+            .shown
+            .truth
+            .as_ref()
+            .is_some_and(|shot| !counts.iter().any(|&count| state.truth(count) == shot.image))
+        {
             self.shown.truth = None;
         }
         // Continues from the most samples in memory.
         let mut is_there = |count: &u32| {
             let halves = [Side::Left, Side::Right].map(|side| state.image(side, *count));
             let truth = state.picture.scale().map(|_| state.truth(*count));
-            halves.iter().chain(&truth).all(|image| self.kept.get(image).is_some())
+            halves
+                .iter()
+                .chain(&truth)
+                .all(|image| self.kept.get(image).is_some())
         };
         let known = counts.iter().rposition(&mut is_there);
         let (is_there, counts) = (known.is_some(), &counts[known.unwrap_or(0)..]);
@@ -255,12 +306,14 @@ impl<'a> Renderer<'a> {
                 () => (scale * 2).min(COARSEST),
             };
             // Only a first picture is finished before the next state.
-            self.pipeline.interrupt_by(Some(self.post.interrupt.clone()));
+            self.pipeline
+                .interrupt_by(Some(self.post.interrupt.clone()));
             if scale > 2 {
                 self.shoot(state, inputs, counts[0], 2)?;
             }
         }
-        self.pipeline.interrupt_by(Some(self.post.interrupt.clone()));
+        self.pipeline
+            .interrupt_by(Some(self.post.interrupt.clone()));
         for &count in counts {
             self.shoot(state, inputs, count, 1)?;
             self.refine(state, inputs, count)?;
@@ -272,22 +325,43 @@ impl<'a> Renderer<'a> {
     /// Loads the environment and scene, unless they are the last ones.
     fn inputs(&mut self, state: &State) -> Result<Inputs, Stop> {
         let settings = state.point.settings();
-        settings.shading.precompute.validate().map_err(|error| Stop::Refused(error.to_string()))?;
+        settings
+            .shading
+            .precompute
+            .validate()
+            .map_err(|error| Stop::Refused(error.to_string()))?;
         let (name, here) = (&settings.environment, Path::new(""));
-        if self.environment.as_ref().is_none_or(|(known, _)| known != name) {
-            let whole = Environment::load(name, here, &self.load).map_err(|error| Stop::Refused(error.to_string()))?;
+        if self
+            .environment
+            .as_ref()
+            .is_none_or(|(known, _)| known != name)
+        {
+            let whole = Environment::load(name, here, &self.load)
+                .map_err(|error| Stop::Refused(error.to_string()))?;
             self.environment = Some((name.clone(), Arc::new(whole)));
             self.kept.clear();
         }
-        if self.scene.as_ref().is_none_or(|(known, _)| *known != settings.scene) {
-            let scene = Scene::load(&settings.scene, here).map_err(|error| Stop::Refused(error.to_string()))?;
+        if self
+            .scene
+            .as_ref()
+            .is_none_or(|(known, _)| *known != settings.scene)
+        {
+            let scene = Scene::load(&settings.scene, here)
+                .map_err(|error| Stop::Refused(error.to_string()))?;
             self.scene = Some((settings.scene.clone(), Arc::new(scene)));
             self.framed = None;
             self.kept.clear();
         }
-        let environment = self.environment.as_ref().map(|(.., environment)| environment.clone());
+        let environment = self
+            .environment
+            .as_ref()
+            .map(|(.., environment)| environment.clone());
         let seen = (settings.material, state.view.camera, settings.size);
-        if self.framed.as_ref().is_none_or(|(known, ..)| *known != seen) {
+        if self
+            .framed
+            .as_ref()
+            .is_none_or(|(known, ..)| *known != seen)
+        {
             let (_, scene) = self.scene.as_ref().expect("loaded above");
             let scene = Arc::new(scene.apply(&settings.material));
             let camera = Camera::for_scene(state.view.camera, &scene, settings.size);
@@ -295,14 +369,27 @@ impl<'a> Renderer<'a> {
         }
         let (_, scene, camera) = self.framed.clone().expect("framed above");
         let camera = camera.orbited(state.view.orbit, &scene);
-        Ok(Inputs { environment: environment.expect("loaded above"), scene, camera })
+        Ok(Inputs {
+            environment: environment.expect("loaded above"),
+            scene,
+            camera,
+        })
     }
 
     /// Shows both halves, and the reference if needed. Returns whether it made a table.
-    fn shoot(&mut self, whole: &State, inputs: &Inputs, count: u32, scale: u32) -> Result<bool, Stop> {
+    fn shoot(
+        &mut self,
+        whole: &State,
+        inputs: &Inputs,
+        count: u32,
+        scale: u32,
+    ) -> Result<bool, Stop> {
         let state = &whole.scaled(scale);
         let (mut made, generation) = (false, self.shown.generation);
-        let is_first = self.shown.side(Side::Left).is_none_or(|shot| shot.generation != generation || shot.scale > 1);
+        let is_first = self
+            .shown
+            .side(Side::Left)
+            .is_none_or(|shot| shot.generation != generation || shot.scale > 1);
         let truth = match state.picture.scale() {
             Some(_) => Some(self.frame(&state.truth(count), inputs)?),
             None => None,
@@ -313,12 +400,28 @@ impl<'a> Renderer<'a> {
             made |= !frame.timings.precompute.is_empty();
             let epsilon = image.request(inputs).epsilon();
             let look = (state.picture, state.point.settings().curve);
-            let picture = Arc::new(of_frame(&mut self.pipeline, look, &frame, truth.as_deref(), epsilon)?);
+            let picture = Arc::new(of_frame(
+                &mut self.pipeline,
+                look,
+                &frame,
+                truth.as_deref(),
+                epsilon,
+            )?);
             // The score of the same frame stays until the next reference is ready.
-            let known = self.shown.side(side).filter(|shot| Arc::ptr_eq(&shot.frame, &frame));
+            let known = self
+                .shown
+                .side(side)
+                .filter(|shot| Arc::ptr_eq(&shot.frame, &frame));
             let score = known.and_then(|shot| shot.score);
-            self.shown.halves[side as usize] =
-                Some(Shot { image, frame, picture, kind: state.picture, generation, scale, score });
+            self.shown.halves[side as usize] = Some(Shot {
+                image,
+                frame,
+                picture,
+                kind: state.picture,
+                generation,
+                scale,
+                score,
+            });
             if scale == 1 && is_first {
                 self.set_status(Status::Busy);
             }
@@ -338,11 +441,24 @@ impl<'a> Renderer<'a> {
             let (test, mask) = (&shot.frame.radiance, &truth.mask);
             let comparison = Comparison::new(test, &truth.radiance, mask, curve, request.epsilon());
             let is_other = !Arc::ptr_eq(&shot.frame, &truth);
-            shot.score = comparison.ok().filter(|_| is_other).map(|comparison| comparison.evaluate(&[headline])[0].1);
+            shot.score = comparison
+                .ok()
+                .filter(|_| is_other)
+                .map(|comparison| comparison.evaluate(&[headline])[0].1);
         }
-        let (picture, generation) = (Arc::new(Rgb8Image::filled(1, 1, [0; 3])), self.shown.generation);
-        self.shown.truth =
-            Some(Shot { image, frame: truth, picture, kind: Picture::Image, generation, scale: 1, score: None });
+        let (picture, generation) = (
+            Arc::new(Rgb8Image::filled(1, 1, [0; 3])),
+            self.shown.generation,
+        );
+        self.shown.truth = Some(Shot {
+            image,
+            frame: truth,
+            picture,
+            kind: Picture::Image,
+            generation,
+            scale: 1,
+            score: None,
+        });
         Ok(())
     }
 

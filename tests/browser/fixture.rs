@@ -1,4 +1,5 @@
-//! A synthetic finished run, with names that would run as code if the page did not escape them, and its report in a browser.
+//! A synthetic finished run, with names that would run as code if the page did not escape them, and
+//! its report in a browser.
 
 use crate::chromium::{self, Page};
 use crate::fake::{Log, Silent, fakes};
@@ -26,26 +27,49 @@ pub const SIDE: u32 = 24;
 
 /// A synthetic finished run of the renderer; the folder's name is hostile too.
 pub fn finished_run(dir: &Path, name: &str, broken: Option<&'static str>) -> PathBuf {
-    let axes = "environment = [\"builtin:constant\"]\nbrdf = [\"ggx\", \"phong\"]\nalpha = [0.1, 0.5]\n\
+    let axes = "environment = [\"builtin:constant\"]\nbrdf = [\"ggx\", \"phong\"]\nalpha = [0.1, \
+                0.5]\n\
                 method = [\"sampled\", \"split-sum\"]\nsamples = [1, 4, 16]\nexposure = [1, 10]";
     let why = json!("phong has \"<b>no</b>\" alpha of 0.5 & </script>");
-    let rest = format!("[[exclude]]\nbrdf = \"phong\"\nalpha = 0.5\nwhy = {why}\n[timing]\nwarmup = 1\nrounds = 3");
-    run_of(&dir.join(name), axes, &rest, Log { broken_method: broken, ..Log::default() })
+    let rest = format!(
+        "[[exclude]]\nbrdf = \"phong\"\nalpha = 0.5\nwhy = {why}\n[timing]\nwarmup = 1\nrounds = 3"
+    );
+    run_of(
+        &dir.join(name),
+        axes,
+        &rest,
+        Log {
+            broken_method: broken,
+            ..Log::default()
+        },
+    )
 }
 
 pub fn report_of(dir: &Path, axes: &str, rest: &str) -> PathBuf {
-    page_of(&run_of(&dir.join("run"), axes, rest, Log::default()), Choice::Automatic)
+    page_of(
+        &run_of(&dir.join("run"), axes, rest, Log::default()),
+        Choice::Automatic,
+    )
 }
 
 pub fn run_of(dir: &Path, axes: &str, rest: &str, log: Log) -> PathBuf {
     let question = json!(HOSTILE);
-    let head =
-        format!("name = \"hostile\"\nquestion = {question}\nsize = [{SIDE}, {SIDE}]\nreference = {{ samples = 64 }}");
-    let (file, text) = (dir.with_file_name("hostile.toml"), format!("{head}\n[axes]\n{axes}\n{rest}\n"));
+    let head = format!(
+        "name = \"hostile\"\nquestion = {question}\nsize = [{SIDE}, {SIDE}]\nreference = {{ \
+         samples = 64 }}"
+    );
+    let (file, text) = (
+        dir.with_file_name("hostile.toml"),
+        format!("{head}\n[axes]\n{axes}\n{rest}\n"),
+    );
     let plan = Plan::from_text(&file, &text, &[]).unwrap_or_else(|error| panic!("{error}"));
     let stop = AtomicBool::new(false);
     let fail_fast = log.broken.is_none() && log.broken_method.is_none();
-    let options = RunOptions { fail_fast, command_line: vec![HOSTILE.to_owned()], ..RunOptions::new(dir, &stop) };
+    let options = RunOptions {
+        fail_fast,
+        command_line: vec![HOSTILE.to_owned()],
+        ..RunOptions::new(dir, &stop)
+    };
     let log = Rc::new(RefCell::new(log));
     run(&plan, &mut fakes(&log), &options, &mut Silent).unwrap_or_else(|error| panic!("{error}"));
     options.dir
@@ -59,12 +83,20 @@ pub fn write_page(dirs: &[PathBuf], options: &PageOptions) -> PathBuf {
         (run, answers)
     };
     let runs: Vec<_> = dirs.iter().map(answered).collect();
-    write(options, &PageRun::of_runs(&runs)).unwrap_or_else(|error| panic!("{error}")).path
+    write(options, &PageRun::of_runs(&runs))
+        .unwrap_or_else(|error| panic!("{error}"))
+        .path
 }
 
 /// Writes the report of a finished run into its folder.
 pub fn page_of(run: &Path, images: Choice) -> PathBuf {
-    write_page(&[run.to_owned()], &PageOptions { images, ..PageOptions::in_folder(run) })
+    write_page(
+        &[run.to_owned()],
+        &PageOptions {
+            images,
+            ..PageOptions::in_folder(run)
+        },
+    )
 }
 
 pub fn report(choice: Choice) -> Option<(Page, PathBuf, tempfile::TempDir)> {
@@ -78,19 +110,31 @@ pub fn report(choice: Choice) -> Option<(Page, PathBuf, tempfile::TempDir)> {
 /// The cell of this method, samples, alpha, brdf and exposure in errors.csv.
 pub fn cell(report: &Path, wanted: [&str; 5]) -> String {
     let table = Table::read(&report.with_file_name("errors.csv")).unwrap();
-    let columns = ["method", "samples", "alpha", "brdf", "exposure"].map(|name| table.column(name).unwrap());
+    let columns =
+        ["method", "samples", "alpha", "brdf", "exposure"].map(|name| table.column(name).unwrap());
     let is_wanted = |row: &&Vec<String>| columns.map(|column| row[column].as_str()) == wanted;
-    let row = table.rows.iter().find(is_wanted).unwrap_or_else(|| panic!("no {wanted:?}"));
+    let row = table
+        .rows
+        .iter()
+        .find(is_wanted)
+        .unwrap_or_else(|| panic!("no {wanted:?}"));
     row[table.column("cell").unwrap()].clone()
 }
 
 /// The texel that the renderer wrote, in the encoding of the page.
 pub fn stored(report: &Path, cell: &str, x: u32, y: u32) -> [f32; 3] {
     let table = Table::read(&report.with_file_name("images.csv")).unwrap();
-    let row = table.rows.iter().find(|row| row[table.column("cell").unwrap()] == cell).unwrap();
+    let row = table
+        .rows
+        .iter()
+        .find(|row| row[table.column("cell").unwrap()] == cell)
+        .unwrap();
     let file = &row[table.column("radiance").unwrap()];
     let image = exr::read(&report.with_file_name("images").join(file)).unwrap();
-    image.rgb.get(x, y).map(|value| f16::from_f32(value).to_f32())
+    image
+        .rgb
+        .get(x, y)
+        .map(|value| f16::from_f32(value).to_f32())
 }
 
 pub fn assert_clean(page: &Page) {
@@ -98,7 +142,11 @@ pub fn assert_clean(page: &Page) {
     let foreign: Vec<&String> = page
         .requests
         .iter()
-        .filter(|url| !["file:", "data:", "blob:", "about:"].iter().any(|s| url.starts_with(s)))
+        .filter(|url| {
+            !["file:", "data:", "blob:", "about:"]
+                .iter()
+                .any(|s| url.starts_with(s))
+        })
         .collect();
     assert!(foreign.is_empty(), "the page asked for {foreign:?}");
 }

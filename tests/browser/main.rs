@@ -1,4 +1,5 @@
-//! The report in a real browser, opened from disk: display, input and saved files. Skips with a line without Chromium.
+//! The report in a real browser, opened from disk: display, input and saved files. Skips with a
+//! line without Chromium.
 
 mod chromium;
 mod compare;

@@ -1,13 +1,18 @@
-//! Bad input ends with one clear message, the documented exit code and no output. No test needs a device.
+//! Bad input ends with one clear message, the documented exit code and no output. No test needs a
+//! device.
 
-use super::{assert_ends, assert_refusals, command, copied, golden, published, splitsum, stderr, stdout};
+use super::{
+    assert_ends, assert_refusals, command, copied, golden, published, splitsum, stderr, stdout,
+};
 use splitsum::pixels::{GrayImage, RgbImage, exr};
 use std::path::Path;
 use std::process::Command;
 
 pub(super) fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
     let dir = tempfile::tempdir().unwrap();
-    files.iter().for_each(|(name, text)| std::fs::write(dir.path().join(name), text).unwrap());
+    files
+        .iter()
+        .for_each(|(name, text)| std::fs::write(dir.path().join(name), text).unwrap());
     dir
 }
 
@@ -16,19 +21,31 @@ pub(super) fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
 fn wrong_commands_are_refused() {
     let dir = copied("refused");
     let write = |name: &str, size: [u32; 2], color: f32, alpha: f32| {
-        let (rgb, alpha) = (RgbImage::filled(size[0], size[1], [color; 3]), GrayImage::filled(size[0], size[1], alpha));
+        let (rgb, alpha) = (
+            RgbImage::filled(size[0], size[1], [color; 3]),
+            GrayImage::filled(size[0], size[1], alpha),
+        );
         exr::write_rgba(&dir.path().join(name), &rgb, &alpha, &[]).unwrap();
     };
     write("a.exr", [4, 2], 1.0, 0.5);
     write("m.exr", [4, 2], 0.25, 1.0);
     write("x.exr", [16, 8], 1.0, 1.0);
     write("large.exr", [8192, 1025], 0.5, 1.0);
-    ["folder.exr", "empty"].iter().for_each(|name| std::fs::create_dir(dir.path().join(name)).unwrap());
-    std::fs::copy(golden().join("env_analytic.exr"), dir.path().join("env_analytic.exr")).unwrap();
+    ["folder.exr", "empty"]
+        .iter()
+        .for_each(|name| std::fs::create_dir(dir.path().join(name)).unwrap());
+    std::fs::copy(
+        golden().join("env_analytic.exr"),
+        dir.path().join("env_analytic.exr"),
+    )
+    .unwrap();
     published(dir.path(), "run");
     std::fs::write(published(dir.path(), "emptied").join("errors.csv"), "").unwrap();
     let commands = std::fs::read_to_string(dir.path().join("commands.txt")).unwrap();
-    let commands: Vec<&str> = commands.lines().filter(|line| !line.starts_with('#')).collect();
+    let commands: Vec<&str> = commands
+        .lines()
+        .filter(|line| !line.starts_with('#'))
+        .collect();
     assert_refusals("commands_that_are_refused", dir.path(), &commands);
 }
 
@@ -38,15 +55,26 @@ fn deep_nesting_is_a_fault() {
     const DEPTH: usize = 20_000;
     let dir = tempfile::tempdir().unwrap();
     let pairs = [("[", "]"), ("{a=", "}"), ("[{a=", "}]")];
-    let values = pairs.map(|(open, close)| format!("alpha = {}1{}", open.repeat(DEPTH), close.repeat(DEPTH)));
+    let values = pairs
+        .map(|(open, close)| format!("alpha = {}1{}", open.repeat(DEPTH), close.repeat(DEPTH)));
     let unclosed = pairs.map(|(open, _)| format!("alpha = {}", open.repeat(DEPTH)));
-    let keys = [format!("{}a = 1", "a.".repeat(DEPTH)), format!("[{}a]", "a.".repeat(DEPTH))];
+    let keys = [
+        format!("{}a = 1", "a.".repeat(DEPTH)),
+        format!("[{}a]", "a.".repeat(DEPTH)),
+    ];
     for line in values.into_iter().chain(unclosed).chain(keys) {
-        std::fs::write(dir.path().join("e.toml"), format!("name = \"e\"\n[axes]\n{line}\n")).unwrap();
+        std::fs::write(
+            dir.path().join("e.toml"),
+            format!("name = \"e\"\n[axes]\n{line}\n"),
+        )
+        .unwrap();
         let output = splitsum(dir.path(), &["plan", "e.toml"]);
         let message = stderr(&output);
         assert_eq!(output.status.code(), Some(2), "{line:.40}: {message}");
-        assert!(message.contains("nested deeper than 80 levels") || message.contains("is not closed"), "{message}");
+        assert!(
+            message.contains("nested deeper than 80 levels") || message.contains("is not closed"),
+            "{message}"
+        );
     }
 }
 
@@ -55,10 +83,20 @@ fn list_prints_every_name() {
     let dir = tempfile::tempdir().unwrap();
     use splitsum::precompute::prefilter;
     let text = stdout(&splitsum(dir.path(), &["list"]));
-    let names = splitsum::experiment::axis::AXES.iter().map(|axis| axis.name);
+    let names = splitsum::experiment::axis::AXES
+        .iter()
+        .map(|axis| axis.name);
     let names = names.chain(splitsum::shade::METHODS.iter().map(|method| method.name));
-    let names = names.chain(splitsum::math::sequence::SEQUENCES.iter().map(|sequence| sequence.name));
-    let names = names.chain(prefilter::level_bias::LEVEL_BIASES.iter().map(|bias| bias.name));
+    let names = names.chain(
+        splitsum::math::sequence::SEQUENCES
+            .iter()
+            .map(|sequence| sequence.name),
+    );
+    let names = names.chain(
+        prefilter::level_bias::LEVEL_BIASES
+            .iter()
+            .map(|bias| bias.name),
+    );
     let names = names.chain(prefilter::LEVEL_MAPPINGS.iter().map(|mapping| mapping.name));
     let names = names.chain(prefilter::WEIGHTS.iter().map(|weight| weight.name));
     let names = names.chain(splitsum::metrics::METRICS.iter().map(|metric| metric.name));
@@ -78,21 +116,40 @@ fn every_experiment_of_the_project_has_a_plan() {
             continue;
         }
         // The plan needs no probe, so it opens no device.
-        let mut command = command(elsewhere.path(), &["plan", path.to_str().unwrap(), "--json"]);
-        command.env("VK_DRIVER_FILES", "/nonexistent").env("VK_ICD_FILENAMES", "/nonexistent");
+        let mut command = command(
+            elsewhere.path(),
+            &["plan", path.to_str().unwrap(), "--json"],
+        );
+        command
+            .env("VK_DRIVER_FILES", "/nonexistent")
+            .env("VK_ICD_FILENAMES", "/nonexistent");
         let output = command.output().unwrap();
-        assert!(output.status.success(), "{}: {}", path.display(), stderr(&output));
+        assert!(
+            output.status.success(),
+            "{}: {}",
+            path.display(),
+            stderr(&output)
+        );
         let plan: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
         let cells = plan["cells"].as_array().unwrap().len();
         match path.file_stem().unwrap().to_str().unwrap() {
-            // The design has 5 sample counts and the split sum, for 2 lights, 3 models and 5 widths. The shader ball
-            // has 2 lights and 2 widths at 3 exposures and 2 contrasts.
+            // The design has 5 sample counts and the split sum, for 2 lights, 3 models and 5
+            // widths. The shader ball has 2 lights and 2 widths at 3 exposures and 2 contrasts.
             "quick" => assert_eq!(cells, (2 * 3 * 5 + 2 * 2 * 3 * 2) * 6),
-            // 6 exposures and 2 further contrasts, each with 3 models, 2 methods at 4 sample counts, the split sum and none.
+            // 6 exposures and 2 further contrasts, each with 3 models, 2 methods at 4 sample
+            // counts, the split sum and none.
             "source-document-0" => assert_eq!(cells, 8 * 3 * (2 * 4 + 2)),
             _ => assert!(cells > 0),
         }
-        assert_eq!(plan["excluded"].as_array().unwrap().iter().filter(|e| e["count"] == 0).count(), 0);
+        assert_eq!(
+            plan["excluded"]
+                .as_array()
+                .unwrap()
+                .iter()
+                .filter(|e| e["count"] == 0)
+                .count(),
+            0
+        );
         count += 1;
     }
     assert!(count >= 4);
@@ -101,10 +158,13 @@ fn every_experiment_of_the_project_has_a_plan() {
 #[test]
 fn a_run_without_a_device_leaves_nothing_behind() {
     let dir = tempfile::tempdir().unwrap();
-    let text = "name = \"x\"\nquestion = \"?\"\nsize = [8, 8]\n[axes]\nenvironment = [\"builtin:constant\"]\nmethod = [\"split-sum\"]\n";
+    let text = "name = \"x\"\nquestion = \"?\"\nsize = [8, 8]\n[axes]\nenvironment = \
+                [\"builtin:constant\"]\nmethod = [\"split-sum\"]\n";
     std::fs::write(dir.path().join("x.toml"), text).unwrap();
     let mut blind = command(dir.path(), &["run", "x.toml", "--out", "out"]);
-    blind.env("VK_DRIVER_FILES", "/nonexistent").env("VK_ICD_FILENAMES", "/nonexistent");
+    blind
+        .env("VK_DRIVER_FILES", "/nonexistent")
+        .env("VK_ICD_FILENAMES", "/nonexistent");
     assert_ends(&blind.output().unwrap(), 2, &["Vulkan"]);
     assert!(!dir.path().join("out").exists());
 }
@@ -116,13 +176,27 @@ fn files_that_are_not_regular_are_refused_at_once() {
     let dir = tempfile::tempdir().unwrap();
     let made = Command::new("mkfifo").arg(dir.path().join("pipe")).status();
     assert!(made.is_ok_and(|status| status.success()), "mkfifo");
-    let commands =
-        ["plan pipe", "run pipe", "integrate pipe", "compare pipe pipe", "plan /dev/zero", "integrate /dev/zero"];
+    let commands = [
+        "plan pipe",
+        "run pipe",
+        "integrate pipe",
+        "compare pipe pipe",
+        "plan /dev/zero",
+        "integrate /dev/zero",
+    ];
     assert_refusals("files_that_are_not_regular", dir.path(), &commands);
     // A pipe opened by the shell is read.
-    let script = "printf 'brdf,alpha,n_dot_v\\nggx,0.5,0.5\\n' | \"$0\" integrate /dev/stdin --kind dfg";
-    let output = Command::new("sh").args(["-c", script, env!("CARGO_BIN_EXE_splitsum")]).output().unwrap();
-    assert!(output.status.success() && stdout(&output).contains("ggx,0.5,0.5,0.67"), "{}", stderr(&output));
+    let script =
+        "printf 'brdf,alpha,n_dot_v\\nggx,0.5,0.5\\n' | \"$0\" integrate /dev/stdin --kind dfg";
+    let output = Command::new("sh")
+        .args(["-c", script, env!("CARGO_BIN_EXE_splitsum")])
+        .output()
+        .unwrap();
+    assert!(
+        output.status.success() && stdout(&output).contains("ggx,0.5,0.5,0.67"),
+        "{}",
+        stderr(&output)
+    );
 }
 
 /// A process without enough memory for a map reports it and is not aborted.
@@ -133,12 +207,21 @@ fn a_failed_allocation_is_reported() {
     // 8192 x 4096 texels by runs, 48 kB: 384 MiB as floats.
     let row = [0x80, 0x80, 0x80, 0x81, 1, 1, 1, 0xff, 1, 1, 1, 0x1f];
     let header = b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 4096 +X 8192\n";
-    std::fs::write(dir.path().join("large.hdr"), [&header[..], &row.repeat(4096)].concat()).unwrap();
+    std::fs::write(
+        dir.path().join("large.hdr"),
+        [&header[..], &row.repeat(4096)].concat(),
+    )
+    .unwrap();
     let script = "ulimit -v 400000; exec \"$0\" render --environment large.hdr --out x.png";
     let mut command = Command::new("sh");
-    command.current_dir(dir.path()).args(["-c", script, env!("CARGO_BIN_EXE_splitsum")]);
+    command
+        .current_dir(dir.path())
+        .args(["-c", script, env!("CARGO_BIN_EXE_splitsum")]);
     let output = command.output().unwrap();
     let message = stderr(&output);
     assert_eq!(output.status.code(), Some(2), "{message}");
-    assert!(message.contains("large.hdr: not enough memory for its 33554432 pixels (384 MiB)"), "{message}");
+    assert!(
+        message.contains("large.hdr: not enough memory for its 33554432 pixels (384 MiB)"),
+        "{message}"
+    );
 }

@@ -14,19 +14,62 @@ fn limits_decide_the_exit_code() {
     }
     let dir = folder(&[
         ("my.glsl", TEXTBOOK),
-        ("blind.glsl", "vec3 f(vec3 n, vec3 v, float r, vec3 f0) { return f0; }\n"),
-        ("nan.glsl", "vec3 f(vec3 n, vec3 v, float r, vec3 f0) { return f0 * uintBitsToFloat(0x7fc00000u); }\n"),
+        (
+            "blind.glsl",
+            "vec3 f(vec3 n, vec3 v, float r, vec3 f0) { return f0; }\n",
+        ),
+        (
+            "nan.glsl",
+            "vec3 f(vec3 n, vec3 v, float r, vec3 f0) { return f0 * uintBitsToFloat(0x7fc00000u); \
+             }\n",
+        ),
     ]);
-    let text = ok(dir.path(), &["check-shader", "my.glsl", "--fail-above", "0.01,0.1,90"]);
+    let text = ok(
+        dir.path(),
+        &["check-shader", "my.glsl", "--fail-above", "0.01,0.1,90"],
+    );
     assert!(text.contains("\nVerdict: wrong: direction 60."), "{text}");
-    let output = splitsum(dir.path(), &["check-shader", "my.glsl", "--json", "--fail-above", "0.01,0.1,20"]);
-    assert_ends(&output, 1, &["direction above 20 degrees: direction 60.", "at alpha 1, f0 1"]);
+    let output = splitsum(
+        dir.path(),
+        &[
+            "check-shader",
+            "my.glsl",
+            "--json",
+            "--fail-above",
+            "0.01,0.1,20",
+        ],
+    );
+    assert_ends(
+        &output,
+        1,
+        &[
+            "direction above 20 degrees: direction 60.",
+            "at alpha 1, f0 1",
+        ],
+    );
     let found: Value = serde_json::from_slice(&output.stdout).unwrap();
-    assert!(found["rows"][0]["views"][0]["errors"]["direction"].is_f64(), "{found}");
-    assert_eq!((&found["passes"], found["rows"].as_array().unwrap().len()), (&Value::Bool(false), 8));
-    assert_ends(&splitsum(dir.path(), &["check-shader", "my.glsl", "--fail-on-wrong"]), 1, &["wrong: direction"]);
+    assert!(
+        found["rows"][0]["views"][0]["errors"]["direction"].is_f64(),
+        "{found}"
+    );
+    assert_eq!(
+        (&found["passes"], found["rows"].as_array().unwrap().len()),
+        (&Value::Bool(false), 8)
+    );
+    assert_ends(
+        &splitsum(dir.path(), &["check-shader", "my.glsl", "--fail-on-wrong"]),
+        1,
+        &["wrong: direction"],
+    );
     let text = ok(dir.path(), &["check-shader", "blind.glsl", "--entry", "f"]);
-    assert!(text.contains("\nVerdict: wrong: the light's direction has no effect"), "{text}");
+    assert!(
+        text.contains("\nVerdict: wrong: the light's direction has no effect"),
+        "{text}"
+    );
     let refused = &["nan.glsl: 64 pixels", "are not finite"];
-    assert_ends(&splitsum(dir.path(), &["check-shader", "nan.glsl", "--entry", "f"]), 2, refused);
+    assert_ends(
+        &splitsum(dir.path(), &["check-shader", "nan.glsl", "--entry", "f"]),
+        2,
+        refused,
+    );
 }

@@ -1,4 +1,5 @@
-//! Faults of the device and of the Vulkan installation: each is provoked, and ends with its message and exit code.
+//! Faults of the device and of the Vulkan installation: each is provoked, and ends with its message
+//! and exit code.
 //!
 //! `SPLITSUM_TEST_FAULTS` (`src/gpu/inject.rs`) makes a call fail as a driver would.
 
@@ -18,8 +19,17 @@ fn errors(dir: &Path, out: &str) -> Vec<u8> {
 }
 
 /// A small image.
-const RENDER: [&str; 9] =
-    ["render", "--size", "16x16", "--environment", "builtin:constant", "--method", "sampled", "--out", "x.exr"];
+const RENDER: [&str; 9] = [
+    "render",
+    "--size",
+    "16x16",
+    "--environment",
+    "builtin:constant",
+    "--method",
+    "sampled",
+    "--out",
+    "x.exr",
+];
 
 #[test]
 fn a_lost_device_ends_a_run_that_resumes_to_the_same_bytes() {
@@ -29,10 +39,24 @@ fn a_lost_device_ends_a_run_that_resumes_to_the_same_bytes() {
     for submit in [1, 6, 23, 60, 120] {
         let out = format!("lost-{submit}");
         let arguments = ["run", "tiny.toml", "--out", &out];
-        let output = with_fault(dir.path(), &arguments, &format!("submit:{submit}:device-lost"));
-        assert_ends(&output, 75, &["the device was lost", "run the same command again to continue"]);
+        let output = with_fault(
+            dir.path(),
+            &arguments,
+            &format!("submit:{submit}:device-lost"),
+        );
+        assert_ends(
+            &output,
+            75,
+            &[
+                "the device was lost",
+                "run the same command again to continue",
+            ],
+        );
         ok(dir.path(), &arguments);
-        assert!(errors(dir.path(), &out) == errors(dir.path(), "whole"), "lost at submission {submit}");
+        assert!(
+            errors(dir.path(), &out) == errors(dir.path(), "whole"),
+            "lost at submission {submit}"
+        );
     }
     let output = with_fault(dir.path(), &RENDER, "submit:2:device-lost");
     assert_ends(&output, 75, &["the device was lost during"]);
@@ -50,20 +74,33 @@ fn memory_that_runs_out_fails_cells_and_a_later_run_finishes_them() {
     assert!(table.lines().count() > 1, "what was done before is kept");
     // Failed cells take as long as cells that were never tried.
     let predicted = || {
-        let plan = ok(dir.path(), &["plan", "tiny.toml", "--out", "full", "--json"]);
-        serde_json::from_str::<serde_json::Value>(&plan).unwrap()["estimate"]["seconds"].as_f64().unwrap()
+        let plan = ok(
+            dir.path(),
+            &["plan", "tiny.toml", "--out", "full", "--json"],
+        );
+        serde_json::from_str::<serde_json::Value>(&plan).unwrap()["estimate"]["seconds"]
+            .as_f64()
+            .unwrap()
     };
     let before = predicted();
     std::fs::remove_dir_all(dir.path().join("full/failed")).unwrap();
-    assert!(before > 0.0 && (predicted() / before - 1.0).abs() < 1e-9, "{before}");
+    assert!(
+        before > 0.0 && (predicted() / before - 1.0).abs() < 1e-9,
+        "{before}"
+    );
     ok(dir.path(), &arguments);
     assert!(errors(dir.path(), "full") == errors(dir.path(), "whole"));
 
     let output = with_fault(dir.path(), &RENDER, "allocate:8:memory-is-full");
     assert_ends(&output, 1, &["out of device memory for '"]);
     assert!(!dir.path().join("x.exr").exists());
-    // If memory is short for a moment, the program frees the resources of earlier requests and goes on.
-    let output = with_fault(dir.path(), &["run", "tiny.toml", "--out", "short"], "allocate:90:out-of-memory");
+    // If memory is short for a moment, the program frees the resources of earlier requests and goes
+    // on.
+    let output = with_fault(
+        dir.path(),
+        &["run", "tiny.toml", "--out", "short"],
+        "allocate:90:out-of-memory",
+    );
     assert!(output.status.success(), "{}", stderr(&output));
     assert!(errors(dir.path(), "short") == errors(dir.path(), "whole"));
 }
@@ -71,10 +108,26 @@ fn memory_that_runs_out_fails_cells_and_a_later_run_finishes_them() {
 #[test]
 fn images_too_large_for_any_device_are_refused_before_work() {
     let Some(dir) = folder() else { return };
-    let huge = ["render", "--size", "16384x16384", "--environment", "builtin:constant", "--out", "x.exr"];
-    assert_ends(&splitsum(dir.path(), &huge), 2, &["16384x16384 is too large for the device", "MiB"]);
+    let huge = [
+        "render",
+        "--size",
+        "16384x16384",
+        "--environment",
+        "builtin:constant",
+        "--out",
+        "x.exr",
+    ];
+    assert_ends(
+        &splitsum(dir.path(), &huge),
+        2,
+        &["16384x16384 is too large for the device", "MiB"],
+    );
     let huge = ["run", "tiny.toml", "--set", "size=16x16,16384x16383"];
-    assert_ends(&splitsum(dir.path(), &huge), 2, &["16384x16383 is too large for the device", "MiB"]);
+    assert_ends(
+        &splitsum(dir.path(), &huge),
+        2,
+        &["16384x16383 is too large for the device", "MiB"],
+    );
     assert!(!dir.path().join("runs").exists() && !dir.path().join("x.exr").exists());
 }
 
@@ -84,31 +137,49 @@ fn a_vulkan_installation_without_its_parts_is_reported() {
     let refused = |variable: &str, value: &Path, parts: &[&str]| {
         let mut command = command(dir.path(), &RENDER);
         if variable != "LD_LIBRARY_PATH" {
-            command.env("VK_DRIVER_FILES", value).env("VK_ICD_FILENAMES", value);
+            command
+                .env("VK_DRIVER_FILES", value)
+                .env("VK_ICD_FILENAMES", value);
         } else {
             command.env(variable, value);
         }
         assert_ends(&command.output().unwrap(), 2, parts);
         assert!(!dir.path().join("x.exr").exists());
     };
-    // A loader without a driver, with a broken driver file, and with a driver whose library is missing.
-    refused("VK_DRIVER_FILES", Path::new("/nonexistent"), &["found no device", "VK_DRIVER_FILES"]);
+    // A loader without a driver, with a broken driver file, and with a driver whose library is
+    // missing.
+    refused(
+        "VK_DRIVER_FILES",
+        Path::new("/nonexistent"),
+        &["found no device", "VK_DRIVER_FILES"],
+    );
     let manifest = |name: &str, text: &str| {
         let path = dir.path().join(name);
         std::fs::write(&path, text).unwrap();
         path
     };
-    refused("VK_DRIVER_FILES", &manifest("garbage.json", "{"), &["Vulkan loader", "VK_DRIVER_FILES"]);
-    let absent =
-        r#"{"file_format_version": "1.0.0", "ICD": {"library_path": "/nonexistent.so", "api_version": "1.3.0"}}"#;
-    refused("VK_DRIVER_FILES", &manifest("absent.json", absent), &["found no device"]);
+    refused(
+        "VK_DRIVER_FILES",
+        &manifest("garbage.json", "{"),
+        &["Vulkan loader", "VK_DRIVER_FILES"],
+    );
+    let absent = r#"{"file_format_version": "1.0.0", "ICD": {"library_path": "/nonexistent.so", "api_version": "1.3.0"}}"#;
+    refused(
+        "VK_DRIVER_FILES",
+        &manifest("absent.json", absent),
+        &["found no device"],
+    );
     // No loader: a text file with the name of the library hides the real one.
     #[cfg(target_os = "linux")]
     {
         let libraries = dir.path().join("libraries");
         std::fs::create_dir(&libraries).unwrap();
         std::fs::write(libraries.join("libvulkan.so.1"), "no library").unwrap();
-        refused("LD_LIBRARY_PATH", &libraries, &["no Vulkan loader", "libvulkan"]);
+        refused(
+            "LD_LIBRARY_PATH",
+            &libraries,
+            &["no Vulkan loader", "libvulkan"],
+        );
     }
 }
 
@@ -119,8 +190,11 @@ fn a_driver_below_the_minimum_is_named_with_its_missing_feature() {
     let Some(dir) = folder() else { return };
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/cli/layer.c");
     let library = dir.path().join("layer.so");
-    let compiler =
-        std::process::Command::new("cc").args(["-shared", "-fPIC", "-O1", "-o"]).arg(&library).arg(source).status();
+    let compiler = std::process::Command::new("cc")
+        .args(["-shared", "-fPIC", "-O1", "-o"])
+        .arg(&library)
+        .arg(source)
+        .status();
     if !compiler.is_ok_and(|status| status.success()) {
         eprintln!("skipped: there is no C compiler for the layer");
         return;
@@ -138,10 +212,15 @@ fn a_driver_below_the_minimum_is_named_with_its_missing_feature() {
             .output()
             .unwrap()
     };
-    for (fault, lacks) in
-        [("1.2", "lacks Vulkan 1.3 (it offers 1.2.0)"), ("no-synchronization2", "lacks synchronization2")]
-    {
-        assert_ends(&run(fault, &RENDER), 2, &["device '", lacks, "which splitsum needs"]);
+    for (fault, lacks) in [
+        ("1.2", "lacks Vulkan 1.3 (it offers 1.2.0)"),
+        ("no-synchronization2", "lacks synchronization2"),
+    ] {
+        assert_ends(
+            &run(fault, &RENDER),
+            2,
+            &["device '", lacks, "which splitsum needs"],
+        );
         let arguments = ["run", "tiny.toml", "--out", "out"];
         assert_ends(&run(fault, &arguments), 2, &[lacks]);
         assert!(!dir.path().join("out").exists() && !dir.path().join("x.exr").exists());

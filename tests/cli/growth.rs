@@ -1,4 +1,5 @@
-//! Memory by the number of cells: the program never holds all images, all records or the whole text of a plan.
+//! Memory by the number of cells: the program never holds all images, all records or the whole text
+//! of a plan.
 
 use super::end_to_end::has_device;
 use super::{command, ok, splitsum, stderr};
@@ -32,7 +33,9 @@ prefilter_level_count = 2
 dfg_size = 16
 dfg_sample_count = 64
 "#,
-        (1..=cells / 5).map(|k| 0.1 + 0.9 * k as f64 / cells as f64).collect::<Vec<_>>()
+        (1..=cells / 5)
+            .map(|k| 0.1 + 0.9 * k as f64 / cells as f64)
+            .collect::<Vec<_>>()
     )
 }
 
@@ -45,13 +48,20 @@ fn folder(cells: usize) -> tempfile::TempDir {
 /// Peak memory of a process, KiB, if the system reports it.
 fn peak_kib(process: u32) -> Option<u64> {
     let status = std::fs::read_to_string(format!("/proc/{process}/status")).ok()?;
-    status.lines().find_map(|text| text.strip_prefix("VmHWM:"))?.split_whitespace().next()?.parse().ok()
+    status
+        .lines()
+        .find_map(|text| text.strip_prefix("VmHWM:"))?
+        .split_whitespace()
+        .next()?
+        .parse()
+        .ok()
 }
 
-/// Peak memory that each further cell adds, KiB, for a command in a folder of few cells and one of many; 0, with a
-/// line, if the system does not report memory.
+/// Peak memory that each further cell adds, KiB, for a command in a folder of few cells and one of
+/// many; 0, with a line, if the system does not report memory.
 fn bytes_a_cell([few, many]: [usize; 2], peak: impl Fn(&Path, usize) -> Option<u64>) -> u64 {
-    let [Some(small), Some(large)] = [few, many].map(|cells| peak(folder(cells).path(), cells)) else {
+    let [Some(small), Some(large)] = [few, many].map(|cells| peak(folder(cells).path(), cells))
+    else {
         eprintln!("skipped: the system does not report the memory of a process");
         return 0;
     };
@@ -62,8 +72,10 @@ fn bytes_a_cell([few, many]: [usize; 2], peak: impl Fn(&Path, usize) -> Option<u
 
 /// Peak memory of a plan, KiB, when its first line appears. Its text must still be complete.
 fn plan_peak(dir: &Path, cells: usize) -> Option<u64> {
-    let mut child =
-        command(dir, &["plan", "growth.toml", "--json", "--no-cache"]).stdout(Stdio::piped()).spawn().unwrap();
+    let mut child = command(dir, &["plan", "growth.toml", "--json", "--no-cache"])
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
     let mut out = BufReader::new(child.stdout.take().unwrap());
     let mut text = String::new();
     out.read_line(&mut text).unwrap();
@@ -73,8 +85,11 @@ fn plan_peak(dir: &Path, cells: usize) -> Option<u64> {
     let plan: serde_json::Value = serde_json::from_str(&text).unwrap();
     assert_eq!(plan["cells"].as_array().unwrap().len(), cells);
     assert!(plan["plan_hash"].is_string() && plan["estimate"]["seconds"].is_number());
-    let is_cell =
-        |line: &&str| line.trim_end_matches(',').parse::<serde_json::Value>().is_ok_and(|v| v["axes"].is_object());
+    let is_cell = |line: &&str| {
+        line.trim_end_matches(',')
+            .parse::<serde_json::Value>()
+            .is_ok_and(|v| v["axes"].is_object())
+    };
     assert_eq!(text.lines().filter(is_cell).count(), cells, "a line a cell");
     peak
 }
@@ -82,13 +97,20 @@ fn plan_peak(dir: &Path, cells: usize) -> Option<u64> {
 #[test]
 fn a_plan_is_written_as_it_is_made() {
     let bytes = bytes_a_cell([1000, 9000], plan_peak);
-    assert!(bytes < 4000, "{bytes} bytes a cell: as JSON values alone a cell takes 12,000");
+    assert!(
+        bytes < 4000,
+        "{bytes} bytes a cell: as JSON values alone a cell takes 12,000"
+    );
 }
 
-/// Peak memory of a command that succeeds, KiB; `None` if the system does not report it. Mesa compiles all shaders, cached or not.
+/// Peak memory of a command that succeeds, KiB; `None` if the system does not report it. Mesa
+/// compiles all shaders, cached or not.
 fn peak_of(dir: &Path, arguments: &[&str]) -> Option<u64> {
     let mut command = command(dir, arguments);
-    command.env("MESA_SHADER_CACHE_DISABLE", "true").stdout(Stdio::null()).stderr(Stdio::null());
+    command
+        .env("MESA_SHADER_CACHE_DISABLE", "true")
+        .stdout(Stdio::null())
+        .stderr(Stdio::null());
     let mut child = command.spawn().unwrap();
     let mut peak = None;
     let code = loop {
@@ -116,7 +138,10 @@ fn a_run_of_four_times_the_cells_takes_little_more_memory() {
         assert_eq!(super::entries(&run.join("tables")), [""; 0]);
         peak
     });
-    assert!(bytes < 8_000, "{bytes} bytes a cell: its image takes 7,700, its tables as text 40,000");
+    assert!(
+        bytes < 8_000,
+        "{bytes} bytes a cell: its image takes 7,700, its tables as text 40,000"
+    );
 }
 
 #[test]
@@ -125,7 +150,18 @@ fn a_merge_of_four_times_the_cells_takes_little_more_memory() {
         return;
     }
     let bytes = bytes_a_cell([200, 800], |dir, _| {
-        ok(dir, &["run", "growth.toml", "--shard", "1/1", "--out", "shared", "--no-cache"]);
+        ok(
+            dir,
+            &[
+                "run",
+                "growth.toml",
+                "--shard",
+                "1/1",
+                "--out",
+                "shared",
+                "--no-cache",
+            ],
+        );
         peak_of(dir, &["merge", "shared"])
     });
     // A cell is a value on each axis.
@@ -143,21 +179,45 @@ fn a_finished_run_ends_at_once_unless_a_file_was_touched() {
     let cells = dir.path().join("runs/growth/cells");
     let record = cells.join(&super::entries(&cells)[0]);
     // A file with unchanged size and modification time is not read again.
-    let (text, time) =
-        (std::fs::read_to_string(&record).unwrap(), std::fs::metadata(&record).unwrap().modified().unwrap());
+    let (text, time) = (
+        std::fs::read_to_string(&record).unwrap(),
+        std::fs::metadata(&record).unwrap().modified().unwrap(),
+    );
     std::fs::write(&record, text.replace("relmse", "wrong!")).unwrap();
-    std::fs::File::options().write(true).open(&record).unwrap().set_modified(time).unwrap();
+    std::fs::File::options()
+        .write(true)
+        .open(&record)
+        .unwrap()
+        .set_modified(time)
+        .unwrap();
     let again = splitsum(dir.path(), &run);
-    assert!(again.status.success() && stderr(&again).is_empty(), "{}", stderr(&again));
+    assert!(
+        again.status.success() && stderr(&again).is_empty(),
+        "{}",
+        stderr(&again)
+    );
     assert_eq!(super::stdout(&again), first);
     // A changed modification time causes a check, which finds and repairs the fault.
-    std::fs::File::options().write(true).open(&record).unwrap().set_modified(time + Duration::from_secs(1)).unwrap();
+    std::fs::File::options()
+        .write(true)
+        .open(&record)
+        .unwrap()
+        .set_modified(time + Duration::from_secs(1))
+        .unwrap();
     let repaired = splitsum(dir.path(), &run);
-    assert!(repaired.status.success() && stderr(&repaired).contains("damaged"), "{}", stderr(&repaired));
+    assert!(
+        repaired.status.success() && stderr(&repaired).contains("damaged"),
+        "{}",
+        stderr(&repaired)
+    );
     assert!(std::fs::read_to_string(&record).unwrap().contains("relmse"));
     // A mark of another program or of another experiment does not count.
     let other = std::fs::read_to_string(dir.path().join("growth.toml")).unwrap() + "# other\n";
     std::fs::write(dir.path().join("growth.toml"), other).unwrap();
     assert!(ok(dir.path(), &run).contains("Written to"));
-    assert!(std::fs::read_to_string(dir.path().join("runs/growth/experiment.toml")).unwrap().ends_with("# other\n"));
+    assert!(
+        std::fs::read_to_string(dir.path().join("runs/growth/experiment.toml"))
+            .unwrap()
+            .ends_with("# other\n")
+    );
 }

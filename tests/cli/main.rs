@@ -32,7 +32,10 @@ fn command(dir: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_splitsum"));
     command.current_dir(dir).args(arguments);
     // One cache for all tests, as one user's runs share one, but not the user's own.
-    command.env("XDG_CACHE_HOME", &*CACHE_HOME).env_remove("LOCALAPPDATA").env_remove("HOME");
+    command
+        .env("XDG_CACHE_HOME", &*CACHE_HOME)
+        .env_remove("LOCALAPPDATA")
+        .env_remove("HOME");
     command
 }
 
@@ -71,34 +74,52 @@ fn golden() -> PathBuf {
 /// A copy of a folder of `tests/golden`.
 fn copied(folder: &str) -> tempfile::TempDir {
     let dir = tempfile::tempdir().unwrap();
-    for file in std::fs::read_dir(golden().join(folder)).unwrap().map(|file| file.unwrap().path()) {
+    for file in std::fs::read_dir(golden().join(folder))
+        .unwrap()
+        .map(|file| file.unwrap().path())
+    {
         std::fs::copy(&file, dir.path().join(file.file_name().unwrap())).unwrap();
     }
     dir
 }
 
 fn entries(dir: &Path) -> Vec<String> {
-    let mut names: Vec<String> =
-        std::fs::read_dir(dir).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect();
+    let mut names: Vec<String> = std::fs::read_dir(dir)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+        .collect();
     names.sort();
     names
 }
 
-/// Runs commands that must be refused. No command panics or changes the folder. The snapshot has exit codes and messages.
+/// Runs commands that must be refused. No command panics or changes the folder. The snapshot has
+/// exit codes and messages.
 fn assert_refusals(name: &str, dir: &Path, commands: &[&str]) {
     let files = || {
-        let of = |name: &String| std::fs::metadata(dir.join(name)).map(|of| (of.len(), of.modified().ok())).ok();
-        entries(dir).into_iter().map(|name| (of(&name), name)).collect::<Vec<_>>()
+        let of = |name: &String| {
+            std::fs::metadata(dir.join(name))
+                .map(|of| (of.len(), of.modified().ok()))
+                .ok()
+        };
+        entries(dir)
+            .into_iter()
+            .map(|name| (of(&name), name))
+            .collect::<Vec<_>>()
     };
     let before = files();
     let shown = commands.iter().map(|line| {
         let output = splitsum(dir, &line.split_whitespace().collect::<Vec<_>>());
         let message = stderr(&output).replace(&dir.display().to_string(), "DIR");
         let code = output.status.code().unwrap();
-        assert!([1, 2, 3].contains(&code) && !message.contains("panicked"), "{line}: {code} {message}");
+        assert!(
+            [1, 2, 3].contains(&code) && !message.contains("panicked"),
+            "{line}: {code} {message}"
+        );
         assert!(!message.trim().is_empty() && files() == before, "{line}");
         // Whether progress is shown depends on the machine.
-        let lines = message.lines().filter(|line| !line.is_empty() && !line.contains(" seconds"));
+        let lines = message
+            .lines()
+            .filter(|line| !line.is_empty() && !line.contains(" seconds"));
         let lines: Vec<String> = lines.map(without_lists).collect();
         format!("$ {line}\n[{code}] {}\n", lines.join("\n    "))
     });
@@ -107,9 +128,16 @@ fn assert_refusals(name: &str, dir: &Path, commands: &[&str]) {
 
 /// A copy of a published run, in a folder of the same name.
 fn published(root: &Path, name: &str) -> PathBuf {
-    let (from, dir) = (Path::new(env!("CARGO_MANIFEST_DIR")).join("results/timing"), root.join(name));
+    let (from, dir) = (
+        Path::new(env!("CARGO_MANIFEST_DIR")).join("results/timing"),
+        root.join(name),
+    );
     std::fs::create_dir(&dir).unwrap();
-    for entry in std::fs::read_dir(from).unwrap().map(Result::unwrap).filter(|entry| entry.path().is_file()) {
+    for entry in std::fs::read_dir(from)
+        .unwrap()
+        .map(Result::unwrap)
+        .filter(|entry| entry.path().is_file())
+    {
         std::fs::copy(entry.path(), dir.join(entry.file_name())).unwrap();
     }
     dir

@@ -11,14 +11,21 @@ pub struct Tolerance {
 
 /// A relative tolerance; the floor only covers numbers that f32 cannot hold.
 pub const fn relative(relative: f64) -> Tolerance {
-    Tolerance { relative, floor: 1e-37 }
+    Tolerance {
+        relative,
+        floor: 1e-37,
+    }
 }
 
 pub const fn absolute(floor: f64) -> Tolerance {
-    Tolerance { relative: 0.0, floor }
+    Tolerance {
+        relative: 0.0,
+        floor,
+    }
 }
 
-/// The worst of many comparisons: a failure shows the case with the largest difference, not the first.
+/// The worst of many comparisons: a failure shows the case with the largest difference, not the
+/// first.
 pub struct Worst {
     name: String,
     tolerance: Tolerance,
@@ -30,7 +37,13 @@ pub struct Worst {
 
 impl Worst {
     pub fn new(name: impl Into<String>, tolerance: Tolerance) -> Self {
-        Self { name: name.into(), tolerance, count: 0, ratio: 0.0, case: String::new() }
+        Self {
+            name: name.into(),
+            tolerance,
+            count: 0,
+            ratio: 0.0,
+            case: String::new(),
+        }
     }
 
     /// Compares one number; `case` describes the inputs.
@@ -49,24 +62,38 @@ impl Worst {
         }
     }
 
-    /// Compares a vector by the length of its difference, relative to the length of the expected one.
+    /// Compares a vector by the length of its difference, relative to the length of the expected
+    /// one.
     pub fn add_vector(&mut self, actual: DVec3, expected: DVec3, case: impl Fn() -> String) {
         let length = expected.length();
         let difference = (actual - expected).length();
-        self.add(length + difference, length, || format!("{actual} against {expected}, {}", case()));
+        self.add(length + difference, length, || {
+            format!("{actual} against {expected}, {}", case())
+        });
     }
 
     pub fn add_rgb(&mut self, actual: DVec3, expected: DVec3, case: impl Fn() -> String) {
         for c in 0..3 {
-            self.add(actual[c], expected[c], || format!("channel {c}, {}", case()));
+            self.add(actual[c], expected[c], || {
+                format!("channel {c}, {}", case())
+            });
         }
     }
 
     /// Fails if a comparison exceeds its tolerance, or if there was no comparison.
     pub fn check(self) {
-        let Self { name, tolerance, count, ratio, case } = self;
+        let Self {
+            name,
+            tolerance,
+            count,
+            ratio,
+            case,
+        } = self;
         assert!(count > 0, "{name}: nothing was compared");
         println!("{name}: {count} compared, worst {ratio:.3} of {tolerance:?}: {case}");
-        assert!(ratio <= 1.0, "{name}: {ratio:.3} times {tolerance:?}: {case}");
+        assert!(
+            ratio <= 1.0,
+            "{name}: {ratio:.3} times {tolerance:?}: {case}"
+        );
     }
 }

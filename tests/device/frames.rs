@@ -1,4 +1,5 @@
-//! Sequences of frames on the device: sums of parts, convergence, and what motion and options may change.
+//! Sequences of frames on the device: sums of parts, convergence, and what motion and options may
+//! change.
 
 use crate::harness::{golden_environment, lobe_sphere, render_by_seeds, request, with_pipeline};
 use crate::symmetry::smooth_environment;
@@ -17,7 +18,12 @@ use std::sync::Arc;
 
 /// Frames of one visible-normal sample each on a sphere.
 fn sequence(size: u32, frames: Frames) -> RenderRequest {
-    let plain = request(&golden_environment(), lobe_sphere(0.3), CameraKind::Ortho, [size; 2]);
+    let plain = request(
+        &golden_environment(),
+        lobe_sphere(0.3),
+        CameraKind::Ortho,
+        [size; 2],
+    );
     plain.shaded(|s| (s.method, s.samples, s.frames) = (Method::listed("sampled-vndf"), 1, frames))
 }
 
@@ -36,23 +42,45 @@ fn images_apart(a: &RgbImage, b: &RgbImage) -> [f64; 2] {
 
 /// Mean square difference that motion makes in the frames without noise.
 fn lag(pipeline: &mut Pipeline, request: &RenderRequest) -> f64 {
-    let [own, still] = [request.shading.frames.motion, Motion::Still]
-        .map(|motion| pipeline.render(&request.shaded(|s| s.frames.motion = motion)).unwrap().steadiness.unwrap());
+    let [own, still] = [request.shading.frames.motion, Motion::Still].map(|motion| {
+        pipeline
+            .render(&request.shaded(|s| s.frames.motion = motion))
+            .unwrap()
+            .steadiness
+            .unwrap()
+    });
     images_apart(&own.without_noise, &still.without_noise)[1].powi(2)
 }
 
 #[test]
 fn the_mean_over_frames_of_r2_is_one_image_of_all_their_samples() {
     with_pipeline(|pipeline| {
-        for (method, samples) in [("sampled-vndf", 1), ("sampled", 4), ("sampled-unfiltered", 2)] {
-            let frames = Frames { count: 16, points: FramePoints::R2, ..Frames::default() };
-            let change = |s: &mut Shading| (s.method, s.samples, s.point_set) = (Method::listed(method), samples, 2);
+        for (method, samples) in [
+            ("sampled-vndf", 1),
+            ("sampled", 4),
+            ("sampled-unfiltered", 2),
+        ] {
+            let frames = Frames {
+                count: 16,
+                points: FramePoints::R2,
+                ..Frames::default()
+            };
+            let change = |s: &mut Shading| {
+                (s.method, s.samples, s.point_set) = (Method::listed(method), samples, 2)
+            };
             let own = sequence(24, frames).shaded(change);
-            // In this layout a texel has one solid angle, so a bias makes samples as wide as in the whole.
+            // In this layout a texel has one solid angle, so a bias makes samples as wide as in the
+            // whole.
             let own = own.shaded(|s| s.precompute.layout = &LAYOUTS[1]);
             let added = pipeline.render(&own.shaded(|s| s.lod_bias = -2.0)).unwrap();
-            let whole = pipeline.render(&own.shaded(|s| (s.samples, s.frame) = (16 * samples, Some(0)))).unwrap();
-            assert!(apart(&added, &whole)[0] < 2e-5, "{method}: {:?}", apart(&added, &whole));
+            let whole = pipeline
+                .render(&own.shaded(|s| (s.samples, s.frame) = (16 * samples, Some(0))))
+                .unwrap();
+            assert!(
+                apart(&added, &whole)[0] < 2e-5,
+                "{method}: {:?}",
+                apart(&added, &whole)
+            );
         }
     });
 }
@@ -60,48 +88,105 @@ fn the_mean_over_frames_of_r2_is_one_image_of_all_their_samples() {
 #[test]
 fn the_first_frame_of_white_points_is_an_image_with_scrambled_points() {
     with_pipeline(|pipeline| {
-        let own = sequence(16, Frames { count: 4, ..Frames::default() });
+        let own = sequence(
+            16,
+            Frames {
+                count: 4,
+                ..Frames::default()
+            },
+        );
         let first = pipeline.render(&own.of_frame(0)).unwrap();
-        let alone = own.shaded(|s| (s.frames, s.pixel_points) = (Frames::default(), PixelPoints::Owen));
+        let alone =
+            own.shaded(|s| (s.frames, s.pixel_points) = (Frames::default(), PixelPoints::Owen));
         assert_eq!(first.radiance, pipeline.render(&alone).unwrap().radiance);
         assert!(first.steadiness.is_none());
     });
 }
 
-/// The squared error against the reference falls as 1/k, so nothing but noise is left, however many frames. Blue noise and R2 err less.
+/// The squared error against the reference falls as 1/k, so nothing but noise is left, however many
+/// frames. Blue noise and R2 err less.
 #[test]
 fn the_squared_error_of_the_mean_falls_as_one_over_the_frames() {
     with_pipeline(|pipeline| {
-        let smooth = request(&smooth_environment(), lobe_sphere(0.5), CameraKind::Ortho, [48; 2]);
-        let own = smooth.shaded(|s| (s.method, s.samples, s.lod_bias) = (Method::listed("sampled-vndf"), 1, -16.0));
+        let smooth = request(
+            &smooth_environment(),
+            lobe_sphere(0.5),
+            CameraKind::Ortho,
+            [48; 2],
+        );
+        let own = smooth.shaded(|s| {
+            (s.method, s.samples, s.lod_bias) = (Method::listed("sampled-vndf"), 1, -16.0)
+        });
         let exact = own.shaded(|s| s.method = Method::listed("reference"));
-        let exact = render_by_seeds(pipeline, &RenderRequest { reference_samples: 65536, ..exact });
+        let exact = render_by_seeds(
+            pipeline,
+            &RenderRequest {
+                reference_samples: 65536,
+                ..exact
+            },
+        );
         let mut error = |count, points| {
-            let frames = Frames { count, points, ..Frames::default() };
-            apart(&pipeline.render(&own.shaded(|s| s.frames = frames)).unwrap(), &exact)[1]
+            let frames = Frames {
+                count,
+                points,
+                ..Frames::default()
+            };
+            apart(
+                &pipeline.render(&own.shaded(|s| s.frames = frames)).unwrap(),
+                &exact,
+            )[1]
         };
         let counts = [4, 16, 64, 256];
-        let logs = counts.map(|count| [f64::from(count).ln(), 2.0 * error(count, FramePoints::Owen).ln()]);
+        let logs = counts.map(|count| {
+            [
+                f64::from(count).ln(),
+                2.0 * error(count, FramePoints::Owen).ln(),
+            ]
+        });
         let mean = |of: &dyn Fn(&[f64; 2]) -> f64| logs.iter().map(of).sum::<f64>() / 4.0;
         let (x, y) = (mean(&|log| log[0]), mean(&|log| log[1]));
         let slope = mean(&|log| (log[0] - x) * (log[1] - y)) / mean(&|log| (log[0] - x).powi(2));
         assert!((slope + 1.0).abs() < 0.05, "{slope}");
-        let [white, r2, blue] =
-            FramePoints::all().map(|points| error(32, *points)).collect::<Vec<_>>().try_into().unwrap();
-        assert!(r2 < 0.7 * white && blue < 0.9 * white, "{white}, {r2}, {blue}");
+        let [white, r2, blue] = FramePoints::all()
+            .map(|points| error(32, *points))
+            .collect::<Vec<_>>()
+            .try_into()
+            .unwrap();
+        assert!(
+            r2 < 0.7 * white && blue < 0.9 * white,
+            "{white}, {r2}, {blue}"
+        );
     });
 }
 
-/// A sphere looks the same from everywhere, so a turn of camera and light as one changes nothing but rounding.
+/// A sphere looks the same from everywhere, so a turn of camera and light as one changes nothing
+/// but rounding.
 #[test]
 fn turning_light_and_camera_together_changes_no_sequence() {
     with_pipeline(|pipeline| {
         for motion in Motion::all() {
-            let frames = Frames { count: 5, motion: *motion, motion_deg: 3.0, ..Frames::default() };
-            let own = sequence(32, Frames { accumulation: Accumulation::Ema, ..frames });
+            let frames = Frames {
+                count: 5,
+                motion: *motion,
+                motion_deg: 3.0,
+                ..Frames::default()
+            };
+            let own = sequence(
+                32,
+                Frames {
+                    accumulation: Accumulation::Ema,
+                    ..frames
+                },
+            );
             let turned = own.shaded(|s| s.placement.rotation_deg += 90.0);
-            let orbit = Orbit { yaw_deg: 90.0, ..Orbit::default() };
-            let turned = RenderRequest { camera: own.camera.orbited(orbit, &own.scene), ..turned };
+            let orbit = Orbit {
+                yaw_deg: 90.0,
+                ..Orbit::default()
+            };
+            let turned = RenderRequest {
+                camera: own.camera.orbited(orbit, &own.scene),
+                ..turned
+            };
             let [a, b] = [&own, &turned].map(|request| pipeline.render(request).unwrap());
             assert!(apart(&a, &b)[1] < 2e-3, "{motion:?}: {:?}", apart(&a, &b));
             let [a, b] = [&own, &turned].map(|request| lag(pipeline, request));
@@ -115,8 +200,18 @@ fn turning_light_and_camera_together_changes_no_sequence() {
 #[test]
 fn options_change_nothing_in_a_still_mean_but_the_clamp() {
     with_pipeline(|pipeline| {
-        let mut of =
-            |history| pipeline.render(&sequence(24, Frames { count: 8, history, ..Frames::default() })).unwrap();
+        let mut of = |history| {
+            pipeline
+                .render(&sequence(
+                    24,
+                    Frames {
+                        count: 8,
+                        history,
+                        ..Frames::default()
+                    },
+                ))
+                .unwrap()
+        };
         let plain = of(History::Plain);
         for history in History::all().filter(|history| **history != History::Clamp) {
             // A sum below the split sum is 0 in the worst case; none is here.
@@ -126,18 +221,31 @@ fn options_change_nothing_in_a_still_mean_but_the_clamp() {
     });
 }
 
-/// A light that turns: reflections lag less than surfaces. So does the difference from the split sum where that is good, in smooth light.
+/// A light that turns: reflections lag less than surfaces. So does the difference from the split
+/// sum where that is good, in smooth light.
 #[test]
 fn control_variates_and_reflections_lag_less() {
     with_pipeline(|pipeline| {
-        let frames = Frames { count: 16, motion: Motion::Light, motion_deg: 2.0, ..Frames::default() };
+        let frames = Frames {
+            count: 16,
+            motion: Motion::Light,
+            motion_deg: 2.0,
+            ..Frames::default()
+        };
         let mut lag = |history, environment: &Arc<Environment>| {
             let own = sequence(32, Frames { history, ..frames });
-            lag(pipeline, &RenderRequest { environment: environment.clone(), ..own })
+            lag(
+                pipeline,
+                &RenderRequest {
+                    environment: environment.clone(),
+                    ..own
+                },
+            )
         };
-        for (history, environment) in
-            [(History::Reflected, golden_environment()), (History::ControlVariate, smooth_environment())]
-        {
+        for (history, environment) in [
+            (History::Reflected, golden_environment()),
+            (History::ControlVariate, smooth_environment()),
+        ] {
             let [plain, own] = [History::Plain, history].map(|history| lag(history, &environment));
             assert!(own < 0.5 * plain, "{history:?}: {own}, {plain}");
         }
@@ -149,7 +257,15 @@ fn control_variates_and_reflections_lag_less() {
 fn flicker_falls_with_the_length_of_the_mean() {
     with_pipeline(|pipeline| {
         let mut flicker = |count| {
-            let frame = pipeline.render(&sequence(24, Frames { count, ..Frames::default() })).unwrap();
+            let frame = pipeline
+                .render(&sequence(
+                    24,
+                    Frames {
+                        count,
+                        ..Frames::default()
+                    },
+                ))
+                .unwrap();
             frame.steadiness.unwrap().flicker
         };
         let [short, long] = [16, 64].map(&mut flicker);
@@ -161,14 +277,29 @@ fn flicker_falls_with_the_length_of_the_mean() {
 #[test]
 fn flicker_is_the_variance_of_eight_results() {
     with_pipeline(|pipeline| {
-        let of = |count| sequence(24, Frames { count, ..Frames::default() });
-        let ends: Vec<Frame> = (5..=12).map(|count| pipeline.render(&of(count)).unwrap()).collect();
+        let of = |count| {
+            sequence(
+                24,
+                Frames {
+                    count,
+                    ..Frames::default()
+                },
+            )
+        };
+        let ends: Vec<Frame> = (5..=12)
+            .map(|count| pipeline.render(&of(count)).unwrap())
+            .collect();
         let curve = tone_mapped_curve(of(12).epsilon());
         let mask = &ends[0].mask.data;
-        let shown = |frame: &Frame, i: usize| DVec3::from_array(curve.apply(frame.radiance.data[i].map(f64::from)));
+        let shown = |frame: &Frame, i: usize| {
+            DVec3::from_array(curve.apply(frame.radiance.data[i].map(f64::from)))
+        };
         let variance = |i: usize| {
             let mean = ends.iter().map(|frame| shown(frame, i)).sum::<DVec3>() / 8.0;
-            ends.iter().map(|frame| (shown(frame, i) - mean).length_squared()).sum::<f64>() / (3.0 * 7.0)
+            ends.iter()
+                .map(|frame| (shown(frame, i) - mean).length_squared())
+                .sum::<f64>()
+                / (3.0 * 7.0)
         };
         let whole: Vec<usize> = (0..mask.len()).filter(|i| mask[*i] == 1.0).collect();
         let expected = whole.iter().map(|i| variance(*i)).sum::<f64>() / whole.len() as f64;

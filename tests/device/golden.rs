@@ -1,4 +1,5 @@
-//! Whole images of the reference against Mitsuba 3.9.1 (independent code, its own noise of 0.14 to 0.16 %).
+//! Whole images of the reference against Mitsuba 3.9.1 (independent code, its own noise of 0.14 to
+//! 0.16 %).
 //!
 //! `tests/golden/mitsuba` holds every second pixel of both axes.
 
@@ -30,24 +31,37 @@ fn the_reference_matches_images_of_another_renderer() {
     with_pipeline(|pipeline| {
         for (stem, model, alpha, golden_noise) in IMAGES {
             let path = Path::new("tests/golden/mitsuba").join(format!("{stem}.exr"));
-            let expected = exr::read(&path).unwrap_or_else(|error| panic!("{error}")).rgb;
+            let expected = exr::read(&path)
+                .unwrap_or_else(|error| panic!("{error}"))
+                .rgb;
             let step = SIDE / expected.width;
-            let kind = if stem.starts_with("persp") { CameraKind::Perspective } else { CameraKind::Ortho };
+            let kind = if stem.starts_with("persp") {
+                CameraKind::Perspective
+            } else {
+                CameraKind::Ortho
+            };
             let request = RenderRequest {
                 reference_samples: SAMPLES,
-                ..request(&golden_environment(), lobe_sphere(alpha), kind, [SIDE; 2])
-                    .shaded(|s| (s.method, s.brdf) = (Method::listed("reference"), <dyn Brdf>::listed(model)))
+                ..request(&golden_environment(), lobe_sphere(alpha), kind, [SIDE; 2]).shaded(|s| {
+                    (s.method, s.brdf) = (Method::listed("reference"), <dyn Brdf>::listed(model))
+                })
             };
             let frame = pipeline.render(&request).unwrap();
             let sigma = frame.standard_error.as_ref().unwrap();
             let (mut square, mut own, mut mean, mut count) = (0.0, 0.0, 0.0, 0.0);
-            for (x, y) in (0..expected.height).flat_map(|y| (0..expected.width).map(move |x| (x, y))) {
+            for (x, y) in
+                (0..expected.height).flat_map(|y| (0..expected.width).map(move |x| (x, y)))
+            {
                 let (column, row) = (x * step, y * step);
                 // Mitsuba may miss or hit the sphere where a ray grazes the rim.
                 if frame.n_dot_v.get(column, row) < 0.02 {
                     continue;
                 }
-                let (a, b, s) = (frame.radiance.get(column, row), expected.get(x, y), sigma.get(column, row));
+                let (a, b, s) = (
+                    frame.radiance.get(column, row),
+                    expected.get(x, y),
+                    sigma.get(column, row),
+                );
                 for c in 0..3 {
                     square += f64::from(a[c] - b[c]).powi(2);
                     own += f64::from(s[c]).powi(2);
@@ -59,10 +73,16 @@ fn the_reference_matches_images_of_another_renderer() {
             let (rmse, own) = ((square / count).sqrt() / mean, (own / count).sqrt() / mean);
             let noise = own.hypot(golden_noise);
             println!("{stem}: relative RMSE {rmse:.5}, own noise {own:.5}, both {noise:.5}");
-            assert!(count > 0.6 * f64::from(3 * expected.width * expected.height), "{stem}: mask");
+            assert!(
+                count > 0.6 * f64::from(3 * expected.width * expected.height),
+                "{stem}: mask"
+            );
             assert!(rmse < RELATIVE_RMSE, "{stem}: relative RMSE {rmse}");
             // There are thousands of errors, but the few pixels that mirror the sun weigh most.
-            assert!((0.7..1.4).contains(&(rmse / noise)), "{stem}: {rmse} is not explained by noise of {noise}");
+            assert!(
+                (0.7..1.4).contains(&(rmse / noise)),
+                "{stem}: {rmse} is not explained by noise of {noise}"
+            );
         }
     });
 }

@@ -20,12 +20,19 @@ use std::sync::{Arc, Mutex, MutexGuard, OnceLock, PoisonError};
 /// A quiet NaN: no pass may read it before it has written.
 pub const POISON: u32 = 0x7fc0_dead;
 
-/// Opens a device, with the validation layer unless it is missing or turned off. Returns `None` and prints a line without a device.
+/// Opens a device, with the validation layer unless it is missing or turned off. Returns `None` and
+/// prints a line without a device.
 fn open(is_interactive: bool) -> Option<Gpu> {
     let required = std::env::var("GOLDEN").is_ok_and(|value| value == "require");
     let validation = std::env::var("SPLITSUM_VALIDATION").map_or(true, |value| value != "0");
-    let options = Options { is_interactive, ..Options::default() };
-    let opened = match Gpu::new(Options { validation, ..options }) {
+    let options = Options {
+        is_interactive,
+        ..Options::default()
+    };
+    let opened = match Gpu::new(Options {
+        validation,
+        ..options
+    }) {
         Err(GpuError::NoValidationLayer) if !required => {
             eprintln!("not validated: {}", GpuError::NoValidationLayer);
             Gpu::new(options)
@@ -41,7 +48,8 @@ fn open(is_interactive: bool) -> Option<Gpu> {
     }
 }
 
-/// The device that tests use one after the other. Each test finds the compiled pipelines and the memory contents of earlier tests.
+/// The device that tests use one after the other. Each test finds the compiled pipelines and the
+/// memory contents of earlier tests.
 fn shared() -> Option<Gpu> {
     static SHARED: OnceLock<Option<Gpu>> = OnceLock::new();
     SHARED.get_or_init(|| open(false)).clone()
@@ -54,8 +62,9 @@ fn watched(gpu: &Gpu, test: impl FnOnce()) {
     assert_eq!(gpu.validation_messages()[before..], Vec::<String>::new());
 }
 
-/// The turn of a thread. Validation layer 1.3.239 keeps its devices in a table without a lock: a call on one device can crash while another
-/// thread opens or closes another one (docs/testing.md). So one test at a time has devices; it may have several.
+/// The turn of a thread. Validation layer 1.3.239 keeps its devices in a table without a lock: a
+/// call on one device can crash while another thread opens or closes another one (docs/testing.md).
+/// So one test at a time has devices; it may have several.
 struct Turn {
     guard: Option<MutexGuard<'static, ()>>,
 }
@@ -70,7 +79,9 @@ impl Turn {
     fn wait() -> Self {
         let had = HAS_TURN.replace(true);
         // A failed test returned its devices as well.
-        Self { guard: (!had).then(|| TURN.lock().unwrap_or_else(PoisonError::into_inner)) }
+        Self {
+            guard: (!had).then(|| TURN.lock().unwrap_or_else(PoisonError::into_inner)),
+        }
     }
 }
 
@@ -86,9 +97,17 @@ static HAS_CUBES: AtomicBool = AtomicBool::new(true);
 /// Default tables, in the first layout that the device filters.
 pub fn usual_tables() -> PrecomputeSettings {
     let is_cube_fit = HAS_CUBES.load(Ordering::Relaxed);
-    let layout = LAYOUTS.iter().find(|layout| is_cube_fit || layout.face_count == 1).unwrap();
+    let layout = LAYOUTS
+        .iter()
+        .find(|layout| is_cube_fit || layout.face_count == 1)
+        .unwrap();
     let (prefilter_size, irradiance_size) = (layout.prefilter_size, layout.irradiance_size);
-    PrecomputeSettings { layout, prefilter_size, irradiance_size, ..PrecomputeSettings::default() }
+    PrecomputeSettings {
+        layout,
+        prefilter_size,
+        irradiance_size,
+        ..PrecomputeSettings::default()
+    }
 }
 
 /// Runs `test` on the shared device; fails on any message of the validation layer.
@@ -107,28 +126,44 @@ pub fn with_pipeline(test: impl FnOnce(&mut Pipeline)) {
 /// The same, or on a device with the short submissions of an interactive program.
 pub fn with_submissions(is_interactive: bool, test: impl FnOnce(&mut Pipeline)) {
     let _turn = Turn::wait();
-    let Some(gpu) = (if is_interactive { open(true) } else { shared() }) else { return };
+    let Some(gpu) = (if is_interactive { open(true) } else { shared() }) else {
+        return;
+    };
     HAS_CUBES.store(gpu.info().has_seamless_cubes, Ordering::Relaxed);
     watched(&gpu, || test(&mut Pipeline::on(gpu.clone()).unwrap()));
 }
 
-/// The largest error of the shared device's bilinear lookups, relative to the contrast of their texels: GPUs weigh texels
-/// by some 8 bits (0.005 on an H200), lavapipe in f32. Measured on the background of a map with single white texels.
+/// The largest error of the shared device's bilinear lookups, relative to the contrast of their
+/// texels: GPUs weigh texels by some 8 bits (0.005 on an H200), lavapipe in f32. Measured on the
+/// background of a map with single white texels.
 pub fn filter_error() -> f64 {
     static ERROR: OnceLock<f64> = OnceLock::new();
-    let dots = RgbImage::from_fn(16, 8, |x, y| [f32::from(u8::from(x % 3 == 0 && y % 3 == 0)); 3]);
+    let dots = RgbImage::from_fn(16, 8, |x, y| {
+        [f32::from(u8::from(x % 3 == 0 && y % 3 == 0)); 3]
+    });
     let environment = Arc::new(Environment::from_image("dots", dots));
     let size = [64, 48];
-    let plain = request(&environment, lobe_sphere(0.5), CameraKind::Perspective, size);
-    let own = RenderRequest { background: true, ..plain.shaded(|s| s.method = Method::listed("none")) };
+    let plain = request(
+        &environment,
+        lobe_sphere(0.5),
+        CameraKind::Perspective,
+        size,
+    );
+    let own = RenderRequest {
+        background: true,
+        ..plain.shaded(|s| s.method = Method::listed("none"))
+    };
     with_pipeline(|pipeline| {
         ERROR.get_or_init(|| {
             let frame = pipeline.render(&own).unwrap();
             let pixels = (0..size[1]).flat_map(|y| (0..size[0]).map(move |x| (x, y)));
-            let off = pixels.filter(|(x, y)| frame.mask.get(*x, *y) == 0.0).map(|(x, y)| {
-                let (_, direction) = own.camera.ray(x, y, size);
-                (f64::from(frame.radiance.get(x, y)[0]) - environment.radiance(direction).x).abs()
-            });
+            let off = pixels
+                .filter(|(x, y)| frame.mask.get(*x, *y) == 0.0)
+                .map(|(x, y)| {
+                    let (_, direction) = own.camera.ray(x, y, size);
+                    (f64::from(frame.radiance.get(x, y)[0]) - environment.radiance(direction).x)
+                        .abs()
+                });
             off.fold(0.0, f64::max)
         });
     });
@@ -151,27 +186,50 @@ pub struct Probe<'a> {
 
 impl Default for Probe<'_> {
     fn default() -> Self {
-        Self { shader: "", constants: &[], inputs: 1, outputs: 1, rest: &[] }
+        Self {
+            shader: "",
+            constants: &[],
+            inputs: 1,
+            outputs: 1,
+            rest: &[],
+        }
     }
 }
 
 impl Probe<'_> {
-    /// The outputs of every item. The output buffer starts as NaN, so an item that the shader skips cannot pass.
+    /// The outputs of every item. The output buffer starts as NaN, so an item that the shader skips
+    /// cannot pass.
     pub fn run(&self, gpu: &Gpu, inputs: &[[f32; 4]]) -> Vec<Vec<[f64; 4]>> {
-        assert_eq!(inputs.len() % self.inputs, 0, "{}: inputs an item", self.shader);
+        assert_eq!(
+            inputs.len() % self.inputs,
+            0,
+            "{}: inputs an item",
+            self.shader
+        );
         let count = inputs.len() / self.inputs;
         let input = gpu.buffer_from("probe inputs", inputs).unwrap();
-        let output = gpu.buffer("probe outputs", (16 * count * self.outputs) as u64).unwrap();
-        let push = ProbeParams { count: count as u32, ..Default::default() }.to_bytes();
+        let output = gpu
+            .buffer("probe outputs", (16 * count * self.outputs) as u64)
+            .unwrap();
+        let push = ProbeParams {
+            count: count as u32,
+            ..Default::default()
+        }
+        .to_bytes();
         let binds = [&[Bind::Read(&input), Bind::Write(&output)], self.rest].concat();
         let mut recorder = gpu.record(self.shader).unwrap();
         recorder.fill(&output, POISON);
         let groups = [(count as u32).div_ceil(GROUP_LINEAR), 1, 1];
-        recorder.dispatch(self.shader, self.constants, &binds, &push, groups).unwrap();
+        recorder
+            .dispatch(self.shader, self.constants, &binds, &push, groups)
+            .unwrap();
         recorder.submit().unwrap();
         let texels: Vec<[f32; 4]> = gpu.read_buffer(&output).unwrap();
         let wide = |texel: &[f32; 4]| texel.map(f64::from);
-        texels.chunks_exact(self.outputs).map(|item| item.iter().map(wide).collect()).collect()
+        texels
+            .chunks_exact(self.outputs)
+            .map(|item| item.iter().map(wide).collect())
+            .collect()
     }
 }
 
@@ -196,12 +254,17 @@ pub fn rounded3(v: DVec3) -> DVec3 {
 
 /// `tests/golden/env_analytic.exr`: a smooth sky with a Gaussian sun, 512 x 256.
 pub fn golden_environment() -> Arc<Environment> {
-    let image = exr::read(Path::new("tests/golden/env_analytic.exr")).unwrap().rgb;
+    let image = exr::read(Path::new("tests/golden/env_analytic.exr"))
+        .unwrap()
+        .rgb;
     Arc::new(Environment::from_image("golden", image))
 }
 
 pub fn constant_environment(radiance: [f32; 3]) -> Arc<Environment> {
-    Arc::new(Environment::from_image("constant", RgbImage::filled(64, 32, radiance)))
+    Arc::new(Environment::from_image(
+        "constant",
+        RgbImage::filled(64, 32, radiance),
+    ))
 }
 
 pub fn scene(name: &str, materials: MaterialOverride) -> Scene {
@@ -222,8 +285,9 @@ pub fn lobe_sphere(alpha: f64) -> Scene {
     )
 }
 
-/// `request` with four seeds and a quarter of the reference's samples each, as one frame. Four scrambles of one seed know a pixel's error
-/// with three degrees of freedom, so one pixel in a hundred is off by six standard errors; with twelve degrees it is one in 16,000.
+/// `request` with four seeds and a quarter of the reference's samples each, as one frame. Four
+/// scrambles of one seed know a pixel's error with three degrees of freedom, so one pixel in a
+/// hundred is off by six standard errors; with twelve degrees it is one in 16,000.
 pub fn render_by_seeds(pipeline: &mut Pipeline, request: &RenderRequest) -> Frame {
     if !request.has_reference_term() {
         return pipeline.render(request).unwrap();
@@ -231,31 +295,58 @@ pub fn render_by_seeds(pipeline: &mut Pipeline, request: &RenderRequest) -> Fram
     let frames: Vec<Frame> = (0..4)
         .map(|k| {
             let (seed, reference_samples) = (request.seed + k, request.reference_samples / 4);
-            pipeline.render(&RenderRequest { seed, reference_samples, ..request.clone() }).unwrap()
+            pipeline
+                .render(&RenderRequest {
+                    seed,
+                    reference_samples,
+                    ..request.clone()
+                })
+                .unwrap()
         })
         .collect();
     let mean = |of: &dyn Fn(&Frame, usize, usize) -> f32| {
         let image = &frames[0].radiance;
         let values = (0..image.data.len())
-            .map(|i| std::array::from_fn(|c| frames.iter().map(|frame| of(frame, i, c)).sum::<f32>() / 4.0))
+            .map(|i| {
+                std::array::from_fn(|c| {
+                    frames.iter().map(|frame| of(frame, i, c)).sum::<f32>() / 4.0
+                })
+            })
             .collect();
         RgbImage::new(image.width, image.height, values)
     };
     let radiance = mean(&|frame, i, c| frame.radiance.data[i][c]);
     let squares = mean(&|frame, i, c| frame.standard_error.as_ref().unwrap().data[i][c].powi(2));
     let standard_error = Some(squares.map(|square| square.map(|x| (x / 4.0).sqrt())));
-    Frame { radiance, standard_error, ..frames[0].clone() }
+    Frame {
+        radiance,
+        standard_error,
+        ..frames[0].clone()
+    }
 }
 
 /// A request for `scene` under `environment`: GGX, split sum, no diffuse term.
-pub fn request(environment: &Arc<Environment>, scene: Scene, kind: CameraKind, size: [u32; 2]) -> RenderRequest {
-    RenderRequest::plain(environment.clone(), scene, kind, size).shaded(|s| s.precompute = usual_tables())
+pub fn request(
+    environment: &Arc<Environment>,
+    scene: Scene,
+    kind: CameraKind,
+    size: [u32; 2],
+) -> RenderRequest {
+    RenderRequest::plain(environment.clone(), scene, kind, size)
+        .shaded(|s| s.precompute = usual_tables())
 }
 
 pub fn read_level(gpu: &Gpu, image: &Image, mip: u32) -> Pixels<DVec3> {
     let [width, height] = image.mip_size(mip);
     let texels = gpu.read_image(image, mip).unwrap();
-    Pixels::new(width, height, texels.iter().map(|&texel| xyz(texel.map(f64::from))).collect())
+    Pixels::new(
+        width,
+        height,
+        texels
+            .iter()
+            .map(|&texel| xyz(texel.map(f64::from)))
+            .collect(),
+    )
 }
 
 pub fn poisoned_buffer(gpu: &Gpu, name: &str, size: u64) -> Buffer {
@@ -274,7 +365,8 @@ pub fn poison(gpu: &Gpu, buffer: &Buffer) {
 pub fn poison_image(gpu: &Gpu, image: &Image) {
     for mip in 0..image.mip_count() {
         let [width, height] = image.mip_size(mip);
-        let texels = vec![[f32::from_bits(POISON); 4]; (width * height * image.face_count()) as usize];
+        let texels =
+            vec![[f32::from_bits(POISON); 4]; (width * height * image.face_count()) as usize];
         gpu.write_image(image, mip, &texels).unwrap();
     }
 }

@@ -1,4 +1,5 @@
-//! Sheen and coats: the reference against f64, lookups against twins and closed forms, and nothing without layers.
+//! Sheen and coats: the reference against f64, lookups against twins and closed forms, and nothing
+//! without layers.
 
 use crate::harness::{constant_environment, render_by_seeds, request, scene, with_pipeline};
 use crate::methods::{EXACT, radiance, sights};
@@ -25,7 +26,11 @@ const ALPHA: f32 = 0.25;
 const COAT_ALPHA: f32 = 0.2;
 const CORRELATED: MaskingShadowing = MaskingShadowing::Correlated;
 
-fn cloth(environment: &Arc<Environment>, sheen: Option<[f32; 3]>, coat: Option<f32>) -> RenderRequest {
+fn cloth(
+    environment: &Arc<Environment>,
+    sheen: Option<[f32; 3]>,
+    coat: Option<f32>,
+) -> RenderRequest {
     let material = MaterialOverride {
         albedo: Some([0.8, 0.4, 0.2]),
         metallic: Some(0.25),
@@ -37,11 +42,20 @@ fn cloth(environment: &Arc<Environment>, sheen: Option<[f32; 3]>, coat: Option<f
         sheen_alpha: Some(ALPHA),
         ..MaterialOverride::default()
     };
-    let plain = request(environment, scene("sphere", material), CameraKind::Ortho, [9, 9]);
-    RenderRequest { reference_samples: 16384, ..plain }
+    let plain = request(
+        environment,
+        scene("sphere", material),
+        CameraKind::Ortho,
+        [9, 9],
+    );
+    RenderRequest {
+        reference_samples: 16384,
+        ..plain
+    }
 }
 
-/// The reference of both visibilities, each under a coat of another layering, against the integrals of all layers.
+/// The reference of both visibilities, each under a coat of another layering, against the integrals
+/// of all layers.
 #[test]
 fn the_reference_of_layers_is_the_sum_of_their_integrals() {
     with_pipeline(|pipeline| {
@@ -54,29 +68,65 @@ fn the_reference_of_layers_is_the_sum_of_their_integrals() {
             let quadrature = exact_quadrature(&request.environment.image);
             let frame = render_by_seeds(pipeline, &request);
             for sight in sights(&request, 7) {
-                let Surface { model, masking, n, v, alpha, f0, .. } = sight.surface;
+                let Surface {
+                    model,
+                    masking,
+                    n,
+                    v,
+                    alpha,
+                    f0,
+                    ..
+                } = sight.surface;
                 let of = |alpha: f64| dfg(model, masking, n.dot(v), alpha);
                 let base = integrate(&quadrature, &sight.surface, EXACT);
-                let diffuse = 0.75 * sight.albedo * (DVec3::ONE - f0 * of(alpha).f0_scale - of(alpha).f90_scale);
+                let diffuse = 0.75
+                    * sight.albedo
+                    * (DVec3::ONE - f0 * of(alpha).f0_scale - of(alpha).f90_scale);
                 let base = base.specular.value + diffuse * base.diffuse.value;
                 let lobe = Surface::new(visibility, CORRELATED, ALPHA.into(), DVec3::ONE, [n, v]);
-                let sheen = specular(&quadrature, &lobe, EXACT).combine([DVec3::ONE, DVec3::ZERO]).value;
+                let sheen = specular(&quadrature, &lobe, EXACT)
+                    .combine([DVec3::ONE, DVec3::ZERO])
+                    .value;
                 let albedo = dfg(visibility, CORRELATED, n.dot(v), ALPHA.into()).albedo();
                 let cloth = color * sheen + (1.0 - color.x * albedo).max(0.0) * base;
-                let over = Surface::new(model, masking, COAT_ALPHA.into(), DVec3::splat(COAT_F0), [n, v]);
+                let over = Surface::new(
+                    model,
+                    masking,
+                    COAT_ALPHA.into(),
+                    DVec3::splat(COAT_F0),
+                    [n, v],
+                );
                 let over = integrate(&quadrature, &over, EXACT);
-                let (fresnel, pair) = (f_schlick(DVec3::splat(COAT_F0), n.dot(v)).x, of(COAT_ALPHA.into()));
+                let (fresnel, pair) = (
+                    f_schlick(DVec3::splat(COAT_F0), n.dot(v)).x,
+                    of(COAT_ALPHA.into()),
+                );
                 let (lost, coat) = match layering {
                     CoatLayering::Khr => (fresnel, fresnel * over.specular_white.value),
-                    CoatLayering::Albedo => (COAT_F0 * pair.f0_scale + pair.f90_scale, over.specular.value),
+                    CoatLayering::Albedo => (
+                        COAT_F0 * pair.f0_scale + pair.f90_scale,
+                        over.specular.value,
+                    ),
                 };
                 let exact = (1.0 - 0.75 * lost) * cloth + 0.75 * coat;
                 let [x, y] = sight.pixel;
-                let sigma = frame.standard_error.as_ref().unwrap().get(x, y).map(f64::from);
+                let sigma = frame
+                    .standard_error
+                    .as_ref()
+                    .unwrap()
+                    .get(x, y)
+                    .map(f64::from);
                 let most = 5.0 * DVec3::from_array(sigma) + 3e-4 * exact;
                 let own = radiance(&frame, sight.pixel);
-                assert!((own - exact).abs().cmple(most).all(), "{visibility:?} {:?}: {own} for {exact}", sight.pixel);
-                assert!(most.max_element() < 0.02 * exact.max_element(), "{most} of {exact}");
+                assert!(
+                    (own - exact).abs().cmple(most).all(),
+                    "{visibility:?} {:?}: {own} for {exact}",
+                    sight.pixel
+                );
+                assert!(
+                    most.max_element() < 0.02 * exact.max_element(),
+                    "{most} of {exact}"
+                );
             }
         }
     });
@@ -87,9 +137,12 @@ fn the_reference_of_layers_is_the_sum_of_their_integrals() {
 fn lookups_of_sheen_are_means_along_their_directions() {
     with_pipeline(|pipeline| {
         let color = DVec3::from_array(COLOR.map(f64::from));
-        let base = pipeline.render(&cloth(&smooth_environment(), None, None)).unwrap();
+        let base = pipeline
+            .render(&cloth(&smooth_environment(), None, None))
+            .unwrap();
         for lookup in SHEEN_LOOKUPS {
-            let request = cloth(&smooth_environment(), Some(COLOR), None).shaded(|s| s.sheen_lookup = lookup);
+            let request =
+                cloth(&smooth_environment(), Some(COLOR), None).shaded(|s| s.sheen_lookup = lookup);
             let quadrature = exact_quadrature(&request.environment.image);
             let frame = pipeline.render(&request).unwrap();
             for sight in sights(&request, 5) {
@@ -101,25 +154,47 @@ fn lookups_of_sheen_are_means_along_their_directions() {
                     SheenMap::Charlie => mean(Kernel::cosine(&SheenVisibility::Charlie)),
                     SheenMap::Irradiance => irradiance(&quadrature, n, EXACT).value / PI,
                 };
-                let albedo = dfg(&SheenVisibility::Charlie, CORRELATED, n.dot(v), ALPHA.into()).albedo();
+                let albedo = dfg(
+                    &SheenVisibility::Charlie,
+                    CORRELATED,
+                    n.dot(v),
+                    ALPHA.into(),
+                )
+                .albedo();
                 let [under, over] = shares(Some(lookup), color, ALPHA.into(), n.dot(v), albedo);
                 let exact = under * radiance(&base, sight.pixel) + over * mean;
-                let (own, off) =
-                    (radiance(&frame, sight.pixel), (radiance(&frame, sight.pixel) - exact).abs().max_element());
+                let (own, off) = (
+                    radiance(&frame, sight.pixel),
+                    (radiance(&frame, sight.pixel) - exact).abs().max_element(),
+                );
                 // The roughest level has 8 x 8 texels.
-                assert!(off < 5e-3 * exact.max_element(), "{} {:?}: {own} for {exact}", lookup.name, sight.pixel);
+                assert!(
+                    off < 5e-3 * exact.max_element(),
+                    "{} {:?}: {own} for {exact}",
+                    lookup.name,
+                    sight.pixel
+                );
             }
         }
     });
 }
 
-/// A black sheen and a coat of weight 0 give the bits of a scene that has never heard of layers, with background.
+/// A black sheen and a coat of weight 0 give the bits of a scene that has never heard of layers,
+/// with background.
 #[test]
 fn layers_without_weight_change_no_bit() {
     with_pipeline(|pipeline| {
         let frames = [(Some([0.0; 3]), Some(0.0)), (None, None)].map(|(sheen, coat)| {
-            let plain = cloth(&smooth_environment(), sheen, coat).shaded(|s| s.diffuse = Diffuse::listed("sh9"));
-            pipeline.render(&RenderRequest { background: true, antialias: true, ..plain }).unwrap().radiance
+            let plain = cloth(&smooth_environment(), sheen, coat)
+                .shaded(|s| s.diffuse = Diffuse::listed("sh9"));
+            pipeline
+                .render(&RenderRequest {
+                    background: true,
+                    antialias: true,
+                    ..plain
+                })
+                .unwrap()
+                .radiance
         });
         assert_eq!(frames[0], frames[1]);
     });
@@ -161,7 +236,11 @@ fn renderers_of_a_coat_meet_their_closed_forms_in_constant_light() {
                 };
                 let exact = of_specular * specular + of_diffuse * diffuse + 0.75 * coat;
                 let own = radiance(&frame, sight.pixel);
-                assert!((own - exact).abs().max_element() < 4e-3, "{}: {own} for {exact}", renderer.name);
+                assert!(
+                    (own - exact).abs().max_element() < 4e-3,
+                    "{}: {own} for {exact}",
+                    renderer.name
+                );
             }
         }
     });

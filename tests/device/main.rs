@@ -1,7 +1,9 @@
-//! Device tests: every shader against its f64 twin, against published numbers and against identities.
+//! Device tests: every shader against its f64 twin, against published numbers and against
+//! identities.
 //!
-//! Without a Vulkan device each test prints one line and passes; `GOLDEN=require` makes that a failure. Everything runs under the
-//! validation layer (core and synchronisation) and any message fails the test; `SPLITSUM_VALIDATION=0` turns the layer off.
+//! Without a Vulkan device each test prints one line and passes; `GOLDEN=require` makes that a
+//! failure. Everything runs under the validation layer (core and synchronisation) and any message
+//! fails the test; `SPLITSUM_VALIDATION=0` turns the layer off.
 mod antialias;
 mod brdf;
 #[path = "../shared/brdf_twins.rs"]

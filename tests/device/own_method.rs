@@ -14,7 +14,11 @@ use std::path::Path;
 fn a_shader_determines_the_parameters_of_its_method() {
     for method in METHODS.iter().filter(|method| method.has_pass()) {
         let shader = specular_shader(&LAYOUTS[0], method, splitsum::brdf::MODELS[0]);
-        let found = own::of_names_read(*method, &names_read(&shader, own::FUNCTION).unwrap(), String::new());
+        let found = own::of_names_read(
+            *method,
+            &names_read(&shader, own::FUNCTION).unwrap(),
+            String::new(),
+        );
         let facts = |m: &splitsum::shade::Method| {
             let points = [m.uses_samples, m.uses_point_set, m.uses_lod_bias];
             (points, [m.uses_prefiltered(), m.uses_dfg], m.tap_table)
@@ -29,11 +33,20 @@ fn a_copied_method_makes_the_same_image() {
     with_pipeline(|pipeline| {
         let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders/shade/method");
         for name in ["split-sum", "sampled"] {
-            let copy = own::load(&format!("file:{}.glsl", name.replace('-', "_")), &folder).unwrap();
+            let copy =
+                own::load(&format!("file:{}.glsl", name.replace('-', "_")), &folder).unwrap();
             let listed = Method::listed(name);
-            let base = request(&golden_environment(), lobe_sphere(0.3), CameraKind::Ortho, [24, 24]);
+            let base = request(
+                &golden_environment(),
+                lobe_sphere(0.3),
+                CameraKind::Ortho,
+                [24, 24],
+            );
             let mut frames = [listed, copy].map(|method| {
-                pipeline.render(&base.shaded(|s| (s.method, s.samples) = (method, 16))).unwrap().radiance
+                pipeline
+                    .render(&base.shaded(|s| (s.method, s.samples) = (method, 16)))
+                    .unwrap()
+                    .radiance
             });
             let [expected, found] = frames.each_mut();
             assert!(expected == found, "{name}");

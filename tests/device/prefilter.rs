@@ -1,5 +1,5 @@
-//! The prefiltered map, by harmonics and by samples, and the irradiance map by harmonics: against their exact integrals
-//! and published numbers.
+//! The prefiltered map, by harmonics and by samples, and the irradiance map by harmonics: against
+//! their exact integrals and published numbers.
 
 use crate::compare::{Tolerance, relative};
 use crate::harness::{golden_environment, poison_image, with_gpu};
@@ -29,12 +29,26 @@ fn harmonic_levels_are_the_exact_integral_in_every_layout() {
         let points = Points::upload(gpu, 1, &SEQUENCES[0], 0, PixelPoints::Shared).unwrap();
         for ((layout, model), mapping) in LAYOUTS.iter().zip(MODELS).zip(LEVEL_MAPPINGS) {
             let size = if layout.is_square { [32, 32] } else { [64, 32] };
-            let recipe = Recipe { kernel: Kernel::cosine(*model), mapping, lod_bias: 0.0 };
-            let transform =
-                harmonic::harmonics(&environment.image, harmonic::degree_of_map(mapping.alpha_from_mip(1.0, 3)));
+            let recipe = Recipe {
+                kernel: Kernel::cosine(*model),
+                mapping,
+                lod_bias: 0.0,
+            };
+            let transform = harmonic::harmonics(
+                &environment.image,
+                harmonic::degree_of_map(mapping.alpha_from_mip(1.0, 3)),
+            );
             let filtered = filtered_environment(gpu, layout, &image);
             let map = prefilter::pass::map(gpu, layout, size, 3).unwrap();
-            prefilter::pass::run_harmonic(gpu, recipe, layout, &filtered, (&points, &transform), &map).unwrap();
+            prefilter::pass::run_harmonic(
+                gpu,
+                recipe,
+                layout,
+                &filtered,
+                (&points, &transform),
+                &map,
+            )
+            .unwrap();
             let map = read_map(gpu, layout, &map);
             for level in 1..map.levels.len() {
                 let alpha = mapping.alpha_from_mip(level as f64, 3);
@@ -55,41 +69,68 @@ fn harmonic_irradiance_is_the_exact_integral_in_every_layout() {
         for layout in LAYOUTS {
             let map = irradiance::pass::map(gpu, layout, layout.irradiance_size).unwrap();
             irradiance::pass::run_harmonic(gpu, layout, &transform, &map).unwrap();
-            let (name, map) = (format!("{} irradiance", layout.name), read_map(gpu, layout, &map));
-            check_texels(&name, &map, 0, 31, relative(HARMONIC), |n| exact_irradiance(&exact, n, EXACT).value / PI);
+            let (name, map) = (
+                format!("{} irradiance", layout.name),
+                read_map(gpu, layout, &map),
+            );
+            check_texels(&name, &map, 0, 31, relative(HARMONIC), |n| {
+                exact_irradiance(&exact, n, EXACT).value / PI
+            });
         }
     });
 }
 
 #[test]
 fn prefiltered_levels_converge_to_the_exact_integral() {
-    // Each lookup spreads light over the trilinear footprint of its level, more than the sample's share of the lobe.
-    // Beside a sun of 100 times the sky this makes up to 13 % at 256 samples, and a tenth of that at 4096.
+    // Each lookup spreads light over the trilinear footprint of its level, more than the sample's
+    // share of the lobe. Beside a sun of 100 times the sky this makes up to 13 % at 256 samples,
+    // and a tenth of that at 4096.
     const SAMPLES: [(u32, Tolerance); 2] = [(256, relative(0.16)), (4096, relative(2e-2))];
     // A weight of 1 ends at the horizon with a step, which costs digits, of 4096 samples too.
-    const STEP: quadrature::Tolerance = quadrature::Tolerance { relative: 1e-3, max_part_count: 100_000 };
+    const STEP: quadrature::Tolerance = quadrature::Tolerance {
+        relative: 1e-3,
+        max_part_count: 100_000,
+    };
     with_gpu(|gpu| {
         let environment = golden_environment();
         let image = environment_image(gpu, &environment.image);
         let exact = exact_quadrature(&environment.image);
         let mapping = &LEVEL_MAPPINGS[0];
         let weights = WEIGHTS.iter().flat_map(|weight| {
-            let maskings = MaskingShadowing::all().take(if weight.uses_masking { usize::MAX } else { 1 });
+            let maskings =
+                MaskingShadowing::all().take(if weight.uses_masking { usize::MAX } else { 1 });
             maskings.map(move |masking| (weight, *masking))
         });
-        for (model, (weight, masking)) in MODELS.iter().flat_map(|m| weights.clone().map(move |w| (m, w))) {
+        for (model, (weight, masking)) in MODELS
+            .iter()
+            .flat_map(|m| weights.clone().map(move |w| (m, w)))
+        {
             let kernel = Kernel::new(*model, weight, masking);
-            let recipe = Recipe { kernel, mapping, lod_bias: 0.0 };
+            let recipe = Recipe {
+                kernel,
+                mapping,
+                lod_bias: 0.0,
+            };
             let is_default = *weight == WEIGHTS[0];
             for (sample_count, tolerance) in SAMPLES.into_iter().skip(usize::from(!is_default)) {
                 // The step converges more slowly.
-                let sample_count = if weight.name == "none" { 2 * sample_count } else { sample_count };
+                let sample_count = if weight.name == "none" {
+                    2 * sample_count
+                } else {
+                    sample_count
+                };
                 let map = prefilter::pass::map(gpu, equirect(), [128, 64], 3).unwrap();
                 poison_image(gpu, &map);
-                let points = Points::upload(gpu, sample_count, &SEQUENCES[0], 0, PixelPoints::Shared).unwrap();
+                let points =
+                    Points::upload(gpu, sample_count, &SEQUENCES[0], 0, PixelPoints::Shared)
+                        .unwrap();
                 prefilter::pass::run(gpu, recipe, equirect(), &image, &points, &map).unwrap();
                 let map = read_map(gpu, equirect(), &map);
-                let name = format!("{} by {sample_count}, weight {} {masking:?}", model.name(), weight.name);
+                let name = format!(
+                    "{} by {sample_count}, weight {} {masking:?}",
+                    model.name(),
+                    weight.name
+                );
                 for level in 1..map.levels.len() {
                     let alpha = mapping.alpha_from_mip(level as f64, 3);
                     let within = if is_default { EXACT } else { STEP };

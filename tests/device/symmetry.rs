@@ -18,7 +18,12 @@ pub fn smooth_environment() -> Arc<Environment> {
     let image = RgbImage::from_fn(size[0], size[1], |x, y| {
         let uv = glam::DVec2::new((f64::from(x) + 0.5) / 256.0, (f64::from(y) + 0.5) / 128.0);
         let d = splitsum::math::equirect::direction_from_uv(uv);
-        [1.0 + 0.5 * d.x + 0.3 * d.y * d.z, 1.0 - 0.4 * d.y, 1.0 + 0.6 * d.z].map(|l| l as f32)
+        [
+            1.0 + 0.5 * d.x + 0.3 * d.y * d.z,
+            1.0 - 0.4 * d.y,
+            1.0 + 0.6 * d.z,
+        ]
+        .map(|l| l as f32)
     });
     Arc::new(Environment::from_image("smooth", image))
 }
@@ -28,7 +33,8 @@ fn turning_environment_and_camera_together_changes_nothing() {
     with_pipeline(|pipeline| {
         let filter_error = filter_error();
         let environment = golden_environment();
-        // A quarter turn to larger u is exact in the map: about +y by -90 degrees, since phi = 2 pi (0.5 - u).
+        // A quarter turn to larger u is exact in the map: about +y by -90 degrees, since phi = 2 pi
+        // (0.5 - u).
         let shifted = RgbImage::from_fn(512, 256, |x, y| environment.image.get((x + 384) % 512, y));
         let shifted = Arc::new(Environment::from_image("shifted", shifted));
         let turn = DQuat::from_rotation_y(-TAU / 4.0);
@@ -37,7 +43,13 @@ fn turning_environment_and_camera_together_changes_nothing() {
                 let still = RenderRequest {
                     reference_samples: 4096,
                     background: true,
-                    ..request(&environment, scene("sphere", MaterialOverride::default()), kind, [16, 16]).shaded(|s| {
+                    ..request(
+                        &environment,
+                        scene("sphere", MaterialOverride::default()),
+                        kind,
+                        [16, 16],
+                    )
+                    .shaded(|s| {
                         s.method = method;
                         s.samples = 1024;
                         s.diffuse = Diffuse::listed("sh9");
@@ -57,18 +69,35 @@ fn turning_environment_and_camera_together_changes_nothing() {
                 // The same by the parameter: the environment turns back under the fixed camera.
                 let rotated = RenderRequest {
                     environment: shifted.clone(),
-                    ..still.shaded(|s| s.placement = Placement { rotation_deg: 90.0, orientation: 0 })
+                    ..still.shaded(|s| {
+                        s.placement = Placement {
+                            rotation_deg: 90.0,
+                            orientation: 0,
+                        }
+                    })
                 };
-                let [a, b, c] = [&still, &turned, &rotated].map(|request| pipeline.render(request).unwrap());
+                let [a, b, c] =
+                    [&still, &turned, &rotated].map(|request| pipeline.render(request).unwrap());
                 let name = format!("{} {kind:?}", method.name);
-                // The frame about a direction does not turn with it, so points fall on other azimuths of each pixel's
-                // lobe. The difference is the method's own error at this sample count; lookups of the prefiltered map
-                // have none but the filter's, whose weights may step.
-                let is_drawn = method.uses_point_set || still.shaded(|s| s.method = method).has_reference_term();
-                let own_error = relative(if is_drawn { 0.15 } else { 1e-5_f64.max(filter_error) });
+                // The frame about a direction does not turn with it, so points fall on other
+                // azimuths of each pixel's lobe. The difference is the method's own error at this
+                // sample count; lookups of the prefiltered map have none but the filter's, whose
+                // weights may step.
+                let is_drawn = method.uses_point_set
+                    || still.shaded(|s| s.method = method).has_reference_term();
+                let own_error = relative(if is_drawn {
+                    0.15
+                } else {
+                    1e-5_f64.max(filter_error)
+                });
                 let mut camera = Worst::new(format!("{name} camera turned"), own_error);
-                let mut map = Worst::new(format!("{name} map turned back"), relative(2e-4_f64.max(filter_error)));
-                let rgb = |frame: &Frame, i: usize| DVec3::from_array(frame.radiance.data[i].map(f64::from));
+                let mut map = Worst::new(
+                    format!("{name} map turned back"),
+                    relative(2e-4_f64.max(filter_error)),
+                );
+                let rgb = |frame: &Frame, i: usize| {
+                    DVec3::from_array(frame.radiance.data[i].map(f64::from))
+                };
                 for i in 0..a.radiance.data.len() {
                     camera.add_rgb(rgb(&b, i), rgb(&a, i), || format!("pixel {i}"));
                     map.add_rgb(rgb(&c, i), rgb(&b, i), || format!("pixel {i}"));

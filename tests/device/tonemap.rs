@@ -22,8 +22,12 @@ fn bytes_match_the_twin() {
                 let exact = ramp().map(|l| curve.apply(l.map(f64::from)).map(|c| 255.0 * c));
                 for (a, b) in actual.data.iter().zip(&exact.data) {
                     for c in 0..3 {
-                        // The nearest code; within 1e-3 of the middle between two codes, either one.
-                        assert!((f64::from(a[c]) - b[c]).abs() <= 0.501, "{curve:?}: {a:?} for {b:?}");
+                        // The nearest code; within 1e-3 of the middle between two codes, either
+                        // one.
+                        assert!(
+                            (f64::from(a[c]) - b[c]).abs() <= 0.501,
+                            "{curve:?}: {a:?} for {b:?}"
+                        );
                     }
                 }
             }

@@ -1,10 +1,14 @@
-//! Every method and every diffuse method against its f64 twin, pixel by pixel, at few samples and far from any limit.
+//! Every method and every diffuse method against its f64 twin, pixel by pixel, at few samples and
+//! far from any limit.
 //!
-//! Every listed method is tested. The twins read the device's own g-buffer and tables, so any difference comes from the method.
+//! Every listed method is tested. The twins read the device's own g-buffer and tables, so any
+//! difference comes from the method.
 
 use crate::compare::{Tolerance, Worst};
 use crate::gbuffer::draw;
-use crate::harness::{filter_error, read_level, render_by_seeds, request, scene, with_gpu, with_pipeline};
+use crate::harness::{
+    filter_error, read_level, render_by_seeds, request, scene, with_gpu, with_pipeline,
+};
 use crate::layouts::{filtered_environment, read_map};
 use crate::methods::{EXACT, Sight, radiance, sights_in};
 use crate::tables::{coefficients, dfg_table, environment_image};
@@ -22,7 +26,9 @@ use splitsum::precompute::points::Points;
 use splitsum::precompute::prefilter::pass::Recipe;
 use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, harmonic};
 use splitsum::precompute::taps::{Chain, TapCount, TapTable};
-use splitsum::precompute::{PrecomputeSettings, PrefilterBy, exact_quadrature, irradiance, prefilter};
+use splitsum::precompute::{
+    PrecomputeSettings, PrefilterBy, exact_quadrature, irradiance, prefilter,
+};
 use splitsum::scene::{CameraKind, MaterialOverride, Scene};
 use splitsum::shade::bend::BENDS;
 use splitsum::shade::twin::{Light, Samples, Twin};
@@ -34,11 +40,11 @@ use std::sync::{Arc, Mutex};
 
 /// Relative; directions, levels and weights in f32.
 const F32: f64 = 5e-5;
-/// Relative to the frame's mean: a lookup that moves by 2e-7 of the map's width moves on the edge of a lamp, which may
-/// be brighter than the pixel.
+/// Relative to the frame's mean: a lookup that moves by 2e-7 of the map's width moves on the edge
+/// of a lamp, which may be brighter than the pixel.
 const F32_EDGE: f64 = 3e-4;
-/// A lookup interpolates along u, v and the level, between texels that differ by up to five times the pixel or the frame's
-/// mean; in units of the filter's error.
+/// A lookup interpolates along u, v and the level, between texels that differ by up to five times
+/// the pixel or the frame's mean; in units of the filter's error.
 const FILTERED: f64 = 15.0;
 /// A frame of a random estimator is off by its standard error, which 16 nets know to 20 %.
 const SIGMAS: f64 = 6.0;
@@ -55,7 +61,13 @@ const GRAZING: f64 = 0.04;
 
 /// Small tables, so that levels and texels are coarse and their choice matters.
 pub fn tables(layout: &'static MapLayout) -> PrecomputeSettings {
-    let size = |side: u32| if layout.is_square { [side; 2] } else { [2 * side, side] };
+    let size = |side: u32| {
+        if layout.is_square {
+            [side; 2]
+        } else {
+            [2 * side, side]
+        }
+    };
     PrecomputeSettings {
         layout,
         prefilter_size: size(32),
@@ -64,7 +76,11 @@ pub fn tables(layout: &'static MapLayout) -> PrecomputeSettings {
         prefilter_sample_count: 64,
         dfg_size: 32,
         dfg_sample_count: 128,
-        dfg_axes: if layout.is_square { DfgAxes::FourthRoots } else { DfgAxes::Centres },
+        dfg_axes: if layout.is_square {
+            DfgAxes::FourthRoots
+        } else {
+            DfgAxes::Centres
+        },
         irradiance_size: size(8),
         irradiance_sample_count: [16, 8],
         storage: splitsum::precompute::StorageFormat::F32,
@@ -72,12 +88,18 @@ pub fn tables(layout: &'static MapLayout) -> PrecomputeSettings {
     }
 }
 
-/// Lamps of several sizes, and one at a pole, where texels are narrow. A sun would turn the rounding of a direction into errors of 0.1 %.
-/// Opposite to that lamp SH9 rings below 0.
+/// Lamps of several sizes, and one at a pole, where texels are narrow. A sun would turn the
+/// rounding of a direction into errors of 0.1 %. Opposite to that lamp SH9 rings below 0.
 pub fn environments() -> [Arc<Environment>; 2] {
-    let options = LoadOptions { builtin_size: [128, 64], ..LoadOptions::default() };
-    ["builtin:studio", "builtin:cap:elevation_deg=82,half_angle_deg=15,radiance=20,ambient=0.03"]
-        .map(|name| Arc::new(Environment::load(name, Path::new("."), &options).unwrap()))
+    let options = LoadOptions {
+        builtin_size: [128, 64],
+        ..LoadOptions::default()
+    };
+    [
+        "builtin:studio",
+        "builtin:cap:elevation_deg=82,half_angle_deg=15,radiance=20,ambient=0.03",
+    ]
+    .map(|name| Arc::new(Environment::load(name, Path::new("."), &options).unwrap()))
 }
 
 /// The surfaces, and the points that shade them.
@@ -121,7 +143,11 @@ const PLAIN: Case = Case {
 };
 
 const STRETCHED: [Case; 4] = [
-    Case { anisotropy: 0.7, alpha: 0.2, ..PLAIN },
+    Case {
+        anisotropy: 0.7,
+        alpha: 0.2,
+        ..PLAIN
+    },
     Case {
         anisotropy: 0.6,
         alpha: 0.8,
@@ -130,21 +156,67 @@ const STRETCHED: [Case; 4] = [
         layout: 1,
         ..PLAIN
     },
-    Case { anisotropy: 0.9, widths: WidthLaw::Disney, masking: MaskingShadowing::SmithExact, ..PLAIN },
-    Case { anisotropy: 0.5, widths: WidthLaw::OpenPbr, kind: CameraKind::Perspective, ..PLAIN },
+    Case {
+        anisotropy: 0.9,
+        widths: WidthLaw::Disney,
+        masking: MaskingShadowing::SmithExact,
+        ..PLAIN
+    },
+    Case {
+        anisotropy: 0.5,
+        widths: WidthLaw::OpenPbr,
+        kind: CameraKind::Perspective,
+        ..PLAIN
+    },
 ];
 
-/// Each case differs from the first in a setting that could be confused; the last takes two dispatches of points. The
-/// first has every model, the others one in turn: together, every model has three kinds of masking.
+/// Each case differs from the first in a setting that could be confused; the last takes two
+/// dispatches of points. The first has every model, the others one in turn: together, every model
+/// has three kinds of masking.
 const CASES: [Case; 10] = [
     PLAIN,
-    Case { layout: 1, alpha: 0.1, mapping: 1, ..PLAIN },
-    Case { layout: 2, alpha: 0.1, ..PLAIN },
-    Case { lod_bias: 1.5, masking: MaskingShadowing::Correlated, ..PLAIN },
-    Case { lod_bias: -1.5, alpha: 1.0, masking: MaskingShadowing::Schlick, ..PLAIN },
-    Case { kind: CameraKind::Perspective, alpha: 0.1, mapping: 2, masking: MaskingShadowing::Schlick, ..PLAIN },
-    Case { alpha: 1.0, sequence: 1, point_set: 3, masking: MaskingShadowing::Schlick, ..PLAIN },
-    Case { pixel_points: PixelPoints::Owen, point_set: 2, masking: MaskingShadowing::Correlated, ..PLAIN },
+    Case {
+        layout: 1,
+        alpha: 0.1,
+        mapping: 1,
+        ..PLAIN
+    },
+    Case {
+        layout: 2,
+        alpha: 0.1,
+        ..PLAIN
+    },
+    Case {
+        lod_bias: 1.5,
+        masking: MaskingShadowing::Correlated,
+        ..PLAIN
+    },
+    Case {
+        lod_bias: -1.5,
+        alpha: 1.0,
+        masking: MaskingShadowing::Schlick,
+        ..PLAIN
+    },
+    Case {
+        kind: CameraKind::Perspective,
+        alpha: 0.1,
+        mapping: 2,
+        masking: MaskingShadowing::Schlick,
+        ..PLAIN
+    },
+    Case {
+        alpha: 1.0,
+        sequence: 1,
+        point_set: 3,
+        masking: MaskingShadowing::Schlick,
+        ..PLAIN
+    },
+    Case {
+        pixel_points: PixelPoints::Owen,
+        point_set: 2,
+        masking: MaskingShadowing::Correlated,
+        ..PLAIN
+    },
     Case {
         pixel_points: PixelPoints::Owen,
         samples: POINTS_PER_DISPATCH + 5,
@@ -153,7 +225,11 @@ const CASES: [Case; 10] = [
         masking: MaskingShadowing::Correlated,
         ..PLAIN
     },
-    Case { samples: POINTS_PER_DISPATCH + 16, size: 9, ..PLAIN },
+    Case {
+        samples: POINTS_PER_DISPATCH + 16,
+        size: 9,
+        ..PLAIN
+    },
 ];
 
 impl Case {
@@ -167,8 +243,17 @@ impl Case {
         };
         RenderRequest {
             reference_samples: 4096,
-            ..request(environment, scene("sphere", material), self.kind, [self.size; 2]).shaded(|s| {
-                s.placement = Placement { orientation: 7, rotation_deg: 30.0 };
+            ..request(
+                environment,
+                scene("sphere", material),
+                self.kind,
+                [self.size; 2],
+            )
+            .shaded(|s| {
+                s.placement = Placement {
+                    orientation: 7,
+                    rotation_deg: 30.0,
+                };
                 s.environment_scale = 0.5;
                 s.brdf = model;
                 s.masking_shadowing = self.masking;
@@ -207,23 +292,63 @@ impl Case {
     fn samples(&self, sight: &Sight) -> Samples {
         let (count, sequence) = (self.samples, &SEQUENCES[self.sequence]);
         let pixel = (self.pixel_points == PixelPoints::Owen).then_some(sight.pixel);
-        Samples { count, sequence, set: self.point_set, pixel, lod_bias: self.lod_bias.into(), bend: &BENDS[self.bend] }
+        Samples {
+            count,
+            sequence,
+            set: self.point_set,
+            pixel,
+            lod_bias: self.lod_bias.into(),
+            bend: &BENDS[self.bend],
+        }
     }
 }
 
 fn light(gpu: &Gpu, request: &RenderRequest) -> Light {
-    let (settings, model, masking) =
-        (&request.shading.precompute, request.shading.brdf, request.shading.masking_shadowing);
+    let (settings, model, masking) = (
+        &request.shading.precompute,
+        request.shading.brdf,
+        request.shading.masking_shadowing,
+    );
     let layout = settings.layout;
     let image = environment_image(gpu, &request.environment.image);
     let filtered = filtered_environment(gpu, layout, &image);
     let map = irradiance::pass::map(gpu, layout, settings.irradiance_size).unwrap();
-    irradiance::pass::run(gpu, layout, &filtered, settings.irradiance_sample_count, &map).unwrap();
-    let levels = prefilter::pass::map(gpu, layout, settings.prefilter_size, settings.prefilter_level_count).unwrap();
-    let points = Points::upload(gpu, settings.prefilter_sample_count, &SEQUENCES[0], 0, PixelPoints::Shared).unwrap();
-    prefilter::pass::run(gpu, Recipe::of(model, masking, settings), layout, &filtered, &points, &levels).unwrap();
+    irradiance::pass::run(
+        gpu,
+        layout,
+        &filtered,
+        settings.irradiance_sample_count,
+        &map,
+    )
+    .unwrap();
+    let levels = prefilter::pass::map(
+        gpu,
+        layout,
+        settings.prefilter_size,
+        settings.prefilter_level_count,
+    )
+    .unwrap();
+    let points = Points::upload(
+        gpu,
+        settings.prefilter_sample_count,
+        &SEQUENCES[0],
+        0,
+        PixelPoints::Shared,
+    )
+    .unwrap();
+    prefilter::pass::run(
+        gpu,
+        Recipe::of(model, masking, settings),
+        layout,
+        &filtered,
+        &points,
+        &levels,
+    )
+    .unwrap();
     Light {
-        environment: (0..image.mip_count()).map(|mip| read_level(gpu, &image, mip)).collect(),
+        environment: (0..image.mip_count())
+            .map(|mip| read_level(gpu, &image, mip))
+            .collect(),
         filtered: read_map(gpu, layout, &filtered),
         prefiltered: read_map(gpu, layout, &levels),
         level_mapping: settings.level_mapping,
@@ -241,13 +366,29 @@ fn light(gpu: &Gpu, request: &RenderRequest) -> Light {
 fn exact_prefiltered(gpu: &Gpu, request: &RenderRequest) -> FilteredMap {
     let settings = &request.shading.precompute;
     let (layout, count) = (settings.layout, settings.prefilter_level_count);
-    let recipe = Recipe::of(request.shading.brdf, request.shading.masking_shadowing, settings);
-    let filtered = filtered_environment(gpu, layout, &environment_image(gpu, &request.environment.image));
+    let recipe = Recipe::of(
+        request.shading.brdf,
+        request.shading.masking_shadowing,
+        settings,
+    );
+    let filtered = filtered_environment(
+        gpu,
+        layout,
+        &environment_image(gpu, &request.environment.image),
+    );
     let degree = harmonic::degree_of_map(settings.level_mapping.alpha_from_mip(1.0, count));
     let transform = harmonic::harmonics(&request.environment.image, degree);
     let levels = prefilter::pass::map(gpu, layout, settings.prefilter_size, count).unwrap();
     let points = Points::upload(gpu, 1, &SEQUENCES[0], 0, PixelPoints::Shared).unwrap();
-    prefilter::pass::run_harmonic(gpu, recipe, layout, &filtered, (&points, &transform), &levels).unwrap();
+    prefilter::pass::run_harmonic(
+        gpu,
+        recipe,
+        layout,
+        &filtered,
+        (&points, &transform),
+        &levels,
+    )
+    .unwrap();
     read_map(gpu, layout, &levels)
 }
 
@@ -260,7 +401,12 @@ impl<T: Clone> Made<T> {
     }
 
     fn get(&self, key: String, make: impl FnOnce() -> T) -> T {
-        self.0.lock().unwrap().entry(key).or_insert_with(make).clone()
+        self.0
+            .lock()
+            .unwrap()
+            .entry(key)
+            .or_insert_with(make)
+            .clone()
     }
 }
 
@@ -278,15 +424,37 @@ fn taps(
     count: TapCount,
 ) -> TapTable {
     static MADE: Made<TapTable> = Made::none();
-    let PrecomputeSettings { level_mapping: mapping, prefilter_level_count: levels, .. } = *settings;
-    let fit = || TapTable::fit(&Chain::new(Kernel::cosine(model), mapping, levels), model, masking, count);
-    MADE.get(format!("{} {masking:?} {} {levels} {count:?}", model.name(), mapping.name), fit)
+    let PrecomputeSettings {
+        level_mapping: mapping,
+        prefilter_level_count: levels,
+        ..
+    } = *settings;
+    let fit = || {
+        TapTable::fit(
+            &Chain::new(Kernel::cosine(model), mapping, levels),
+            model,
+            masking,
+            count,
+        )
+    };
+    MADE.get(
+        format!(
+            "{} {masking:?} {} {levels} {count:?}",
+            model.name(),
+            mapping.name
+        ),
+        fit,
+    )
 }
 
 /// The contents of the device's g-buffer.
 fn sights(gpu: &Gpu, request: &RenderRequest) -> Vec<Sight> {
     let seen = |scene: &Scene| draw(gpu, scene, &request.camera, request.size);
-    sights_in(request, &seen(&request.scene), &seen(&request.scene.tangents()))
+    sights_in(
+        request,
+        &seen(&request.scene),
+        &seen(&request.scene.tangents()),
+    )
 }
 
 fn n_dot_v(sight: &Sight) -> f64 {
@@ -294,7 +462,10 @@ fn n_dot_v(sight: &Sight) -> f64 {
 }
 
 /// Compares a frame with a twin of the radiance of each surface point.
-#[allow(clippy::too_many_arguments, reason = "a twin, its frame and its tolerances")]
+#[allow(
+    clippy::too_many_arguments,
+    reason = "a twin, its frame and its tolerances"
+)]
 fn check<E: Copy + Sync>(
     name: String,
     twin: Twin<E>,
@@ -308,9 +479,19 @@ fn check<E: Copy + Sync>(
     let scale = f64::from(request.shading.environment_scale);
     match twin {
         Twin::Estimator(estimator) => {
-            let expected: Vec<DVec3> = sights.par_iter().map(|sight| scale * estimate(estimator, sight)).collect();
-            let mean = expected.iter().map(|rgb| rgb.element_sum()).sum::<f64>() / (3 * expected.len()) as f64;
-            let mut worst = Worst::new(name, Tolerance { floor: lookup.floor * mean + f64::MIN_POSITIVE, ..lookup });
+            let expected: Vec<DVec3> = sights
+                .par_iter()
+                .map(|sight| scale * estimate(estimator, sight))
+                .collect();
+            let mean = expected.iter().map(|rgb| rgb.element_sum()).sum::<f64>()
+                / (3 * expected.len()) as f64;
+            let mut worst = Worst::new(
+                name,
+                Tolerance {
+                    floor: lookup.floor * mean + f64::MIN_POSITIVE,
+                    ..lookup
+                },
+            );
             for (sight, expected) in sights.iter().zip(expected) {
                 let place = || format!("{:?} n_dot_v {}", sight.pixel, n_dot_v(sight));
                 worst.add_rgb(radiance(frame, sight.pixel), expected, place);
@@ -327,12 +508,21 @@ fn check<E: Copy + Sync>(
             let sigmas = frame.standard_error.as_ref().unwrap();
             for (sight, mean) in some.into_iter().zip(means) {
                 let (expected, [x, y]) = (scale * mean * mean_weight(sight), sight.pixel);
-                let (off, sigma) = (radiance(frame, sight.pixel) - expected, sigmas.get(x, y).map(f64::from));
+                let (off, sigma) = (
+                    radiance(frame, sight.pixel) - expected,
+                    sigmas.get(x, y).map(f64::from),
+                );
                 for c in 0..3 {
                     let allowed = SIGMAS * sigma[c] + F32_SUM * expected[c];
                     // At f0 = 1 nothing is transmitted: 0 is 0.
-                    assert!(off[c].abs() <= allowed, "{name}: {off} at {x} {y}, standard error {sigma:?}");
-                    assert!(sigma[c] <= SIGMA_MAX * expected[c], "{name}: {sigma:?} of {expected} says nothing");
+                    assert!(
+                        off[c].abs() <= allowed,
+                        "{name}: {off} at {x} {y}, standard error {sigma:?}"
+                    );
+                    assert!(
+                        sigma[c] <= SIGMA_MAX * expected[c],
+                        "{name}: {sigma:?} of {expected} says nothing"
+                    );
                 }
             }
         }
@@ -358,19 +548,44 @@ fn every_method_matches_its_f64_twin() {
             let others = (1..CASES.len()).map(|index| (&studio, &CASES[index], in_turn(index)));
             let lamps = (0..LAYOUTS.len()).map(|index| (&lamp, &CASES[index], in_turn(index)));
             let mut seen = Vec::new();
-            let stretched = STRETCHED.iter().enumerate().map(|(index, case)| (&studio, case, MODELS[index % 2]));
-            let bent = |bend| [0.7, 0.1].map(|anisotropy| Case { bend, anisotropy, ..STRETCHED[0] });
+            let stretched = STRETCHED
+                .iter()
+                .enumerate()
+                .map(|(index, case)| (&studio, case, MODELS[index % 2]));
+            let bent = |bend| {
+                [0.7, 0.1].map(|anisotropy| Case {
+                    bend,
+                    anisotropy,
+                    ..STRETCHED[0]
+                })
+            };
             let bent: Vec<Case> = (0..BENDS.len()).flat_map(bent).collect();
             let bent = bent.iter().map(|case| (&studio, case, MODELS[0]));
-            for (environment, case, model) in plain.chain(others).chain(lamps).chain(stretched).chain(bent) {
+            for (environment, case, model) in plain
+                .chain(others)
+                .chain(lamps)
+                .chain(stretched)
+                .chain(bent)
+            {
                 let base = case.request(environment, model);
                 let (light, frame_sights) = (light(gpu, &base), sights(gpu, &base));
-                let exact = Light { prefiltered: exact_prefiltered(gpu, &base), ..light.clone() };
-                let small = RenderRequest { size: [MEAN_SIZE; 2], ..base.clone() };
+                let exact = Light {
+                    prefiltered: exact_prefiltered(gpu, &base),
+                    ..light.clone()
+                };
+                let small = RenderRequest {
+                    size: [MEAN_SIZE; 2],
+                    ..base.clone()
+                };
                 let small_sights = sights(gpu, &small);
                 smallest = frame_sights.iter().map(n_dot_v).fold(smallest, f64::min);
                 for method in METHODS {
-                    let asked = (method.name, model.name(), environment.name.clone(), case.seen_by(method));
+                    let asked = (
+                        method.name,
+                        model.name(),
+                        environment.name.clone(),
+                        case.seen_by(method),
+                    );
                     // The ladder takes one width.
                     let is_step = case.anisotropy > 0.0 && method.name.starts_with("ladder");
                     if seen.contains(&asked) || is_step {
@@ -378,12 +593,25 @@ fn every_method_matches_its_f64_twin() {
                     }
                     seen.push(asked);
                     let is_mean = matches!(method.twin, Twin::Mean(_));
-                    let (base, sights) = if is_mean { (&small, &small_sights) } else { (&base, &frame_sights) };
+                    let (base, sights) = if is_mean {
+                        (&small, &small_sights)
+                    } else {
+                        (&base, &frame_sights)
+                    };
                     let request = base.shaded(|s| (s.method, s.diffuse) = (method, none));
                     let frame = render_by_seeds(pipeline, &request);
-                    let light = if method.prefilter == Some(PrefilterBy::Harmonic) { &exact } else { &light };
+                    let light = if method.prefilter == Some(PrefilterBy::Harmonic) {
+                        &exact
+                    } else {
+                        &light
+                    };
                     check(
-                        format!("{} {} {case:?} {}", method.name, model.name(), environment.name),
+                        format!(
+                            "{} {} {case:?} {}",
+                            method.name,
+                            model.name(),
+                            environment.name
+                        ),
                         method.twin,
                         |twin, sight| twin(&sight.surface, light, &case.samples(sight)),
                         |_| DVec3::ONE,
@@ -394,7 +622,10 @@ fn every_method_matches_its_f64_twin() {
                     );
                 }
             }
-            assert!(smallest < GRAZING, "no grazing view: n_dot_v is {smallest} or more");
+            assert!(
+                smallest < GRAZING,
+                "no grazing view: n_dot_v is {smallest} or more"
+            );
         });
     });
 }
@@ -405,8 +636,9 @@ fn every_diffuse_method_matches_its_f64_twin() {
     with_gpu(|gpu| {
         with_pipeline(|pipeline| {
             let layouts = 0..LAYOUTS.len();
-            for (environment, layout) in
-                environments().iter().flat_map(|e| layouts.clone().map(move |layout| (e, layout)))
+            for (environment, layout) in environments()
+                .iter()
+                .flat_map(|e| layouts.clone().map(move |layout| (e, layout)))
             {
                 let base = Case { layout, ..PLAIN }.request(environment, MODELS[0]);
                 let (light, sights) = (light(gpu, &base), sights(gpu, &base));

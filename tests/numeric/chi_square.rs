@@ -29,8 +29,14 @@ impl HalfVectorBins {
     const SECTORS: usize = 12;
 
     fn new(alpha: f64) -> Self {
-        let (log_low, log_high) = ((0.5 * alpha).ln() - 2.5, ((0.5 * alpha).ln() + 2.5).min(0.0));
-        Self { log_low, log_step: (log_high - log_low) / Self::RINGS as f64 }
+        let (log_low, log_high) = (
+            (0.5 * alpha).ln() - 2.5,
+            ((0.5 * alpha).ln() + 2.5).min(0.0),
+        );
+        Self {
+            log_low,
+            log_step: (log_high - log_low) / Self::RINGS as f64,
+        }
     }
 
     /// Bin of a half vector; the last holds all that lies outside the rings.
@@ -45,8 +51,8 @@ impl HalfVectorBins {
         }
     }
 
-    /// Probability of each bin under the density `pdf_h`, by the midpoint rule on 128 x 16 cells a bin, since a bounded
-    /// cap may end within a ring. The last bin has the rest.
+    /// Probability of each bin under the density `pdf_h`, by the midpoint rule on 128 x 16 cells a
+    /// bin, since a bounded cap may end within a ring. The last bin has the rest.
     fn probabilities(&self, pdf_h: impl Fn(DVec3) -> f64) -> Vec<f64> {
         const CELLS: usize = 16;
         const LOG_CELLS: usize = 128;
@@ -90,7 +96,11 @@ pub fn fit(counts: &[f64], means: &[f64]) -> f64 {
 
 pub fn fit_of_half_vectors(alpha: f64, pdf_h: impl Fn(DVec3) -> f64, samples: &[DVec3]) -> f64 {
     let bins = HalfVectorBins::new(alpha);
-    let means: Vec<f64> = bins.probabilities(pdf_h).iter().map(|p| p * samples.len() as f64).collect();
+    let means: Vec<f64> = bins
+        .probabilities(pdf_h)
+        .iter()
+        .map(|p| p * samples.len() as f64)
+        .collect();
     let mut counts = vec![0.0; means.len()];
     samples.iter().for_each(|h| counts[bins.index(*h)] += 1.0);
     fit(&counts, &means)

@@ -21,11 +21,19 @@ fn srgb_curve() {
 #[test]
 fn rec709_matrix_is_the_published_one() {
     // sRGB (D65) to XYZ as printed in IEC 61966-2-1, four decimals.
-    let published = [[0.4124, 0.3576, 0.1805], [0.2126, 0.7152, 0.0722], [0.0193, 0.1192, 0.9505]];
+    let published = [
+        [0.4124, 0.3576, 0.1805],
+        [0.2126, 0.7152, 0.0722],
+        [0.0193, 0.1192, 0.9505],
+    ];
     let matrix = REC709.to_xyz().unwrap();
     for (i, row) in published.iter().enumerate() {
         for (j, entry) in row.iter().enumerate() {
-            assert!((matrix.row(i)[j] - entry).abs() < 1e-4, "row {i} column {j}: {}", matrix.row(i)[j]);
+            assert!(
+                (matrix.row(i)[j] - entry).abs() < 1e-4,
+                "row {i} column {j}: {}",
+                matrix.row(i)[j]
+            );
         }
     }
     assert!((color::luminance([1.0; 3]) - 1.0).abs() < 1e-12);
@@ -39,6 +47,9 @@ fn conversions_keep_white() {
     assert!(white.abs_diff_eq(DVec3::ONE, 1e-9), "{white}");
     // Another property of the same space: equal energy is Y = 1 and X = Y = Z.
     assert!((RADIANCE.to_xyz().unwrap() * DVec3::ONE).abs_diff_eq(DVec3::ONE, 1e-9));
-    let flat = color::Chromaticities { red: REC709.blue, ..REC709 };
+    let flat = color::Chromaticities {
+        red: REC709.blue,
+        ..REC709
+    };
     assert!(flat.to_xyz().is_none());
 }

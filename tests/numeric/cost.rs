@@ -2,7 +2,8 @@
 
 use splitsum::cost::isa::{Counts, ShaderCounts, count};
 
-/// Instructions of every class, before, within and after a loop with a branch inside; the loop's exit lies in its middle.
+/// Instructions of every class, before, within and after a loop with a branch inside; the loop's
+/// exit lies in its middle.
 const MADE: &str = "\
 BB0:
 \ts_mov_b32 s0, s3                                            ; be800303
@@ -43,7 +44,14 @@ fn instructions_are_counted_by_class_inside_and_outside_the_loop() {
             memory_bytes: 24.0,
             ..Counts::default()
         },
-        inside: Counts { alu: 2.0, quarter: 2.0, scalar: 5.0, bilinear: 1.0, trilinear: 1.0, ..Counts::default() },
+        inside: Counts {
+            alu: 2.0,
+            quarter: 2.0,
+            scalar: 5.0,
+            bilinear: 1.0,
+            trilinear: 1.0,
+            ..Counts::default()
+        },
         other_loops: 0,
     };
     assert_eq!(count(MADE), Ok(counts));
@@ -51,26 +59,51 @@ fn instructions_are_counted_by_class_inside_and_outside_the_loop() {
 
 #[test]
 fn the_loop_over_samples_is_the_outermost_that_looks_up() {
-    let nested = "BB0:\n v_mov_b32 v0, 0\nBB1:\n v_mov_b32 v0, 0\nBB2:\n image_sample v0, v1\n s_cbranch_scc0 BB2\nBB3:\n \
-                  s_cbranch_scc0 BB1\nBB4:\n s_add_u32 s0, s0, 1\n s_cbranch_scc0 BB4\nBB5:\n s_endpgm\n";
+    let nested = "BB0:\n v_mov_b32 v0, 0\nBB1:\n v_mov_b32 v0, 0\nBB2:\n image_sample v0, v1\n \
+                  s_cbranch_scc0 BB2\nBB3:\n \
+                  s_cbranch_scc0 BB1\nBB4:\n s_add_u32 s0, s0, 1\n s_cbranch_scc0 BB4\nBB5:\n \
+                  s_endpgm\n";
     let counts = count(nested).unwrap();
-    assert_eq!((counts.outside.alu, counts.inside.alu, counts.inside.trilinear), (1.0, 1.0, 1.0));
+    assert_eq!(
+        (
+            counts.outside.alu,
+            counts.inside.alu,
+            counts.inside.trilinear
+        ),
+        (1.0, 1.0, 1.0)
+    );
     // The inner loop and the one after it.
     assert_eq!((counts.other_loops, counts.outside.scalar), (2, 2.0));
-    // Unfiltered texels also make it the loop over samples, as for maps that a shader filters itself.
-    let loads =
-        count("BB0:\n s_mov_b32 s0, 0\nBB1:\n image_load v0, v1\n s_cbranch_scc0 BB1\nBB2:\n s_endpgm\n").unwrap();
-    assert_eq!((loads.inside.unfiltered, loads.outside.unfiltered, loads.other_loops), (1.0, 0.0, 0));
+    // Unfiltered texels also make it the loop over samples, as for maps that a shader filters
+    // itself.
+    let loads = count(
+        "BB0:\n s_mov_b32 s0, 0\nBB1:\n image_load v0, v1\n s_cbranch_scc0 BB1\nBB2:\n s_endpgm\n",
+    )
+    .unwrap();
+    assert_eq!(
+        (
+            loads.inside.unfiltered,
+            loads.outside.unfiltered,
+            loads.other_loops
+        ),
+        (1.0, 0.0, 0)
+    );
     // Without a loop everything is outside; an `if` is not a loop.
-    let straight = count("BB0:\n s_cbranch_execz BB2\nBB1:\n image_sample v0, v1\nBB2:\n s_endpgm\n").unwrap();
-    assert_eq!((straight.outside.trilinear, straight.inside), (1.0, Counts::default()));
+    let straight =
+        count("BB0:\n s_cbranch_execz BB2\nBB1:\n image_sample v0, v1\nBB2:\n s_endpgm\n").unwrap();
+    assert_eq!(
+        (straight.outside.trilinear, straight.inside),
+        (1.0, Counts::default())
+    );
 }
 
 #[test]
 fn an_unknown_instruction_is_a_fault_with_its_line() {
-    for (text, line) in
-        [("BB0:\n hello world\n", 2), ("BB0:\n\n s_branch BB9\n", 3), ("BB0:\n (then repeated 2 times)\n", 2)]
-    {
+    for (text, line) in [
+        ("BB0:\n hello world\n", 2),
+        ("BB0:\n\n s_branch BB9\n", 3),
+        ("BB0:\n (then repeated 2 times)\n", 2),
+    ] {
         assert_eq!(count(text).unwrap_err().line, line, "{text}");
     }
 }

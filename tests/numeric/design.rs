@@ -1,4 +1,5 @@
-//! The scene `design`: its frames have their stated properties, and means over its pixels are means over the sphere.
+//! The scene `design`: its frames have their stated properties, and means over its pixels are means
+//! over the sphere.
 
 use glam::DVec3;
 use splitsum::brdf::reflect;
@@ -12,7 +13,10 @@ const SIZE: [u32; 2] = [96, 96];
 /// Normal, view and reflected direction of every pixel.
 fn frames() -> Vec<[DVec3; 3]> {
     let count = SIZE[0] * SIZE[1];
-    (0..count).map(|i| frame(i, count)).map(|[n, v]| [n, v, reflect(v, n)]).collect()
+    (0..count)
+        .map(|i| frame(i, count))
+        .map(|[n, v]| [n, v, reflect(v, n)])
+        .collect()
 }
 
 fn mean(values: impl Iterator<Item = f64> + Clone) -> f64 {
@@ -29,8 +33,14 @@ fn the_gbuffer_holds_the_frames_and_the_camera_finds_their_views() {
         let n_dot_v = texels.n_dot_v(&camera);
         for (i, [n, v, _]) in frames().into_iter().enumerate() {
             let [x, y, z, _] = texels.position_mask.data[i].map(f64::from);
-            assert!(camera.v_at(DVec3::new(x, y, z)).distance(v) < 1e-7, "pixel {i}");
-            assert!((f64::from(n_dot_v.data[i]) - n.dot(v)).abs() < 1e-6, "pixel {i}");
+            assert!(
+                camera.v_at(DVec3::new(x, y, z)).distance(v) < 1e-7,
+                "pixel {i}"
+            );
+            assert!(
+                (f64::from(n_dot_v.data[i]) - n.dot(v)).abs() < 1e-6,
+                "pixel {i}"
+            );
         }
     }
 }
@@ -38,13 +48,23 @@ fn the_gbuffer_holds_the_frames_and_the_camera_finds_their_views() {
 #[test]
 fn frames_are_orthonormal_where_they_must_be() {
     for (i, [n, v, r]) in frames().into_iter().enumerate() {
-        assert!([n, v, r].iter().all(|d| (d.length() - 1.0).abs() < 1e-12), "pixel {i}");
-        assert!((n.dot(v) - n.dot(r)).abs() < 1e-12 && n.dot(v) > 0.0, "pixel {i}");
-        assert!(n.cross(v).dot(r).abs() < 1e-12, "pixel {i}: one plane of incidence");
+        assert!(
+            [n, v, r].iter().all(|d| (d.length() - 1.0).abs() < 1e-12),
+            "pixel {i}"
+        );
+        assert!(
+            (n.dot(v) - n.dot(r)).abs() < 1e-12 && n.dot(v) > 0.0,
+            "pixel {i}"
+        );
+        assert!(
+            n.cross(v).dot(r).abs() < 1e-12,
+            "pixel {i}: one plane of incidence"
+        );
     }
 }
 
-/// Closed forms: 1 for a constant map, 0 for a linear map and for a product of two different coordinates, 1/3 for a square.
+/// Closed forms: 1 for a constant map, 0 for a linear map and for a product of two different
+/// coordinates, 1/3 for a square.
 #[test]
 fn means_over_pixels_are_means_over_the_sphere_in_every_range_of_n_dot_v() {
     let frames = frames();
@@ -54,10 +74,16 @@ fn means_over_pixels_are_means_over_the_sphere_in_every_range_of_n_dot_v() {
     // A tenth of the pixels is a third as even.
     let tenths = (0..10).map(|k| (0.1 * f64::from(k), 0.1 * f64::from(k + 1), 0.02));
     for (low, high, tolerance) in [all].into_iter().chain(tenths) {
-        let own: Vec<DVec3> =
-            frames.iter().filter(|[n, v, _]| (low..high).contains(&n.dot(*v))).map(|[.., r]| *r).collect();
+        let own: Vec<DVec3> = frames
+            .iter()
+            .filter(|[n, v, _]| (low..high).contains(&n.dot(*v)))
+            .map(|[.., r]| *r)
+            .collect();
         let share = own.len() as f64 / frames.len() as f64;
-        assert!((share - (high - low)).abs() < 1e-3, "n_dot_v {low} to {high} has {share} of the pixels");
+        assert!(
+            (share - (high - low)).abs() < 1e-3,
+            "n_dot_v {low} to {high} has {share} of the pixels"
+        );
         for axis in 0..3 {
             let next = (axis + 1) % 3;
             let [linear, product, square] = [
@@ -73,22 +99,31 @@ fn means_over_pixels_are_means_over_the_sphere_in_every_range_of_n_dot_v() {
     }
 }
 
-/// The plane of incidence turns about r evenly, at every n·v: no direction of the tangent plane is preferred.
+/// The plane of incidence turns about r evenly, at every n·v: no direction of the tangent plane is
+/// preferred.
 #[test]
 fn planes_of_incidence_are_turned_evenly() {
     for low in [0.0, 0.25, 0.5, 0.75] {
-        let own: Vec<[DVec3; 3]> =
-            frames().into_iter().filter(|[n, v, _]| (low..low + 0.25).contains(&n.dot(*v))).collect();
+        let own: Vec<[DVec3; 3]> = frames()
+            .into_iter()
+            .filter(|[n, v, _]| (low..low + 0.25).contains(&n.dot(*v)))
+            .collect();
         for k in 1..=2 {
             let turned = |part: fn(f64) -> f64| {
                 mean(own.iter().map(|[n, _, r]| {
                     let across = (*n - *r * n.dot(*r)).normalize();
-                    let [x, y] = [r.any_orthonormal_vector(), r.cross(r.any_orthonormal_vector())];
+                    let [x, y] = [
+                        r.any_orthonormal_vector(),
+                        r.cross(r.any_orthonormal_vector()),
+                    ];
                     part(f64::from(k) * across.dot(y).atan2(across.dot(x)))
                 }))
             };
             let [cos, sin] = [turned(f64::cos), turned(f64::sin)];
-            assert!(cos.abs() < 0.02 && sin.abs() < 0.02, "n_dot_v from {low}, degree {k}: {cos} {sin}");
+            assert!(
+                cos.abs() < 0.02 && sin.abs() < 0.02,
+                "n_dot_v from {low}, degree {k}: {cos} {sin}"
+            );
         }
     }
 }
@@ -96,11 +131,22 @@ fn planes_of_incidence_are_turned_evenly() {
 #[test]
 fn a_metal_reflects_its_albedo() {
     let [f0, albedo] = [[0.04, 0.1, 0.2], [0.9, 0.5, 0.3]];
-    let material =
-        MaterialOverride { f0: Some(f0), albedo: Some(albedo), metallic: Some(0.25), ..MaterialOverride::default() };
-    let texels = gbuffer(&Scene::load("design", Path::new(".")).unwrap().apply(&material), [4, 4]);
+    let material = MaterialOverride {
+        f0: Some(f0),
+        albedo: Some(albedo),
+        metallic: Some(0.25),
+        ..MaterialOverride::default()
+    };
+    let texels = gbuffer(
+        &Scene::load("design", Path::new("."))
+            .unwrap()
+            .apply(&material),
+        [4, 4],
+    );
     for texel in &texels.f0_material.data {
-        let off = (0..3).map(|c| (texel[c] - (0.75 * f0[c] + 0.25 * albedo[c])).abs()).fold(0.0, f32::max);
+        let off = (0..3)
+            .map(|c| (texel[c] - (0.75 * f0[c] + 0.25 * albedo[c])).abs())
+            .fold(0.0, f32::max);
         assert!(off < 1e-6, "{texel:?}");
     }
 }

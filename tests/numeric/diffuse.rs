@@ -10,7 +10,12 @@ use splitsum::spelling::Listed;
 
 /// Coefficients of lamps of one direction each, with their colours.
 fn lamps(lamps: &[(DVec3, DVec3)]) -> [DVec3; COUNT] {
-    std::array::from_fn(|k| lamps.iter().map(|(direction, color)| *color * basis(*direction)[k]).sum())
+    std::array::from_fn(|k| {
+        lamps
+            .iter()
+            .map(|(direction, color)| *color * basis(*direction)[k])
+            .sum()
+    })
 }
 
 #[test]
@@ -23,17 +28,27 @@ fn turning_light_and_normal_together_changes_nothing() {
     let turn = DQuat::from_axis_angle(DVec3::new(0.6, -0.64, 0.48), 2.1);
     let turned = light.map(|(direction, color)| (turn * direction, color));
     for n in spread(200) {
-        let [still, moved] = [irradiance(&lamps(&light), n), irradiance(&lamps(&turned), turn * n)];
-        assert!((still - moved).abs().max_element() < 1e-12, "{n}: {still} {moved}");
+        let [still, moved] = [
+            irradiance(&lamps(&light), n),
+            irradiance(&lamps(&turned), turn * n),
+        ];
+        assert!(
+            (still - moved).abs().max_element() < 1e-12,
+            "{n}: {still} {moved}"
+        );
     }
 }
 
-/// A white furnace: at f0 = 1 all lost light returns; below it, never more, and more for a higher f0.
+/// A white furnace: at f0 = 1 all lost light returns; below it, never more, and more for a higher
+/// f0.
 #[test]
 fn compensation_returns_the_lost_light() {
     let mean_of = |model, alpha| {
         let cosine = |i: u32| (f64::from(i) + 0.5) / 8.0;
-        let at = |i| 2.0 * cosine(i) / 8.0 * dfg(model, MaskingShadowing::SmithExact, cosine(i), alpha).albedo();
+        let at = |i| {
+            2.0 * cosine(i) / 8.0
+                * dfg(model, MaskingShadowing::SmithExact, cosine(i), alpha).albedo()
+        };
         (0..8).map(at).sum::<f64>()
     };
     for model in MODELS {
@@ -51,7 +66,12 @@ fn compensation_returns_the_lost_light() {
                         _ => assert!((all(1.0) - 1.0).abs() < 1e-12, "{case}: {}", all(1.0)),
                     }
                     let added = [0.04, 0.3, 0.7, 1.0].map(|f0| all(f0) - single(f0));
-                    assert!(added.iter().all(|x| *x >= 0.0 && *x <= 1.0 - single(1.0) + 1e-12), "{case}: {added:?}");
+                    assert!(
+                        added
+                            .iter()
+                            .all(|x| *x >= 0.0 && *x <= 1.0 - single(1.0) + 1e-12),
+                        "{case}: {added:?}"
+                    );
                     assert!(added.is_sorted(), "{case}: {added:?}");
                 }
             }

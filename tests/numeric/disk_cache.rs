@@ -18,14 +18,19 @@ fn open(dir: &Path) -> DiskCache {
 }
 
 fn files(dir: &Path) -> Vec<PathBuf> {
-    std::fs::read_dir(dir).unwrap().map(|entry| entry.unwrap().path()).collect()
+    std::fs::read_dir(dir)
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .collect()
 }
 
 #[test]
 fn a_payload_comes_back_under_its_key_only() {
     let dir = tempfile::tempdir().unwrap();
-    let bits: Vec<u8> =
-        [f32::NAN, -0.0, f32::MIN_POSITIVE / 2.0, f32::INFINITY].iter().flat_map(|x| x.to_le_bytes()).collect();
+    let bits: Vec<u8> = [f32::NAN, -0.0, f32::MIN_POSITIVE / 2.0, f32::INFINITY]
+        .iter()
+        .flat_map(|x| x.to_le_bytes())
+        .collect();
     open(dir.path()).store(&[], "a", &bits);
     open(dir.path()).store(&[], "empty", &[]);
     let mut cache = open(dir.path());
@@ -47,14 +52,19 @@ fn any_damage_is_noticed_and_removed() {
         bytes[place] ^= 0x10;
         bytes
     });
-    let cut = (0..whole.len()).step_by(13).map(|length| whole[..length].to_vec());
+    let cut = (0..whole.len())
+        .step_by(13)
+        .map(|length| whole[..length].to_vec());
     let longer = std::iter::once([whole.as_slice(), &[0]].concat());
     for bytes in flipped.chain(cut).chain(longer) {
         std::fs::write(&file, &bytes).unwrap();
         let mut cache = open(dir.path());
         assert_eq!(cache.load(&[], "key"), None);
         let warnings = cache.take_warnings();
-        assert!(warnings.len() == 1 && warnings[0].contains("is damaged"), "{warnings:?}");
+        assert!(
+            warnings.len() == 1 && warnings[0].contains("is damaged"),
+            "{warnings:?}"
+        );
         assert!(!file.exists());
     }
     // An entry of another key under this name: the name proves nothing.
@@ -74,16 +84,28 @@ fn above_its_limit_the_entries_used_longest_ago_go() {
     for (age, key) in ["a", "b", "c", "d"].iter().enumerate() {
         let before = files(dir.path());
         cache.store(&[], key, &payload);
-        let new = files(dir.path()).into_iter().find(|file| !before.contains(file)).unwrap();
+        let new = files(dir.path())
+            .into_iter()
+            .find(|file| !before.contains(file))
+            .unwrap();
         let time = old + std::time::Duration::from_secs(age as u64);
-        std::fs::File::options().append(true).open(new).unwrap().set_modified(time).unwrap();
+        std::fs::File::options()
+            .append(true)
+            .open(new)
+            .unwrap()
+            .set_modified(time)
+            .unwrap();
     }
-    // The oldest entry is used, so the second oldest is removed when a fifth one (with its header) exceeds the limit.
+    // The oldest entry is used, so the second oldest is removed when a fifth one (with its header)
+    // exceeds the limit.
     assert!(cache.load(&[], "a").is_some());
     cache.store(&[], "e", &payload);
     assert!(cache.load(&[], "a").is_some() && cache.load(&[], "e").is_some());
     assert_eq!(cache.load(&[], "b"), None);
-    let total: u64 = files(dir.path()).iter().map(|file| file.metadata().unwrap().len()).sum();
+    let total: u64 = files(dir.path())
+        .iter()
+        .map(|file| file.metadata().unwrap().len())
+        .sum();
     assert!(total <= LIMIT, "{total}");
     // An entry larger than the limit is not tried, and other files are never removed.
     std::fs::write(dir.path().join("note.txt"), "mine").unwrap();
@@ -102,13 +124,24 @@ fn a_folder_that_cannot_be_written_is_one_warning() {
     cache.store(&[], "a", &[1]);
     cache.store(&[], "b", &[2]);
     let warnings = cache.take_warnings();
-    assert!(warnings.len() == 1 && warnings[0].contains("keeps nothing more"), "{warnings:?}");
+    assert!(
+        warnings.len() == 1 && warnings[0].contains("keeps nothing more"),
+        "{warnings:?}"
+    );
     std::fs::write(&folder, "").unwrap();
-    assert!(DiskCache::open(&folder, LIMIT).unwrap_err().to_string().contains("choose a folder"));
+    assert!(
+        DiskCache::open(&folder, LIMIT)
+            .unwrap_err()
+            .to_string()
+            .contains("choose a folder")
+    );
 }
 
 fn request(brdf: &'static dyn Brdf, method: &str, diffuse: &str) -> RenderRequest {
-    let white = Arc::new(Environment::from_image("white", RgbImage::filled(4, 2, [1.0; 3])));
+    let white = Arc::new(Environment::from_image(
+        "white",
+        RgbImage::filled(4, 2, [1.0; 3]),
+    ));
     RenderRequest::plain(white, Scene::sphere(), CameraKind::Ortho, [8, 8]).shaded(|s| {
         s.method = Method::listed(method);
         s.diffuse = Diffuse::listed(diffuse);
@@ -119,25 +152,48 @@ fn request(brdf: &'static dyn Brdf, method: &str, diffuse: &str) -> RenderReques
 #[test]
 fn a_reference_outlives_a_change_of_every_shader_but_its_own() {
     const VIEW: [&str; 5] = [
-        "gbuffer/sphere.vert", "gbuffer/sphere.frag", "gbuffer/mesh.vert", "gbuffer/mesh.frag", "precompute/mips.comp",
+        "gbuffer/sphere.vert",
+        "gbuffer/sphere.frag",
+        "gbuffer/mesh.vert",
+        "gbuffer/mesh.frag",
+        "precompute/mips.comp",
     ];
     let own = |brdf: &str| {
-        [format!("shade/reference.comp:specular:{brdf}"), format!("shade/reference_resolve.comp:specular:{brdf}")]
+        [
+            format!("shade/reference.comp:specular:{brdf}"),
+            format!("shade/reference_resolve.comp:specular:{brdf}"),
+        ]
     };
-    let diffuse =
-        ["shade/reference.comp:lambert", "shade/reference_resolve.comp:lambert", "precompute/dfg.comp:beckmann"];
+    let diffuse = [
+        "shade/reference.comp:lambert",
+        "shade/reference_resolve.comp:lambert",
+        "precompute/dfg.comp:beckmann",
+    ];
     let cases = [
         (request(&Ggx, "reference", "none"), own("ggx").to_vec()),
-        (request(&Beckmann, "reference", "none"), own("beckmann").to_vec()),
+        (
+            request(&Beckmann, "reference", "none"),
+            own("beckmann").to_vec(),
+        ),
         (
             request(&Beckmann, "reference", "reference"),
-            [own("beckmann").to_vec(), diffuse.map(str::to_owned).to_vec()].concat(),
+            [
+                own("beckmann").to_vec(),
+                diffuse.map(str::to_owned).to_vec(),
+            ]
+            .concat(),
         ),
     ];
     for (request, own) in cases {
         let shaders = shaders_of_kept(&request).unwrap();
         let hash = |changed: &str| {
-            code_hash(&shaders, |name| if name == changed { b"changed".as_slice() } else { shader_code(name) })
+            code_hash(&shaders, |name| {
+                if name == changed {
+                    b"changed".as_slice()
+                } else {
+                    shader_code(name)
+                }
+            })
         };
         for name in shader_names() {
             let is_own = VIEW.contains(&name) || own.iter().any(|shader| shader == name);
@@ -149,21 +205,28 @@ fn a_reference_outlives_a_change_of_every_shader_but_its_own() {
 
 #[test]
 fn memory_holds_the_most_recent_up_to_its_bytes_and_its_count() {
-    // The cache keeps at most CACHE_BYTES beside the newest value. The oldest are removed first, and a value that was
-    // read again is not the oldest.
+    // The cache keeps at most CACHE_BYTES beside the newest value. The oldest are removed first,
+    // and a value that was read again is not the oldest.
     let mut recent = Recent::weighed(4, |bytes: &u64| *bytes);
     let third = CACHE_BYTES / 3;
-    let mut keep = |key: &'static str, bytes: u64| recent.get_or_make(key, || Ok::<_, ()>(bytes)).unwrap();
+    let mut keep =
+        |key: &'static str, bytes: u64| recent.get_or_make(key, || Ok::<_, ()>(bytes)).unwrap();
     keep("a", third);
     keep("b", third);
     keep("a", 0);
     keep("c", 4 * third);
     keep("d", third);
-    let held: Vec<&str> = ["a", "b", "c", "d"].into_iter().filter(|key| recent.get(key).is_some()).collect();
+    let held: Vec<&str> = ["a", "b", "c", "d"]
+        .into_iter()
+        .filter(|key| recent.get(key).is_some())
+        .collect();
     assert_eq!(held, ["d"]);
     let mut recent = Recent::weighed(2, |bytes: &u64| *bytes);
     let mut keep = |key: &'static str| recent.get_or_make(key, || Ok::<_, ()>(third)).unwrap();
     assert_eq!(["a", "b", "a", "c"].map(&mut keep), [third; 4]);
-    let held: Vec<&str> = ["a", "b", "c"].into_iter().filter(|key| recent.get(key).is_some()).collect();
+    let held: Vec<&str> = ["a", "b", "c"]
+        .into_iter()
+        .filter(|key| recent.get(key).is_some())
+        .collect();
     assert_eq!(held, ["a", "c"]);
 }

@@ -10,7 +10,10 @@ use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
 fn builtin_sized(spec: &str, size: [u32; 2]) -> Environment {
-    let options = LoadOptions { builtin_size: size, ..LoadOptions::default() };
+    let options = LoadOptions {
+        builtin_size: size,
+        ..LoadOptions::default()
+    };
     Environment::load(spec, Path::new("."), &options).unwrap()
 }
 
@@ -42,8 +45,13 @@ mod lookup {
     use super::*;
 
     fn environment() -> Environment {
-        let image =
-            RgbImage::from_fn(8, 4, |x, y| [(1 + x * x) as f32, (y * y) as f32 + 0.25, ((x * 7 + y * 3) % 5) as f32]);
+        let image = RgbImage::from_fn(8, 4, |x, y| {
+            [
+                (1 + x * x) as f32,
+                (y * y) as f32 + 0.25,
+                ((x * 7 + y * 3) % 5) as f32,
+            ]
+        });
         Environment::from_image("test", image)
     }
 
@@ -60,7 +68,9 @@ mod lookup {
         let environment = environment();
         let t = |x, y| texel(&environment, x, y);
         // A quarter of the way from column 2 to 3, three quarters from row 1 to 2.
-        let expected = t(2, 1).lerp(t(3, 1), 0.25).lerp(t(2, 2).lerp(t(3, 2), 0.25), 0.75);
+        let expected = t(2, 1)
+            .lerp(t(3, 1), 0.25)
+            .lerp(t(2, 2).lerp(t(3, 2), 0.25), 0.75);
         assert!(at(&environment, 2.75 / 8.0, 2.25 / 4.0).abs_diff_eq(expected, 1e-12));
     }
 
@@ -72,7 +82,10 @@ mod lookup {
         // From both sides of -z.
         for x in [-1e-9, 1e-9] {
             let d = DVec3::new(x, 0.0, -1.0);
-            let (left, right) = (environment.radiance(d), environment.radiance(DVec3::new(-x, 0.0, -1.0)));
+            let (left, right) = (
+                environment.radiance(d),
+                environment.radiance(DVec3::new(-x, 0.0, -1.0)),
+            );
             assert!(left.abs_diff_eq(right, 1e-6), "{left} {right}");
         }
     }
@@ -85,7 +98,10 @@ mod lookup {
             assert!(at(&environment, u, 1e-9).abs_diff_eq(texel(&environment, x, 0), 1e-6));
             assert!(at(&environment, u, 1.0 - 1e-9).abs_diff_eq(texel(&environment, x, 3), 1e-6));
         }
-        assert!(environment.radiance(DVec3::Y).is_finite() && environment.radiance(DVec3::NEG_Y).is_finite());
+        assert!(
+            environment.radiance(DVec3::Y).is_finite()
+                && environment.radiance(DVec3::NEG_Y).is_finite()
+        );
     }
 
     #[test]
@@ -110,15 +126,35 @@ mod formulas {
             for size in [[1, 1], [2, 1], [7, 5], [64, 32], [512, 256]] {
                 let environment = builtin_sized(&spec, size);
                 assert_eq!([environment.image.width, environment.image.height], size);
-                assert!(environment.image.data.iter().flatten().all(|v| v.is_finite() && *v >= 0.0), "{spec} {size:?}");
+                assert!(
+                    environment
+                        .image
+                        .data
+                        .iter()
+                        .flatten()
+                        .all(|v| v.is_finite() && *v >= 0.0),
+                    "{spec} {size:?}"
+                );
                 assert!(environment.warnings.is_empty());
             }
             for parameter in formula.parameters {
-                assert!((parameter.min..=parameter.max).contains(&parameter.default), "{spec}: {}", parameter.name);
+                assert!(
+                    (parameter.min..=parameter.max).contains(&parameter.default),
+                    "{spec}: {}",
+                    parameter.name
+                );
                 for value in [parameter.min, parameter.max] {
                     let spec = format!("{spec}:{}={value}", parameter.name);
                     let environment = builtin_sized(&spec, [32, 16]);
-                    assert!(environment.image.data.iter().flatten().all(|v| v.is_finite() && *v >= 0.0), "{spec}");
+                    assert!(
+                        environment
+                            .image
+                            .data
+                            .iter()
+                            .flatten()
+                            .all(|v| v.is_finite() && *v >= 0.0),
+                        "{spec}"
+                    );
                 }
             }
         }
@@ -127,16 +163,31 @@ mod formulas {
     #[test]
     fn constant() {
         let environment = builtin("builtin:constant:radiance=2.5");
-        assert!(environment.image.data.iter().all(|texel| *texel == [2.5; 3]));
+        assert!(
+            environment
+                .image
+                .data
+                .iter()
+                .all(|texel| *texel == [2.5; 3])
+        );
     }
 
     #[test]
     fn gradient_has_its_closed_irradiance() {
-        // ∫ (m + s d.y) max(n.d, 0) dω / π = m + (2/3) s n.y; the map has a texel error of about (π/256)²/6.
+        // ∫ (m + s d.y) max(n.d, 0) dω / π = m + (2/3) s n.y; the map has a texel error of about
+        // (π/256)²/6.
         let image = builtin("builtin:gradient").image;
-        for n in [DVec3::Y, DVec3::NEG_Y, DVec3::X, DVec3::new(0.6, 0.64, -0.48)] {
+        for n in [
+            DVec3::Y,
+            DVec3::NEG_Y,
+            DVec3::X,
+            DVec3::new(0.6, 0.64, -0.48),
+        ] {
             let irradiance_over_pi = integrate(&image, |l, d| l * n.dot(d).max(0.0)) / PI;
-            assert!((irradiance_over_pi - (0.52 + n.y / 3.0)).abs() < 1e-4, "{n}: {irradiance_over_pi}");
+            assert!(
+                (irradiance_over_pi - (0.52 + n.y / 3.0)).abs() < 1e-4,
+                "{n}: {irradiance_over_pi}"
+            );
         }
     }
 
@@ -146,13 +197,20 @@ mod formulas {
             let image = builtin_sized("builtin:checker", size).image;
             // 1/8 of a texel of an odd size.
             let tolerance = if size[0] % 8 == 0 { 1e-9 } else { 0.01 };
-            assert!((energy(&image) / (4.0 * PI) - 0.5).abs() < tolerance, "{size:?}");
+            assert!(
+                (energy(&image) / (4.0 * PI) - 0.5).abs() < tolerance,
+                "{size:?}"
+            );
         }
         let image = builtin("builtin:checker:low=0.25").image;
-        assert_eq!([image.get(63, 63), image.get(64, 63), image.get(64, 64)], [[1.0; 3], [0.25; 3], [1.0; 3]]);
+        assert_eq!(
+            [image.get(63, 63), image.get(64, 63), image.get(64, 64)],
+            [[1.0; 3], [0.25; 3], [1.0; 3]]
+        );
     }
 
-    /// A cap has the energy, centroid and interior of the exact cap, at any place and for any size of the map.
+    /// A cap has the energy, centroid and interior of the exact cap, at any place and for any size
+    /// of the map.
     #[test]
     fn cap_holds_its_solid_angle() {
         for (half_angle, azimuth, elevation) in [
@@ -171,9 +229,19 @@ mod formulas {
                 let expected = 100.0 * TAU * (1.0 - f64::cos(f64::to_radians(half_angle)));
                 let found = energy(&image);
                 // The midpoint rule over latitudes; at a pole the span of a latitude has a corner.
-                let tolerance = if f64::abs(elevation) + half_angle > 89.0 { 1e-4 } else { 1e-5 };
-                assert!((found / expected - 1.0).abs() < tolerance, "{spec} {size:?}: {found} {expected}");
-                assert!(image.data.iter().all(|texel| texel[0] <= 100.0), "{spec} {size:?}");
+                let tolerance = if f64::abs(elevation) + half_angle > 89.0 {
+                    1e-4
+                } else {
+                    1e-5
+                };
+                assert!(
+                    (found / expected - 1.0).abs() < tolerance,
+                    "{spec} {size:?}: {found} {expected}"
+                );
+                assert!(
+                    image.data.iter().all(|texel| texel[0] <= 100.0),
+                    "{spec} {size:?}"
+                );
             }
         }
         let environment = builtin("builtin:cap");
@@ -184,7 +252,10 @@ mod formulas {
         // First moments of cap and ambient: the cap's direction is right, not only its size.
         let moment = integrate(&environment.image, |l, d| (l - ambient) * d.dot(center));
         let expected = (100.0 - ambient) * PI * f64::sin(10f64.to_radians()).powi(2);
-        assert!((moment / expected - 1.0).abs() < 1e-4, "{moment} {expected}");
+        assert!(
+            (moment / expected - 1.0).abs() < 1e-4,
+            "{moment} {expected}"
+        );
     }
 
     /// The sun's direction of `builtin:sky:elevation_deg=h,azimuth_deg=0`.
@@ -206,20 +277,39 @@ mod formulas {
     #[test]
     fn sky_has_unit_mean_and_a_sun_of_exact_energy() {
         let spec = "builtin:sky:elevation_deg=35,azimuth_deg=0";
-        let sizes = [[512, 256], [1024, 512], [256, 128]].map(|size| builtin_sized(spec, size).image);
+        let sizes =
+            [[512, 256], [1024, 512], [256, 128]].map(|size| builtin_sized(spec, size).image);
         for image in &sizes {
-            assert!((energy(image) / (4.0 * PI) - 1.0).abs() < 1e-5, "{}", image.width);
+            assert!(
+                (energy(image) / (4.0 * PI) - 1.0).abs() < 1e-5,
+                "{}",
+                image.width
+            );
         }
-        // The aureole counts twice if the texels are larger, so sizes are compared at the disc alone: the part above its ring.
+        // The aureole counts twice if the texels are larger, so sizes are compared at the disc
+        // alone: the part above its ring.
         let excess = |image: &RgbImage| {
             let sun = sun_direction(35.0);
             let floor = 20.0;
-            integrate(image, |l, d| if d.dot(sun) > 0.999 && l > floor { l - floor } else { 0.0 })
+            integrate(image, |l, d| {
+                if d.dot(sun) > 0.999 && l > floor {
+                    l - floor
+                } else {
+                    0.0
+                }
+            })
         };
         let [middle, fine, coarse] = sizes.each_ref().map(excess);
-        assert!((middle / fine - 1.0).abs() < 0.02 && (middle / coarse - 1.0).abs() < 0.06, "{fine} {middle} {coarse}");
+        assert!(
+            (middle / fine - 1.0).abs() < 0.02 && (middle / coarse - 1.0).abs() < 0.06,
+            "{fine} {middle} {coarse}"
+        );
         let (direct, diffuse) = sun_and_sky(&sizes[1], 35.0);
-        assert!((2.0..5.0).contains(&(direct / diffuse)), "sun to sky {}", direct / diffuse);
+        assert!(
+            (2.0..5.0).contains(&(direct / diffuse)),
+            "sun to sky {}",
+            direct / diffuse
+        );
         // Haze moves light from the sun to the sky.
         let hazy = builtin(&format!("{spec},turbidity=8")).image;
         let (hazy_direct, hazy_diffuse) = sun_and_sky(&hazy, 35.0);
@@ -229,18 +319,29 @@ mod formulas {
     #[test]
     fn sky_has_lambertian_ground() {
         for elevation in [5.0, 60.0] {
-            let image = builtin(&format!("builtin:sky:elevation_deg={elevation},azimuth_deg=0,albedo=0.5")).image;
+            let image = builtin(&format!(
+                "builtin:sky:elevation_deg={elevation},azimuth_deg=0,albedo=0.5"
+            ))
+            .image;
             let ground = luminance(image.get(0, 255));
             assert!((128..256).all(|y| luminance(image.get(17, y)) == ground));
             let irradiance = integrate(&image, |l, d| l * d.y.max(0.0));
             // The cosine is taken at texel centres, which is coarse for a low sun.
-            assert!((ground / (0.5 * irradiance / PI) - 1.0).abs() < 0.01, "{ground} {irradiance}");
+            assert!(
+                (ground / (0.5 * irradiance / PI) - 1.0).abs() < 0.01,
+                "{ground} {irradiance}"
+            );
             // Away from the sun the zenith is blue, and the low sun is redder than the sky.
             let [r, _, b] = image.get(0, 0);
             assert!(b > r);
         }
         let low = builtin("builtin:sky:elevation_deg=4,azimuth_deg=0").image;
-        let sun = low.data.iter().copied().max_by(|a, b| luminance(*a).total_cmp(&luminance(*b))).unwrap();
+        let sun = low
+            .data
+            .iter()
+            .copied()
+            .max_by(|a, b| luminance(*a).total_cmp(&luminance(*b)))
+            .unwrap();
         assert!(sun[0] > 2.0 * sun[2], "{sun:?}");
     }
 }
@@ -252,13 +353,27 @@ mod loading {
     #[test]
     fn specs_of_formulas_are_checked() {
         let specs = [
-            "builtin:skye", "builtin:", "builtin:cap:half_angle=3", "builtin:studio:x=1",
-            "builtin:cap:radiance=bright", "builtin:cap:radiance=-1", "builtin:cap:radiance=nan",
-            "builtin:sky:elevation_deg=91", "builtin:cap:radiance", "builtin:cap:radiance=1,radiance=2", "sky", "",
+            "builtin:skye",
+            "builtin:",
+            "builtin:cap:half_angle=3",
+            "builtin:studio:x=1",
+            "builtin:cap:radiance=bright",
+            "builtin:cap:radiance=-1",
+            "builtin:cap:radiance=nan",
+            "builtin:sky:elevation_deg=91",
+            "builtin:cap:radiance",
+            "builtin:cap:radiance=1,radiance=2",
+            "sky",
+            "",
         ];
         let refusal = |spec: &str, builtin_size| {
-            let options = LoadOptions { builtin_size, ..LoadOptions::default() };
-            Environment::load(spec, Path::new("."), &options).unwrap_err().to_string()
+            let options = LoadOptions {
+                builtin_size,
+                ..LoadOptions::default()
+            };
+            Environment::load(spec, Path::new("."), &options)
+                .unwrap_err()
+                .to_string()
         };
         let mut shown = specs.map(|spec| refusal(spec, [512, 256])).to_vec();
         shown.push(refusal("builtin:sky", [1 << 16, 1 << 15]));
@@ -280,41 +395,65 @@ mod loading {
         load("bright.exr").unwrap();
         image.data[6] = [1.0, 1.1e15, 1.0];
         write(&folder, "bright.exr", &image);
-        for (name, bytes) in
-            [("map.jpg", &b""[..]), ("cut.hdr", b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n\x01")]
-        {
+        for (name, bytes) in [
+            ("map.jpg", &b""[..]),
+            (
+                "cut.hdr",
+                b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n\x01",
+            ),
+        ] {
             std::fs::write(folder.path().join(name), bytes).unwrap();
         }
-        let shown = ["none.hdr", "map.jpg", "cut.hdr", "bright.exr"].map(|spec| load(spec).unwrap_err().to_string());
-        let shown = shown.join("\n").replace(&folder.path().display().to_string(), "DIR");
+        let shown = ["none.hdr", "map.jpg", "cut.hdr", "bright.exr"]
+            .map(|spec| load(spec).unwrap_err().to_string());
+        let shown = shown
+            .join("\n")
+            .replace(&folder.path().display().to_string(), "DIR");
         assert_snapshot("environment_files_that_are_refused", &shown);
     }
 
-    /// Two layers of one file are two environments. A number sign in a file's own name is part of the name.
+    /// Two layers of one file are two environments. A number sign in a file's own name is part of
+    /// the name.
     #[test]
     fn a_layer_is_chosen_behind_a_number_sign() {
         let folder = tempfile::tempdir().unwrap();
         let gray = |value| GrayImage::filled(4, 2, value);
         let channels = |first: f32| {
-            let of = |layer: &str, value| ["R", "G", "B"].map(|c| (format!("{layer}.{c}"), gray(value))).to_vec();
+            let of = |layer: &str, value| {
+                ["R", "G", "B"]
+                    .map(|c| (format!("{layer}.{c}"), gray(value)))
+                    .to_vec()
+            };
             [of("day", first), of("night", 0.25)].concat()
         };
         exr::write_channels(&folder.path().join("sky.exr"), channels(1.0)).unwrap();
         exr::write_channels(&folder.path().join("a#1.exr"), channels(4.0)).unwrap();
         let load = |spec: &str| Environment::load(spec, folder.path(), &LoadOptions::default());
-        let [sky, day, night] = ["sky.exr", "sky.exr#day", "sky.exr#night"].map(|spec| load(spec).unwrap());
-        assert_eq!((day.image.data[0], night.image.data[0]), ([1.0; 3], [0.25; 3]));
+        let [sky, day, night] =
+            ["sky.exr", "sky.exr#day", "sky.exr#night"].map(|spec| load(spec).unwrap());
+        assert_eq!(
+            (day.image.data[0], night.image.data[0]),
+            ([1.0; 3], [0.25; 3])
+        );
         assert_ne!(day.hash, night.hash);
         assert_eq!((sky.hash, night.name.as_str()), (day.hash, "sky.exr#night"));
-        assert!(sky.warnings[0].contains("Only layer \"day\" is used; FILE#NAME reads another (night)"));
+        assert!(
+            sky.warnings[0].contains("Only layer \"day\" is used; FILE#NAME reads another (night)")
+        );
         assert!(day.warnings.is_empty(), "{:?}", day.warnings);
         assert_eq!(load("a#1.exr#night").unwrap().hash, night.hash);
         assert_eq!(load("a#1.exr").unwrap().image.data[0], [4.0; 3]);
         let message = load("sky.exr#noon").unwrap_err().to_string();
-        assert!(message.contains("in layer \"noon\" (layers with colour: day, night)"), "{message}");
+        assert!(
+            message.contains("in layer \"noon\" (layers with colour: day, night)"),
+            "{message}"
+        );
         std::fs::write(folder.path().join("x.hdr"), b"").unwrap();
         let message = load("x.hdr#day").unwrap_err().to_string();
-        assert!(message.contains("a Radiance picture has one image"), "{message}");
+        assert!(
+            message.contains("a Radiance picture has one image"),
+            "{message}"
+        );
     }
 
     #[test]
@@ -324,26 +463,43 @@ mod loading {
         image.data[2] = [1.0, f32::NAN, -2.0];
         image.data[5] = [f32::INFINITY, f32::NEG_INFINITY, -0.0];
         write(&folder, "map.exr", &image);
-        let message = Environment::load("map.exr", folder.path(), &LoadOptions::default()).unwrap_err().to_string();
-        let found = "1 NaN, 2 infinite, 1 negative channel values, the first at column 2, row 0: G = NaN";
-        assert!(message.contains(found) && message.contains("--clamp-invalid"), "{message}");
-        let options = LoadOptions { clamp_invalid: true, ..LoadOptions::default() };
+        let message = Environment::load("map.exr", folder.path(), &LoadOptions::default())
+            .unwrap_err()
+            .to_string();
+        let found =
+            "1 NaN, 2 infinite, 1 negative channel values, the first at column 2, row 0: G = NaN";
+        assert!(
+            message.contains(found) && message.contains("--clamp-invalid"),
+            "{message}"
+        );
+        let options = LoadOptions {
+            clamp_invalid: true,
+            ..LoadOptions::default()
+        };
         let environment = Environment::load("map.exr", folder.path(), &options).unwrap();
         assert_eq!(environment.image.data[2], [1.0, 0.0, 0.0]);
         assert_eq!(environment.image.data[5], [0.0; 3]);
         assert_eq!(environment.image.data[4], [1.0; 3]);
-        assert!(environment.warnings[0].contains(found) && environment.warnings[0].contains("set to 0"));
+        assert!(
+            environment.warnings[0].contains(found) && environment.warnings[0].contains("set to 0")
+        );
     }
 }
 
 #[test]
 fn the_range_of_an_environment_is_peak_over_mean() {
     let flat = Environment::from_image("flat", RgbImage::filled(8, 4, [0.5; 3])).luminance;
-    assert!((flat.mean - 0.5).abs() < 1e-6 && flat.range_stops().unwrap().abs() < 1e-6, "{flat:?}");
+    assert!(
+        (flat.mean - 0.5).abs() < 1e-6 && flat.range_stops().unwrap().abs() < 1e-6,
+        "{flat:?}"
+    );
     // The upper half of the sphere has 2, the lower 0: mean 1, for any number of rows.
     let half = RgbImage::from_fn(8, 6, |_, y| if y < 3 { [2.0; 3] } else { [0.0; 3] });
     let half = Environment::from_image("half", half).luminance;
-    assert!((half.mean - 1.0).abs() < 1e-6 && (half.range_stops().unwrap() - 1.0).abs() < 1e-6, "{half:?}");
+    assert!(
+        (half.mean - 1.0).abs() < 1e-6 && (half.range_stops().unwrap() - 1.0).abs() < 1e-6,
+        "{half:?}"
+    );
     let black = Environment::from_image("black", RgbImage::filled(2, 2, [0.0; 3])).luminance;
     assert_eq!(black.range_stops(), None);
 }

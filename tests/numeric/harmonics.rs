@@ -21,7 +21,10 @@ use std::path::Path;
 
 fn map(size: [u32; 2], value: impl Fn(DVec3) -> f64) -> RgbImage {
     RgbImage::from_fn(size[0], size[1], |x, y| {
-        let uv = glam::DVec2::new((f64::from(x) + 0.5) / f64::from(size[0]), (f64::from(y) + 0.5) / f64::from(size[1]));
+        let uv = glam::DVec2::new(
+            (f64::from(x) + 0.5) / f64::from(size[0]),
+            (f64::from(y) + 0.5) / f64::from(size[1]),
+        );
         [value(direction_from_uv(uv)) as f32; 3]
     })
 }
@@ -33,40 +36,75 @@ fn directions() -> Vec<DVec3> {
         let (sin, cos) = (f64::from(i) * 2.4).sin_cos();
         DVec3::new(cos * (1.0 - z * z).sqrt(), z, sin * (1.0 - z * z).sqrt())
     };
-    (0..60).map(spread).chain([DVec3::Y, DVec3::NEG_Y]).collect()
+    (0..60)
+        .map(spread)
+        .chain([DVec3::Y, DVec3::NEG_Y])
+        .collect()
 }
 
 /// relMSE of values by direction, the largest channel.
 fn relative_mse(found: &[(DVec3, DVec3)], exact: impl Fn(DVec3) -> DVec3 + Sync) -> f64 {
-    let pairs: Vec<[DVec3; 2]> = found.par_iter().map(|(d, found)| [*found, exact(*d)]).collect();
+    let pairs: Vec<[DVec3; 2]> = found
+        .par_iter()
+        .map(|(d, found)| [*found, exact(*d)])
+        .collect();
     let scale = pairs.iter().map(|[_, exact]| *exact).sum::<DVec3>() / pairs.len() as f64;
-    let squares = pairs.iter().map(|[a, b]| (*a - *b).powf(2.0) / (*b * *b + 0.01 * scale * scale));
+    let squares = pairs
+        .iter()
+        .map(|[a, b]| (*a - *b).powf(2.0) / (*b * *b + 0.01 * scale * scale));
     (squares.sum::<DVec3>() / pairs.len() as f64).max_element()
 }
 
 #[test]
 fn factors_of_simple_kernels_have_their_closed_forms() {
-    // At alpha 1 GGX is D = 1/π: with weight 1 the hemisphere, k_l = ∫_0^1 P_l; with weight n.l the cosine lobe.
-    let hemisphere = factors(Kernel::new(&Ggx, &WEIGHTS[2], MaskingShadowing::Separable), 1.0, 8);
-    for (l, exact) in [1.0, 0.5, 0.0, -0.125, 0.0, 0.0625, 0.0, -5.0 / 128.0].into_iter().enumerate() {
-        assert!((hemisphere[l] - exact).abs() < 1e-9, "{l}: {} for {exact}", hemisphere[l]);
+    // At alpha 1 GGX is D = 1/π: with weight 1 the hemisphere, k_l = ∫_0^1 P_l; with weight n.l the
+    // cosine lobe.
+    let hemisphere = factors(
+        Kernel::new(&Ggx, &WEIGHTS[2], MaskingShadowing::Separable),
+        1.0,
+        8,
+    );
+    for (l, exact) in [1.0, 0.5, 0.0, -0.125, 0.0, 0.0625, 0.0, -5.0 / 128.0]
+        .into_iter()
+        .enumerate()
+    {
+        assert!(
+            (hemisphere[l] - exact).abs() < 1e-9,
+            "{l}: {} for {exact}",
+            hemisphere[l]
+        );
     }
     // 2 ∫_0^1 x P_l dx.
     let cosine = cosine_factors(degree(1.0));
-    for (l, exact) in [1.0, 2.0 / 3.0, 0.25, 0.0, -1.0 / 24.0, 0.0, 1.0 / 64.0].into_iter().enumerate() {
-        assert!((cosine[l] - exact).abs() < 1e-15, "{l}: {} for {exact}", cosine[l]);
+    for (l, exact) in [1.0, 2.0 / 3.0, 0.25, 0.0, -1.0 / 24.0, 0.0, 1.0 / 64.0]
+        .into_iter()
+        .enumerate()
+    {
+        assert!(
+            (cosine[l] - exact).abs() < 1e-15,
+            "{l}: {} for {exact}",
+            cosine[l]
+        );
     }
     let by_quadrature = factors(Kernel::cosine(&Ggx), 1.0, degree(1.0));
     for (l, (a, b)) in cosine.iter().zip(&by_quadrature).enumerate() {
-        assert!((a - b).abs() < 1e-9, "{l}: {a} by the closed form, {b} by quadrature");
+        assert!(
+            (a - b).abs() < 1e-9,
+            "{l}: {a} by the closed form, {b} by quadrature"
+        );
     }
 }
 
-/// Share of the mean square of a filtered lamp of one direction that lies beyond the degree. All degrees of such a lamp
-/// are equally strong for their number; no light of positive radiance has more in the high ones.
+/// Share of the mean square of a filtered lamp of one direction that lies beyond the degree. All
+/// degrees of such a lamp are equally strong for their number; no light of positive radiance has
+/// more in the high ones.
 fn cut_off(kernel: Kernel, alpha: f64) -> f64 {
     let k = factors(kernel, alpha, 3 * DEGREE_MAX);
-    let squares = |from: usize| (from..k.len()).map(|l| (2 * l + 1) as f64 * k[l] * k[l]).sum::<f64>();
+    let squares = |from: usize| {
+        (from..k.len())
+            .map(|l| (2 * l + 1) as f64 * k[l] * k[l])
+            .sum::<f64>()
+    };
     squares(degree(alpha) + 1) / squares(0)
 }
 
@@ -74,15 +112,24 @@ fn cut_off(kernel: Kernel, alpha: f64) -> f64 {
 fn the_cut_at_the_highest_degree_is_bounded() {
     for model in MODELS {
         for weight in WEIGHTS {
-            // For the narrowest GGX, the tail beyond the highest degree; for wide lobes, the end at the horizon, smooth or a step.
+            // For the narrowest GGX, the tail beyond the highest degree; for wide lobes, the end at
+            // the horizon, smooth or a step.
             let bound = |alpha: f64| match weight.name {
                 "cosine" => 3e-7,
                 "masking" => 5e-7,
                 _ => f64::max(3e-7, 2.5e-3 * alpha.powi(3)),
             };
             for alpha in [ALPHA_MIN, 0.02, 0.1, 0.25, 1.0] {
-                let share = cut_off(Kernel::new(*model, weight, MaskingShadowing::Separable), alpha);
-                assert!(share < bound(alpha), "{} {} {alpha}: {share:e}", model.name(), weight.name);
+                let share = cut_off(
+                    Kernel::new(*model, weight, MaskingShadowing::Separable),
+                    alpha,
+                );
+                assert!(
+                    share < bound(alpha),
+                    "{} {} {alpha}: {share:e}",
+                    model.name(),
+                    weight.name
+                );
             }
         }
     }
@@ -109,7 +156,9 @@ fn orders_beyond_the_margin_do_not_matter_in_a_row() {
     for degree in [16, 64, 128, 300, 511, DEGREE_MAX] {
         // The margin begins here; nearer to the pole the functions are smaller.
         let sin = |m: usize| (m as f64 - margin(degree)) / degree as f64;
-        let left = (0..=degree).filter(|m| sin(*m) > 0.0).map(|m| (largest(m, degree, sin(m)), m));
+        let left = (0..=degree)
+            .filter(|m| sin(*m) > 0.0)
+            .map(|m| (largest(m, degree, sin(m)), m));
         let worst = left.fold((0.0, 0), |a, b| if b.0 > a.0 { b } else { a });
         assert!(worst.0 < 1e-12, "degree {degree}: {worst:?}");
     }
@@ -117,34 +166,61 @@ fn orders_beyond_the_margin_do_not_matter_in_a_row() {
 
 #[test]
 fn coarse_rows_and_columns_are_points_of_the_fine_ones() {
-    // A third of the rows and columns has the same centres; there are far fewer columns than orders.
+    // A third of the rows and columns has the same centres; there are far fewer columns than
+    // orders.
     let light = map([64, 32], |d| (3.0 * d.x + d.y).exp());
     let transform = harmonics(&light, 40);
     let k = factors(Kernel::cosine(&Ggx), 0.3, 40);
     for [width, height] in [[16, 8], [7, 5], [12, 3], [1, 1], [9, 2]] {
-        let (coarse, fine) =
-            (transform.synthesized(&k, width, height), transform.synthesized(&k, 27 * width, 27 * height));
+        let (coarse, fine) = (
+            transform.synthesized(&k, width, height),
+            transform.synthesized(&k, 27 * width, 27 * height),
+        );
         let smooth = transform.convolved(&k);
         for (i, value) in coarse.iter().enumerate() {
             let [x, y] = [i % width, i / width];
             let same = fine[(27 * y + 13) * 27 * width + 27 * x + 13];
-            assert!((*value - same).abs().max_element() < 1e-12, "{width}x{height} {x} {y}: {value} for {same}");
-            let uv = glam::DVec2::new((x as f64 + 0.5) / width as f64, (y as f64 + 0.5) / height as f64);
+            assert!(
+                (*value - same).abs().max_element() < 1e-12,
+                "{width}x{height} {x} {y}: {value} for {same}"
+            );
+            let uv = glam::DVec2::new(
+                (x as f64 + 0.5) / width as f64,
+                (y as f64 + 0.5) / height as f64,
+            );
             let between = smooth.value(direction_from_uv(uv));
-            assert!((*value - between).abs().max_element() < 1e-4, "{width}x{height} {x} {y}: {value} and {between}");
+            assert!(
+                (*value - between).abs().max_element() < 1e-4,
+                "{width}x{height} {x} {y}: {value} and {between}"
+            );
         }
     }
 }
 
 #[test]
 fn levels_match_the_exact_integral_in_every_layout() {
-    let options = LoadOptions { builtin_size: [128, 64], ..LoadOptions::default() };
-    for name in ["builtin:sky", "builtin:cap:elevation_deg=88,half_angle_deg=3,radiance=300"] {
+    let options = LoadOptions {
+        builtin_size: [128, 64],
+        ..LoadOptions::default()
+    };
+    for name in [
+        "builtin:sky",
+        "builtin:cap:elevation_deg=88,half_angle_deg=3,radiance=300",
+    ] {
         let environment = Environment::load(name, Path::new("."), &options).unwrap();
         let exact = exact_quadrature(&environment.image);
-        let tolerance = Tolerance { relative: 1e-5, max_part_count: 100_000 };
+        let tolerance = Tolerance {
+            relative: 1e-5,
+            max_part_count: 100_000,
+        };
         let transform = harmonics(&environment.image, degree(0.03));
-        for (model, weight, alpha) in [(0, 0, 0.03), (1, 1, 0.1), (2, 0, 0.0625), (0, 1, 1.0), (0, 0, 0.25)] {
+        for (model, weight, alpha) in [
+            (0, 0, 0.03),
+            (1, 1, 0.1),
+            (2, 0, 0.0625),
+            (0, 1, 1.0),
+            (0, 0, 0.25),
+        ] {
             let kernel = Kernel::new(MODELS[model], &WEIGHTS[weight], MaskingShadowing::Separable);
             for layout in LAYOUTS {
                 let size = if layout.is_square { [24; 2] } else { [48, 24] };
@@ -153,18 +229,34 @@ fn levels_match_the_exact_integral_in_every_layout() {
                 let extent = glam::DVec2::new(size[0].into(), size[1].into());
                 let place = |i: usize| {
                     let (i, [width, height]) = (i as u32, size);
-                    let at = glam::DVec2::new((i % width).into(), (i / width % height).into()) + 0.5;
+                    let at =
+                        glam::DVec2::new((i % width).into(), (i / width % height).into()) + 0.5;
                     (layout.direction)(i / (width * height), at / extent)
                 };
-                let pairs = (0..texels.len()).step_by(texels.len() / 31).map(|i| (place(i), texels[i]));
-                let pairs: Vec<_> = pairs.map(|(d, [r, g, b, _])| (d, glam::Vec3::new(r, g, b).as_dvec3())).collect();
-                let found = relative_mse(&pairs, |d| prefilter(&exact, kernel, alpha, d, tolerance).value);
-                let case = format!("{name} {} {} {} {alpha}", layout.name, MODELS[model].name(), WEIGHTS[weight].name);
+                let pairs = (0..texels.len())
+                    .step_by(texels.len() / 31)
+                    .map(|i| (place(i), texels[i]));
+                let pairs: Vec<_> = pairs
+                    .map(|(d, [r, g, b, _])| (d, glam::Vec3::new(r, g, b).as_dvec3()))
+                    .collect();
+                let found = relative_mse(&pairs, |d| {
+                    prefilter(&exact, kernel, alpha, d, tolerance).value
+                });
+                let case = format!(
+                    "{name} {} {} {} {alpha}",
+                    layout.name,
+                    MODELS[model].name(),
+                    WEIGHTS[weight].name
+                );
                 assert!(found < 1e-9, "{case}: {found}");
             }
         }
-        let smooth = harmonics(&environment.image, degree(1.0)).convolved(&cosine_factors(degree(1.0)));
-        let pairs: Vec<_> = directions().into_iter().map(|d| (d, smooth.value(d))).collect();
+        let smooth =
+            harmonics(&environment.image, degree(1.0)).convolved(&cosine_factors(degree(1.0)));
+        let pairs: Vec<_> = directions()
+            .into_iter()
+            .map(|d| (d, smooth.value(d)))
+            .collect();
         let found = relative_mse(&pairs, |d| irradiance(&exact, d, tolerance).value / PI);
         assert!(found < 1e-9, "{name} irradiance: {found}");
     }
@@ -175,9 +267,12 @@ fn turning_the_light_turns_its_levels() {
     let turn = DMat3::from_rotation_x(1.0) * DMat3::from_rotation_z(0.4);
     let light = |d: DVec3| (4.0 * d.dot(DVec3::new(0.6, 0.0, 0.8))).exp();
     let k = factors(Kernel::cosine(&Ggx), 0.3, 64);
-    let [plain, turned] =
-        [DMat3::IDENTITY, turn].map(|by| harmonics(&map([512, 256], |d| light(by.transpose() * d)), 64).convolved(&k));
-    let found: Vec<_> = directions().into_iter().map(|d| (d, turned.value(turn * d))).collect();
+    let [plain, turned] = [DMat3::IDENTITY, turn]
+        .map(|by| harmonics(&map([512, 256], |d| light(by.transpose() * d)), 64).convolved(&k));
+    let found: Vec<_> = directions()
+        .into_iter()
+        .map(|d| (d, turned.value(turn * d)))
+        .collect();
     let off = relative_mse(&found, |d| plain.value(d));
     assert!(off < 1e-8, "{off}");
 }
@@ -192,7 +287,10 @@ fn the_transform_is_linear_and_a_sun_leaves_no_texel_below_the_sky() {
         for layout in LAYOUTS {
             let side = if layout.is_square { [32; 2] } else { [64, 32] };
             let texels = level(&sun, Kernel::cosine(&Ggx), alpha, layout, side);
-            let least = texels.iter().map(|texel| texel[0]).fold(f32::INFINITY, f32::min);
+            let least = texels
+                .iter()
+                .map(|texel| texel[0])
+                .fold(f32::INFINITY, f32::min);
             // The mean is 4.7: the rest of the edge at the horizon is below 1e-3 of it.
             assert!(least > 0.496, "{} {alpha}: {least}", layout.name);
         }
@@ -201,7 +299,13 @@ fn the_transform_is_linear_and_a_sun_leaves_no_texel_below_the_sky() {
     // One texel of solid angle 2π²/(WH) sin θ.
     let omega = 2.0 * PI * PI / (256.0 * 128.0) * (PI * 40.5 / 128.0).sin();
     let expected = 0.5 + (1e5 - 0.5) * omega / (4.0 * PI);
-    assert!((mean(&image) / expected - 1.0).abs() < 1e-3, "{} for {expected}", mean(&image));
-    let both = Harmonics::new(256, 128, 8, |x, y| image.data[y * 256 + x].map(|value| 2.0 * value));
+    assert!(
+        (mean(&image) / expected - 1.0).abs() < 1e-3,
+        "{} for {expected}",
+        mean(&image)
+    );
+    let both = Harmonics::new(256, 128, 8, |x, y| {
+        image.data[y * 256 + x].map(|value| 2.0 * value)
+    });
     assert!((both.convolved(&[1.0, 0.0]).value(DVec3::X).x / mean(&image) - 2.0).abs() < 1e-9);
 }

@@ -1,4 +1,5 @@
-//! Steps of the split sum's error: the game, attributions of synthetic data, and the radiance of coalitions against other formulas.
+//! Steps of the split sum's error: the game, attributions of synthetic data, and the radiance of
+//! coalitions against other formulas.
 
 use crate::oracle::golden_environment;
 use glam::{DVec2, DVec3};
@@ -34,7 +35,10 @@ fn orders(needs: &[Coalition], so_far: &[usize]) -> Vec<Vec<usize>> {
         return vec![so_far.to_vec()];
     }
     let can_join = |player: &usize| there >> player & 1 == 0 && needs[*player] & !there == 0;
-    (0..needs.len()).filter(can_join).flat_map(|player| orders(needs, &[so_far, &[player]].concat())).collect()
+    (0..needs.len())
+        .filter(can_join)
+        .flat_map(|player| orders(needs, &[so_far, &[player]].concat()))
+        .collect()
 }
 
 /// The contribution of each player, averaged over these orders.
@@ -58,12 +62,28 @@ fn coalitions_contain_the_players_they_need() {
     // Three free steps beside n = v = r: 2³; with it four more: 2³ · 2⁴.
     assert_eq!(all.len(), 8 + 128);
     let rungs = (0..=STEPS.len()).map(|count| (1u32 << count) - 1);
-    assert!(rungs.clone().all(|rung| is_feasible(rung, &needs)), "the ladder's order is one of them");
+    assert!(
+        rungs.clone().all(|rung| is_feasible(rung, &needs)),
+        "the ladder's order is one of them"
+    );
     for step in 0..STEPS.len() {
         let (least, most) = (before(step, &needs), without(step, &needs));
-        assert!(is_feasible(least | 1 << step, &needs) && is_feasible(most, &needs), "{step}");
-        assert!(all.iter().filter(|one| *one >> step & 1 == 1).all(|one| one & least == least), "{step}: least");
-        assert!(all.iter().filter(|one| *one >> step & 1 == 0).all(|one| one & !most == 0), "{step}: most");
+        assert!(
+            is_feasible(least | 1 << step, &needs) && is_feasible(most, &needs),
+            "{step}"
+        );
+        assert!(
+            all.iter()
+                .filter(|one| *one >> step & 1 == 1)
+                .all(|one| one & least == least),
+            "{step}: least"
+        );
+        assert!(
+            all.iter()
+                .filter(|one| *one >> step & 1 == 0)
+                .all(|one| one & !most == 0),
+            "{step}: most"
+        );
     }
 }
 
@@ -72,57 +92,114 @@ fn shapley_values_are_means_over_all_orders() {
     for needs in [vec![0; 4], vec![0, 1, 1, 0b110, 0], vec![0, 1, 0b10]] {
         let (found, right) = (shapley(&needs, scattered), by_orders(&needs, scattered));
         let all = (1 << needs.len()) - 1;
-        assert!((found.iter().sum::<f64>() - scattered(all) + scattered(0)).abs() < 1e-12, "{needs:?}: the sum");
-        assert!(found.iter().zip(&right).all(|(a, b)| (a - b).abs() < 1e-12), "{needs:?}: {found:?}, {right:?}");
+        assert!(
+            (found.iter().sum::<f64>() - scattered(all) + scattered(0)).abs() < 1e-12,
+            "{needs:?}: the sum"
+        );
+        assert!(
+            found.iter().zip(&right).all(|(a, b)| (a - b).abs() < 1e-12),
+            "{needs:?}: {found:?}, {right:?}"
+        );
     }
 }
 
-fn drawn(radiance: &dyn Fn(Coalition) -> Vec<DVec3>, scrambles: &dyn Fn(Coalition) -> Vec<Vec<DVec3>>) -> Attribution {
+fn drawn(
+    radiance: &dyn Fn(Coalition) -> Vec<DVec3>,
+    scrambles: &dyn Fn(Coalition) -> Vec<Vec<DVec3>>,
+) -> Attribution {
     let (n_dot_v, epsilon) = (&[0.5; PIXELS], Epsilon::of_light(0.0));
-    attributions(&Case { n_dot_v, radiance, scrambles, epsilon }, &[]).remove(0)
+    attributions(
+        &Case {
+            n_dot_v,
+            radiance,
+            scrambles,
+            epsilon,
+        },
+        &[],
+    )
+    .remove(0)
 }
 
 #[test]
 fn a_step_between_rungs_of_the_same_scrambles_has_its_own_error() {
-    // The reference is 1, with an error that every rung shares. A step with a size per pixel is drawn with 1 % noise, from 3 scrambles.
+    // The reference is 1, with an error that every rung shares. A step with a size per pixel is
+    // drawn with 1 % noise, from 3 scrambles.
     let step = |pixel: usize| 0.1 + 0.2 * (pixel % 7) as f64;
     let rungs = |coalition: Coalition| coalition >> MASKING & 1 == 1;
     let estimate = |coalition: Coalition, k: usize, pixel: usize| {
         let shared = [0.3, -0.1, -0.2][k] * (1.0 + (pixel % 3) as f64);
         let own = [0.01, -0.01, 0.0][k];
-        1.0 + shared + if rungs(coalition) { step(pixel) * (1.0 + own) } else { 0.0 }
+        1.0 + shared
+            + if rungs(coalition) {
+                step(pixel) * (1.0 + own)
+            } else {
+                0.0
+            }
     };
     let image = |coalition: Coalition| -> Vec<DVec3> {
-        (0..PIXELS).map(|pixel| DVec3::splat(1.0 + if rungs(coalition) { step(pixel) } else { 0.0 })).collect()
+        (0..PIXELS)
+            .map(|pixel| DVec3::splat(1.0 + if rungs(coalition) { step(pixel) } else { 0.0 }))
+            .collect()
     };
     let scrambles = |coalition: Coalition| -> Vec<Vec<DVec3>> {
-        (0..3).map(|k| (0..PIXELS).map(|pixel| DVec3::splat(estimate(coalition, k, pixel))).collect()).collect()
+        (0..3)
+            .map(|k| {
+                (0..PIXELS)
+                    .map(|pixel| DVec3::splat(estimate(coalition, k, pixel)))
+                    .collect()
+            })
+            .collect()
     };
     let found = drawn(&image, &scrambles);
     // se² = (1e-4 + 1e-4) / (3 · 2) of the step's square.
     let right = (2e-4f64 / 6.0).sqrt();
-    assert!((found.steps[MASKING].step_error / right - 1.0).abs() < 1e-9, "{}", found.steps[MASKING].step_error);
-    assert!(found.steps[FRESNEL].step_error == 0.0 && found.noise > 1e-2, "{found:?}");
+    assert!(
+        (found.steps[MASKING].step_error / right - 1.0).abs() < 1e-9,
+        "{}",
+        found.steps[MASKING].step_error
+    );
+    assert!(
+        found.steps[FRESNEL].step_error == 0.0 && found.noise > 1e-2,
+        "{found:?}"
+    );
     // One step makes the whole error, with any noise of the scrambles.
-    assert!((found.steps[MASKING].share - 1.0).abs() < 1e-12 && found.steps[MASKING].share_error < 1e-12);
+    assert!(
+        (found.steps[MASKING].share - 1.0).abs() < 1e-12
+            && found.steps[MASKING].share_error < 1e-12
+    );
 }
 
 #[test]
 fn a_share_is_known_as_well_as_its_steps() {
-    // e = a + b with a = 1, b = 0.5 and scrambles of b: the share of b is b (a + b) / (a + b)² = b / (1 + b), slope 1 / (1 + b)².
+    // e = a + b with a = 1, b = 0.5 and scrambles of b: the share of b is b (a + b) / (a + b)² = b
+    // / (1 + b), slope 1 / (1 + b)².
     let by = [0.02, -0.01, -0.03, 0.02];
-    let radiance =
-        |coalition: Coalition| vec![DVec3::splat(1.0 + [0.0, 1.0, 0.5, 1.5][(coalition & 3) as usize]); PIXELS];
+    let radiance = |coalition: Coalition| {
+        vec![DVec3::splat(1.0 + [0.0, 1.0, 0.5, 1.5][(coalition & 3) as usize]); PIXELS]
+    };
     let scrambles = |coalition: Coalition| -> Vec<Vec<DVec3>> {
-        by.map(|by| radiance(coalition).iter().map(|x| x + if coalition & 2 == 2 { by } else { 0.0 }).collect())
-            .to_vec()
+        by.map(|by| {
+            radiance(coalition)
+                .iter()
+                .map(|x| x + if coalition & 2 == 2 { by } else { 0.0 })
+                .collect()
+        })
+        .to_vec()
     };
     let step = drawn(&radiance, &scrambles).steps[MASKING];
     // Standard error of b: 1.8e-3 over 4 · 3.
     let of_b = (by.iter().map(|x| x * x).sum::<f64>() / 12.0).sqrt();
     assert!((step.share - 1.0 / 3.0).abs() < 1e-12);
-    assert!((step.step_error / (of_b / 0.5) - 1.0).abs() < 1e-9, "{}", step.step_error);
-    assert!((step.share_error / (of_b / 2.25) - 1.0).abs() < 0.01, "{} {of_b}", step.share_error);
+    assert!(
+        (step.step_error / (of_b / 0.5) - 1.0).abs() < 1e-9,
+        "{}",
+        step.step_error
+    );
+    assert!(
+        (step.share_error / (of_b / 2.25) - 1.0).abs() < 0.01,
+        "{} {of_b}",
+        step.share_error
+    );
 }
 
 /// `w` at r = 1: a black light leaves the absolute ε.
@@ -135,16 +212,27 @@ const PIXELS: usize = 400;
 
 /// Two scrambles, this far from an image: its standard error is 1e-3.
 fn scrambles(image: &[DVec3]) -> Vec<Vec<DVec3>> {
-    [-1e-3, 1e-3].map(|by| image.iter().map(|value| value + by).collect()).to_vec()
+    [-1e-3, 1e-3]
+        .map(|by| image.iter().map(|value| value + by).collect())
+        .to_vec()
 }
 
 /// Attributions of images that are a constant plus the addition of each step to each pixel.
 fn made(added: &dyn Fn(usize, usize) -> f64, bands: &[[f64; 2]]) -> Vec<Attribution> {
     let radiance = |coalition: Coalition| -> Vec<DVec3> {
-        let sum = |pixel| (0..STEPS.len()).filter(|i| coalition >> i & 1 == 1).map(|i| added(i, pixel)).sum::<f64>();
-        (0..PIXELS).map(|pixel| DVec3::splat(1.0 + sum(pixel))).collect()
+        let sum = |pixel| {
+            (0..STEPS.len())
+                .filter(|i| coalition >> i & 1 == 1)
+                .map(|i| added(i, pixel))
+                .sum::<f64>()
+        };
+        (0..PIXELS)
+            .map(|pixel| DVec3::splat(1.0 + sum(pixel)))
+            .collect()
     };
-    let n_dot_v: Vec<f64> = (0..PIXELS).map(|i| (i as f64 + 0.5) / PIXELS as f64).collect();
+    let n_dot_v: Vec<f64> = (0..PIXELS)
+        .map(|i| (i as f64 + 0.5) / PIXELS as f64)
+        .collect();
     let case = Case {
         n_dot_v: &n_dot_v,
         radiance: &radiance,
@@ -157,24 +245,56 @@ fn made(added: &dyn Fn(usize, usize) -> f64, bands: &[[f64; 2]]) -> Vec<Attribut
 #[test]
 fn steps_on_different_pixels_keep_their_error() {
     // Each step changes its own pixels; the last does nothing.
-    let size = |step: usize| if step == TABLE { 0.0 } else { 0.01 * (step + 1) as f64 };
-    let [all] = &made(&|step, pixel| if pixel % STEPS.len() == step { size(step) } else { 0.0 }, &[])[..] else {
+    let size = |step: usize| {
+        if step == TABLE {
+            0.0
+        } else {
+            0.01 * (step + 1) as f64
+        }
+    };
+    let [all] = &made(
+        &|step, pixel| {
+            if pixel % STEPS.len() == step {
+                size(step)
+            } else {
+                0.0
+            }
+        },
+        &[],
+    )[..] else {
         panic!("one band")
     };
     let whole: f64 = (0..STEPS.len()).map(|step| size(step).powi(2)).sum();
     for (step, found) in all.steps.iter().enumerate() {
         let own = size(step).powi(2);
         let mean = weight() * own / STEPS.len() as f64;
-        assert!((found.share - own / whole).abs() < 1e-12, "{step}: share {}", found.share);
-        for (name, x) in [("first", found.first_in), ("last", found.last_out), ("shapley", found.shapley)] {
+        assert!(
+            (found.share - own / whole).abs() < 1e-12,
+            "{step}: share {}",
+            found.share
+        );
+        for (name, x) in [
+            ("first", found.first_in),
+            ("last", found.last_out),
+            ("shapley", found.shapley),
+        ] {
             // Making n = v = r exact also makes the steps exact that need it.
             let with_others = step == VIEW && name == "last";
-            let right =
-                if with_others { (VIEW..TABLE).map(|i| weight() * size(i).powi(2)).sum::<f64>() / 8.0 } else { mean };
+            let right = if with_others {
+                (VIEW..TABLE)
+                    .map(|i| weight() * size(i).powi(2))
+                    .sum::<f64>()
+                    / 8.0
+            } else {
+                mean
+            };
             assert!((x - right).abs() < 1e-12, "{step}: {name} {x}, not {right}");
         }
     }
-    assert!((all.error - weight() * whole / 8.0).abs() < 1e-12 && (all.noise - weight() * 1e-6).abs() < 1e-15);
+    assert!(
+        (all.error - weight() * whole / 8.0).abs() < 1e-12
+            && (all.noise - weight() * 1e-6).abs() < 1e-15
+    );
 }
 
 #[test]
@@ -182,26 +302,46 @@ fn a_step_that_undoes_another_has_a_negative_share() {
     // Two steps of the same pixels, 0.3 and -0.1, leave 0.2: shares 1.5 and -0.5.
     let added = |step: usize, _| [0.3, -0.1, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0][step];
     let found = made(&added, &[[0.0, 0.5], [0.5, 1.0], [1.0, 1.0]]);
-    assert_eq!(found.iter().map(|one| one.pixel_count).collect::<Vec<_>>(), [PIXELS, PIXELS / 2, PIXELS / 2]);
+    assert_eq!(
+        found.iter().map(|one| one.pixel_count).collect::<Vec<_>>(),
+        [PIXELS, PIXELS / 2, PIXELS / 2]
+    );
     for one in &found {
         let [fresnel, masking] = [one.steps[FRESNEL], one.steps[MASKING]];
         assert!((fresnel.share - 1.5).abs() < 1e-12 && (masking.share + 0.5).abs() < 1e-12);
-        for (step, first_in, last_out, shapley) in [(fresnel, 0.09, 0.03, 0.06), (masking, 0.01, -0.05, -0.02)] {
+        for (step, first_in, last_out, shapley) in
+            [(fresnel, 0.09, 0.03, 0.06), (masking, 0.01, -0.05, -0.02)]
+        {
             let found = [step.first_in, step.last_out, step.shapley].map(|x| x / weight());
-            assert!(found.iter().zip([first_in, last_out, shapley]).all(|(a, b)| (a - b).abs() < 1e-12), "{found:?}");
+            assert!(
+                found
+                    .iter()
+                    .zip([first_in, last_out, shapley])
+                    .all(|(a, b)| (a - b).abs() < 1e-12),
+                "{found:?}"
+            );
         }
     }
 }
 
 #[test]
 fn albedos_between_nodes_match_the_quadrature() {
-    let settings = [(0.1, MaskingShadowing::Separable), (0.7, MaskingShadowing::Correlated)];
+    let settings = [
+        (0.1, MaskingShadowing::Separable),
+        (0.7, MaskingShadowing::Correlated),
+    ];
     for (model, (alpha, masking)) in MODELS.iter().zip(settings.into_iter().cycle()) {
         let albedos = Albedos::new(Kernel::cosine(*model), masking, alpha);
         for n_dot_v in [0.002, 0.013, 0.11, 0.37, 0.62, 0.883, 0.9999] {
             let (found, right) = (albedos.exact(n_dot_v), dfg(*model, masking, n_dot_v, alpha));
-            let error = (found - DVec2::new(right.f0_scale, right.f90_scale)).abs().max_element();
-            assert!(error < 2e-6, "{} alpha {alpha} n.v {n_dot_v}: {error:e}", model.name());
+            let error = (found - DVec2::new(right.f0_scale, right.f90_scale))
+                .abs()
+                .max_element();
+            assert!(
+                error < 2e-6,
+                "{} alpha {alpha} n.v {n_dot_v}: {error:e}",
+                model.name()
+            );
         }
     }
 }
@@ -218,15 +358,25 @@ fn one_level(environment: &Environment, side: u32) -> FilteredMap {
             environment.radiance((layout.direction)(face, uv))
         })
     };
-    FilteredMap { layout, levels: vec![(0..layout.face_count).map(face).collect()] }
+    FilteredMap {
+        layout,
+        levels: vec![(0..layout.face_count).map(face).collect()],
+    }
 }
 
 /// The radiance of coalitions of GGX at one alpha, with the drawn parts taken from the quadrature.
-fn radiance(environment: &Environment, alpha: f64, frames: &[[DVec3; 2]], tables: &PrecomputeSettings) -> Radiance {
+fn radiance(
+    environment: &Environment,
+    alpha: f64,
+    frames: &[[DVec3; 2]],
+    tables: &PrecomputeSettings,
+) -> Radiance {
     let (model, masking) = (MODELS[0], MaskingShadowing::Separable);
     let exact = exact_quadrature(&environment.image);
     let mean = |method: &splitsum::shade::Method, f0: f64| -> Vec<DVec3> {
-        let Twin::Mean(twin) = method.twin else { panic!("{} is not an integral", method.name) };
+        let Twin::Mean(twin) = method.twin else {
+            panic!("{} is not an integral", method.name)
+        };
         let of_frame = |[n, v]: &[DVec3; 2]| {
             let surface = Surface::new(model, masking, alpha, DVec3::splat(f0), [*n, *v]);
             twin(&exact, &surface, tables, TOLERANCE).value
@@ -234,7 +384,8 @@ fn radiance(environment: &Environment, alpha: f64, frames: &[[DVec3; 2]], tables
         frames.par_iter().map(of_frame).collect()
     };
     let reference = splitsum::shade::Method::listed("reference");
-    let drawn = [reference, &ladder::MASKING_ALONE].map(|method| [mean(method, 0.0), mean(method, 1.0)]);
+    let drawn =
+        [reference, &ladder::MASKING_ALONE].map(|method| [mean(method, 0.0), mean(method, 1.0)]);
     let albedos = Albedos::new(Kernel::cosine(model), masking, alpha);
     let harmonics = harmonic::harmonics(&environment.image, harmonic::degree(alpha.min(0.0625)));
     Radiance::new(Setting {
@@ -247,14 +398,21 @@ fn radiance(environment: &Environment, alpha: f64, frames: &[[DVec3; 2]], tables
         scale: 1.0,
         harmonics: &harmonics,
         filtered: &one_level(environment, 32),
-        table: frames.iter().map(|[n, v]| albedos.exact(n.dot(*v))).collect(),
+        table: frames
+            .iter()
+            .map(|[n, v]| albedos.exact(n.dot(*v)))
+            .collect(),
         frames,
         drawn: vec![drawn],
     })
 }
 
 fn harmonic_tables() -> PrecomputeSettings {
-    PrecomputeSettings { prefilter: PrefilterBy::Harmonic, prefilter_size: [64; 2], ..PrecomputeSettings::default() }
+    PrecomputeSettings {
+        prefilter: PrefilterBy::Harmonic,
+        prefilter_size: [64; 2],
+        ..PrecomputeSettings::default()
+    }
 }
 
 fn of(steps: &[usize]) -> Coalition {
@@ -274,16 +432,26 @@ fn rungs_match_their_f64_twins() {
             (&ladder::VIEW, of(&[FRESNEL, MASKING, VIEW])),
             (&ladder::LEVELS, of(&[FRESNEL, MASKING, VIEW, LEVELS])),
             // Nothing is rounded or sampled here, and the table is exact.
-            (&ladder::LEVELS, of(&[FRESNEL, MASKING, VIEW, LEVELS, STORAGE, TABLE])),
+            (
+                &ladder::LEVELS,
+                of(&[FRESNEL, MASKING, VIEW, LEVELS, STORAGE, TABLE]),
+            ),
         ];
         for (method, coalition) in rungs {
-            let Twin::Mean(twin) = method.twin else { panic!("{} is not an integral", method.name) };
+            let Twin::Mean(twin) = method.twin else {
+                panic!("{} is not an integral", method.name)
+            };
             for (pixel, own) in found.of(coalition, f0).iter().enumerate() {
                 let [n, v] = frames[pixel];
-                let surface = Surface::new(MODELS[0], MaskingShadowing::Separable, alpha, f0, [n, v]);
+                let surface =
+                    Surface::new(MODELS[0], MaskingShadowing::Separable, alpha, f0, [n, v]);
                 let right = twin(&exact, &surface, &tables, TOLERANCE).value;
                 let error = ((*own - right) / right).abs().max_element();
-                assert!(error < 2e-4, "{} alpha {alpha} pixel {pixel}: {own}, not {right}", method.name);
+                assert!(
+                    error < 2e-4,
+                    "{} alpha {alpha} pixel {pixel}: {own}, not {right}",
+                    method.name
+                );
             }
         }
     }
@@ -304,7 +472,11 @@ fn the_view_alone_is_the_lobe_about_r() {
             let theta = 0.5 * PI * (f64::from(row) + 0.5) / f64::from(rows);
             for column in 0..columns {
                 let phi = TAU * (f64::from(column) + 0.5) / f64::from(columns);
-                let l = DVec3::new(theta.sin() * phi.cos(), theta.sin() * phi.sin(), theta.cos());
+                let l = DVec3::new(
+                    theta.sin() * phi.cos(),
+                    theta.sin() * phi.sin(),
+                    theta.cos(),
+                );
                 let h = (l + DVec3::Z).normalize();
                 let value = model.d(h, alpha) * g2(model, 1.0, l.z, alpha, masking) * theta.sin();
                 let fc = schlick_weight(h.z);
@@ -318,7 +490,10 @@ fn the_view_alone_is_the_lobe_about_r() {
         let albedo = dfg(model, masking, n.dot(*v), alpha);
         let mean = (f0 * sums[0] + sums[1]) / (f0 * wholes[0] + wholes[1]);
         let right = (f0 * albedo.f0_scale + albedo.f90_scale) * mean;
-        assert!(((*own - right) / right).abs().max_element() < 1e-3, "{own}, not {right}");
+        assert!(
+            ((*own - right) / right).abs().max_element() < 1e-3,
+            "{own}, not {right}"
+        );
     }
 }
 
@@ -326,10 +501,17 @@ fn the_view_alone_is_the_lobe_about_r() {
 fn a_white_lobe_has_no_step_of_fresnel() {
     let environment = Environment::from_image("golden", golden_environment());
     let found = radiance(&environment, 0.3, &frames(12), &harmonic_tables());
-    for coalition in coalitions(&needs()).into_iter().filter(|one| one >> FRESNEL & 1 == 0) {
-        let [inside, outside] = [coalition, coalition | 1 << FRESNEL].map(|one| found.of(one, DVec3::ONE));
+    for coalition in coalitions(&needs())
+        .into_iter()
+        .filter(|one| one >> FRESNEL & 1 == 0)
+    {
+        let [inside, outside] =
+            [coalition, coalition | 1 << FRESNEL].map(|one| found.of(one, DVec3::ONE));
         for (inside, outside) in inside.iter().zip(&outside) {
-            assert!(((*inside - *outside) / *outside).abs().max_element() < 1e-9, "{coalition:b}: {inside} {outside}");
+            assert!(
+                ((*inside - *outside) / *outside).abs().max_element() < 1e-9,
+                "{coalition:b}: {inside} {outside}"
+            );
         }
     }
 }
@@ -343,7 +525,10 @@ fn constant_light_has_no_step_but_the_table() {
     let exact = found.of(0, f0);
     for coalition in coalitions(&needs()) {
         for (own, right) in found.of(coalition, f0).iter().zip(&exact) {
-            assert!(((own - right) / right).abs().max_element() < 2e-5, "{coalition:b}: {own}, not {right}");
+            assert!(
+                ((own - right) / right).abs().max_element() < 2e-5,
+                "{coalition:b}: {own}, not {right}"
+            );
         }
     }
 }

@@ -1,5 +1,6 @@
-//! The ladder's integrals against sums over a latitude-longitude grid, written from the formulas alone. They use no
-//! frame, BRDF or lookup of the program, and their kernels are functions of cosines, without half vectors.
+//! The ladder's integrals against sums over a latitude-longitude grid, written from the formulas
+//! alone. They use no frame, BRDF or lookup of the program, and their kernels are functions of
+//! cosines, without half vectors.
 
 use fastrand::Rng;
 use glam::DVec3;
@@ -29,7 +30,9 @@ fn random(k: u64) -> f64 {
 fn light(x: u32, y: u32) -> [f32; 3] {
     let is_lamp = (40..43).contains(&x) && (9..11).contains(&y);
     let base = if is_lamp { 40.0 } else { 1.0 };
-    std::array::from_fn(|channel| (base * (0.2 + random(u64::from((x * 64 + y) * 3) + channel as u64))) as f32)
+    std::array::from_fn(|channel| {
+        (base * (0.2 + random(u64::from((x * 64 + y) * 3) + channel as u64))) as f32
+    })
 }
 
 /// A direction, its radiance, and its solid angle in sr.
@@ -39,17 +42,22 @@ struct Node {
     share: f64,
 }
 
-/// Two nodes per side in each of `parts` x `parts` parts of every cell between four texel centres, because light is smooth in each.
+/// Two nodes per side in each of `parts` x `parts` parts of every cell between four texel centres,
+/// because light is smooth in each.
 fn grid(map: impl Fn(usize, usize) -> DVec3, parts: usize) -> Vec<Node> {
     let [width, height] = SIZE;
     let offset = 0.5 / 3f64.sqrt();
-    let places: Vec<f64> =
-        (0..parts).flat_map(|i| [-offset, offset].map(|o| (i as f64 + 0.5 + o) / parts as f64)).collect();
+    let places: Vec<f64> = (0..parts)
+        .flat_map(|i| [-offset, offset].map(|o| (i as f64 + 0.5 + o) / parts as f64))
+        .collect();
     let mut nodes = Vec::new();
     for band in 0..=height {
         // Rows of texels clamp at the poles, where a band is half as high.
         let rows = [band.max(1) - 1, band.min(height - 1)];
-        let ends = [(band as f64 - 0.5).max(0.0), (band as f64 + 0.5).min(height as f64)];
+        let ends = [
+            (band as f64 - 0.5).max(0.0),
+            (band as f64 + 0.5).min(height as f64),
+        ];
         for column in 0..width {
             for y in &places {
                 let row = ends[0] + (ends[1] - ends[0]) * y;
@@ -57,10 +65,16 @@ fn grid(map: impl Fn(usize, usize) -> DVec3, parts: usize) -> Vec<Node> {
                 let down = row - (band as f64 - 0.5);
                 for x in &places {
                     let phi = TAU * (0.5 - (column as f64 + 0.5 + x) / width as f64);
-                    let of_row = |row: usize| map(column, row) * (1.0 - x) + map((column + 1) % width, row) * *x;
+                    let of_row = |row: usize| {
+                        map(column, row) * (1.0 - x) + map((column + 1) % width, row) * *x
+                    };
                     let cell = PI * (ends[1] - ends[0]) / height as f64 * TAU / width as f64;
                     nodes.push(Node {
-                        l: DVec3::new(phi.sin() * theta.sin(), theta.cos(), phi.cos() * theta.sin()),
+                        l: DVec3::new(
+                            phi.sin() * theta.sin(),
+                            theta.cos(),
+                            phi.cos() * theta.sin(),
+                        ),
                         radiance: of_row(rows[0]) * (1.0 - down) + of_row(rows[1]) * down,
                         share: cell * theta.sin() / (places.len() * places.len()) as f64,
                     });
@@ -102,7 +116,11 @@ fn query(k: u64) -> Query {
     let of = |i: u64| random(1_000_000 + 16 * k + i);
     let direction = |i: u64| {
         let (y, phi) = (2.0 * of(i) - 1.0, TAU * of(i + 1));
-        DVec3::new((1.0 - y * y).sqrt() * phi.cos(), y, (1.0 - y * y).sqrt() * phi.sin())
+        DVec3::new(
+            (1.0 - y * y).sqrt() * phi.cos(),
+            y,
+            (1.0 - y * y).sqrt() * phi.sin(),
+        )
     };
     let (n, other) = (direction(0), direction(2));
     let across = (other - n * n.dot(other)).normalize();
@@ -119,15 +137,31 @@ fn query(k: u64) -> Query {
 
 impl Query {
     fn surface(&self) -> Surface {
-        let Self { alpha, f0, n, v, .. } = *self;
-        Surface::new(<dyn Brdf>::listed(self.model), MaskingShadowing::Separable, alpha, f0, [n, v])
+        let Self {
+            alpha, f0, n, v, ..
+        } = *self;
+        Surface::new(
+            <dyn Brdf>::listed(self.model),
+            MaskingShadowing::Separable,
+            alpha,
+            f0,
+            [n, v],
+        )
     }
 
-    /// The specular integral, the split sum with exact factors, and the specular integral under light of 1.
+    /// The specular integral, the split sum with exact factors, and the specular integral under
+    /// light of 1.
     fn sums(&self, nodes: &[Node]) -> [DVec3; 3] {
-        let Self { model, alpha, f0, n, v } = *self;
+        let Self {
+            model,
+            alpha,
+            f0,
+            n,
+            v,
+        } = *self;
         let (n_dot_v, r) = (n.dot(v), 2.0 * n.dot(v) * n - v);
-        let (mut specular, mut furnace, mut blurred, mut whole) = (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO, 0.0);
+        let (mut specular, mut furnace, mut blurred, mut whole) =
+            (DVec3::ZERO, DVec3::ZERO, DVec3::ZERO, 0.0);
         for Node { l, radiance, share } in nodes {
             let (n_dot_l, r_dot_l) = (n.dot(*l), r.dot(*l));
             if n_dot_l > 0.0 {
@@ -162,18 +196,37 @@ fn rungs_are_sums_over_latitude_and_longitude() {
     // A fault, or the sums' own error.
     let judged = (0..QUERIES).into_par_iter().map(|k| {
         let query = query(k);
-        let (surface, [coarse, half, full]) = (query.surface(), grids.each_ref().map(|nodes| query.sums(nodes)));
+        let (surface, [coarse, half, full]) = (
+            query.surface(),
+            grids.each_ref().map(|nodes| query.sums(nodes)),
+        );
         let rung = |name: &str| {
-            let Twin::Mean(twin) = Method::listed(name).twin else { panic!("{name} is not an integral") };
+            let Twin::Mean(twin) = Method::listed(name).twin else {
+                panic!("{name} is not an integral")
+            };
             twin(&exact, &surface, &settings, TOLERANCE)
         };
         // The two factors of the split sum, each by its own stage.
         let r = 2.0 * query.n.dot(query.v) * query.n - query.v;
-        let blurred = prefilter(&exact, Kernel::cosine(surface.model), query.alpha, r, TOLERANCE);
-        let pair = dfg(surface.model, surface.masking, query.n.dot(query.v), query.alpha);
+        let blurred = prefilter(
+            &exact,
+            Kernel::cosine(surface.model),
+            query.alpha,
+            r,
+            TOLERANCE,
+        );
+        let pair = dfg(
+            surface.model,
+            surface.masking,
+            query.n.dot(query.v),
+            query.alpha,
+        );
         let reflected = query.f0 * pair.f0_scale + pair.f90_scale;
         let of_pair = blurred.value * pair.error;
-        let split = (blurred.value * reflected, blurred.error * reflected + of_pair);
+        let split = (
+            blurred.value * reflected,
+            blurred.error * reflected + of_pair,
+        );
         let [reference, view] = [REFERENCE, EXACT_SPLIT].map(rung);
         let found = [
             ("reference", (reference.value, reference.error), 0),
@@ -181,15 +234,24 @@ fn rungs_are_sums_over_latitude_and_longitude() {
             ("split sum", split, 1),
             ("furnace", (reflected, DVec3::splat(pair.error)), 2),
         ];
-        let place = format!("query {k}, {} alpha {:.3} n·v {:.3}", query.model, query.alpha, query.n.dot(query.v));
+        let place = format!(
+            "query {k}, {} alpha {:.3} n·v {:.3}",
+            query.model,
+            query.alpha,
+            query.n.dot(query.v)
+        );
         let mut worst = 0f64;
         for (name, (value, bound), which) in found {
             // Two doublings: if one changes little by chance, the other does not.
-            let own = (full[which] - half[which]).abs() + 0.25 * (half[which] - coarse[which]).abs();
+            let own =
+                (full[which] - half[which]).abs() + 0.25 * (half[which] - coarse[which]).abs();
             let error = (value - full[which]).abs();
             worst = worst.max((own / full[which]).max_element());
             if !error.cmple(bound + own).all() {
-                return Err(format!("{place}: {name} {value}, not {}: bound {bound}, own {own}", full[which]));
+                return Err(format!(
+                    "{place}: {name} {value}, not {}: bound {bound}, own {own}",
+                    full[which]
+                ));
             }
         }
         Ok(worst)

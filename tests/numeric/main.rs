@@ -56,5 +56,10 @@ mod tonemap;
 /// CPU time of this thread, independent of other processes.
 pub fn cpu_time() -> std::time::Duration {
     let line = std::fs::read_to_string("/proc/thread-self/schedstat").expect("Linux has it");
-    std::time::Duration::from_nanos(line.split(' ').next().and_then(|n| n.parse().ok()).expect("nanoseconds"))
+    std::time::Duration::from_nanos(
+        line.split(' ')
+            .next()
+            .and_then(|n| n.parse().ok())
+            .expect("nanoseconds"),
+    )
 }

@@ -23,12 +23,17 @@ use std::path::Path;
 
 /// `tests/golden/env_analytic.exr`: a smooth sky with a Gaussian sun, 512 x 256.
 pub fn golden_environment() -> RgbImage {
-    exr::read(Path::new("tests/golden/env_analytic.exr")).unwrap().rgb
+    exr::read(Path::new("tests/golden/env_analytic.exr"))
+        .unwrap()
+        .rgb
 }
 
 fn assert_close(what: &str, actual: DVec3, expected: DVec3, relative: f64) {
     let error = (actual - expected).abs().max_element();
-    assert!(error <= relative * expected.max_element(), "{what}: {actual} against {expected}, off by {error:e}");
+    assert!(
+        error <= relative * expected.max_element(),
+        "{what}: {actual} against {expected}, off by {error:e}"
+    );
 }
 
 /// Bilinear lookup of the contract: u wraps, v clamps.
@@ -37,7 +42,10 @@ pub fn lookup(image: &RgbImage, d: DVec3) -> DVec3 {
     let position = uv_from_direction(d) * size - 0.5;
     let (cell, fraction) = (position.floor(), position - position.floor());
     let texel = |x: f64, y: f64| {
-        let (x, y) = (x.rem_euclid(size.x) as u32, y.clamp(0.0, size.y - 1.0) as u32);
+        let (x, y) = (
+            x.rem_euclid(size.x) as u32,
+            y.clamp(0.0, size.y - 1.0) as u32,
+        );
         DVec3::from_array(image.get(x, y).map(f64::from))
     };
     let row = |y: f64| texel(cell.x, y).lerp(texel(cell.x + 1.0, y), fraction.x);
@@ -45,9 +53,18 @@ pub fn lookup(image: &RgbImage, d: DVec3) -> DVec3 {
 }
 
 /// A surface with the view at `n_dot_v`, about a normal off every axis.
-fn surface(model: &'static dyn Brdf, masking: MaskingShadowing, alpha: f64, n_dot_v: f64) -> Surface {
+fn surface(
+    model: &'static dyn Brdf,
+    masking: MaskingShadowing,
+    alpha: f64,
+    n_dot_v: f64,
+) -> Surface {
     let n = DVec3::new(0.48, 0.6, -0.64);
-    let v = Frame::from_normal(n).to_world(direction_from_polar((1.0 - n_dot_v * n_dot_v).sqrt(), n_dot_v, 0.3));
+    let v = Frame::from_normal(n).to_world(direction_from_polar(
+        (1.0 - n_dot_v * n_dot_v).sqrt(),
+        n_dot_v,
+        0.3,
+    ));
     Surface::new(model, masking, alpha, DVec3::new(0.04, 0.5, 0.9), [n, v])
 }
 
@@ -65,31 +82,57 @@ fn constant_environment_gives_the_directional_albedo() {
                 .map(|(alpha, n_dot_v)| (*model, *masking, alpha, n_dot_v))
         })
     });
-    cases.collect::<Vec<_>>().par_iter().for_each(|&(model, masking, alpha, n_dot_v)| {
-        let surface = surface(model, masking, alpha, n_dot_v);
-        let answer = reference::integrate(&environment, &surface, TOLERANCE);
-        let pair = dfg(model, masking, n_dot_v, alpha);
-        let what = format!("{} {masking:?} alpha {alpha} n_dot_v {n_dot_v}", model.name());
-        assert_close(&what, answer.specular_white.value / radiance, DVec3::splat(pair.albedo()), 1.2e-5);
-        let split = surface.f0 * pair.f0_scale + pair.f90_scale;
-        assert_close(&what, answer.specular.value / radiance, split, 2e-5);
-        assert_close(&what, answer.diffuse.value / radiance, DVec3::ONE, 1.2e-5);
-    });
+    cases
+        .collect::<Vec<_>>()
+        .par_iter()
+        .for_each(|&(model, masking, alpha, n_dot_v)| {
+            let surface = surface(model, masking, alpha, n_dot_v);
+            let answer = reference::integrate(&environment, &surface, TOLERANCE);
+            let pair = dfg(model, masking, n_dot_v, alpha);
+            let what = format!(
+                "{} {masking:?} alpha {alpha} n_dot_v {n_dot_v}",
+                model.name()
+            );
+            assert_close(
+                &what,
+                answer.specular_white.value / radiance,
+                DVec3::splat(pair.albedo()),
+                1.2e-5,
+            );
+            let split = surface.f0 * pair.f0_scale + pair.f90_scale;
+            assert_close(&what, answer.specular.value / radiance, split, 2e-5);
+            assert_close(&what, answer.diffuse.value / radiance, DVec3::ONE, 1.2e-5);
+        });
 }
 
 /// The answers to a table in which ENV is the golden map.
 fn answers(text: &str, tolerance: Tolerance) -> Answers {
     let dir = tempfile::tempdir().unwrap();
-    let map = std::env::current_dir().unwrap().join("tests/golden/env_analytic.exr");
-    std::fs::write(dir.path().join("q.csv"), text.replace("ENV", &map.display().to_string())).unwrap();
-    let queries = Queries::read(&dir.path().join("q.csv"), Kind::Shading, &LoadOptions::default()).unwrap();
+    let map = std::env::current_dir()
+        .unwrap()
+        .join("tests/golden/env_analytic.exr");
+    std::fs::write(
+        dir.path().join("q.csv"),
+        text.replace("ENV", &map.display().to_string()),
+    )
+    .unwrap();
+    let queries = Queries::read(
+        &dir.path().join("q.csv"),
+        Kind::Shading,
+        &LoadOptions::default(),
+    )
+    .unwrap();
     queries.answer(tolerance, || ())
 }
 
 fn answered(text: &str) -> impl Fn(usize, &str) -> f64 {
     let answers = answers(text, TOLERANCE);
     move |row: usize, name: &str| {
-        let at = answers.columns.iter().position(|column| column == name).unwrap();
+        let at = answers
+            .columns
+            .iter()
+            .position(|column| column == name)
+            .unwrap();
         match answers.rows[row][at] {
             Cell::Number(number) => number,
             ref other => panic!("{other:?}"),
@@ -110,9 +153,20 @@ fn the_coat_of_a_table_is_its_integral() {
     let unmet = |coat_alpha: f64| {
         let row = format!("ENV,ggx,1,0.3,0,1,0,0.6,0.8,0,1,{coat_alpha},khr");
         let head = "environment,brdf,alpha,f0,nx,ny,nz,vx,vy,vz,coat,coat_alpha,coat_layering";
-        answers(&format!("{head}\n{row}\n"), Tolerance { relative: 1e-3, max_part_count: 200 }).unmet
+        answers(
+            &format!("{head}\n{row}\n"),
+            Tolerance {
+                relative: 1e-3,
+                max_part_count: 200,
+            },
+        )
+        .unmet
     };
-    assert_eq!([unmet(1.0), unmet(0.02)], [0, 1], "a narrow coat needs more parts than its base");
+    assert_eq!(
+        [unmet(1.0), unmet(0.02)],
+        [0, 1],
+        "a narrow coat needs more parts than its base"
+    );
     let (v, cosine) = (DVec3::new(0.6, 0.8, 0.0), 0.8f64);
     let smith = |x: f64| 2.0 * x / (x + (alpha * alpha + (1.0 - alpha * alpha) * x * x).sqrt());
     let mut sums = [[DVec3::ZERO; 2]; 2];
@@ -129,13 +183,21 @@ fn the_coat_of_a_table_is_its_integral() {
     let fresnel = 0.04 + 0.96 * (1.0f64 - cosine).powi(5);
     let expected = [(fresnel * sums[0][0], fresnel), (sums[1][0], sums[1][1].x)];
     for (row, (coat, lost)) in expected.into_iter().enumerate() {
-        let own = DVec3::new(column(row, "coat_r"), column(row, "coat_g"), column(row, "coat_b"));
+        let own = DVec3::new(
+            column(row, "coat_r"),
+            column(row, "coat_g"),
+            column(row, "coat_b"),
+        );
         assert_close("coat", own, weight * coat, 1e-4);
-        assert!((column(row, "base_share") - (1.0 - weight * lost)).abs() < 1e-5, "{row}");
+        assert!(
+            (column(row, "base_share") - (1.0 - weight * lost)).abs() < 1e-5,
+            "{row}"
+        );
     }
 }
 
-/// A row with anisotropy against a product rule with both widths of GGX typed here; the tangent at the pole is +x, turned towards -z.
+/// A row with anisotropy against a product rule with both widths of GGX typed here; the tangent at
+/// the pole is +x, turned towards -z.
 #[test]
 fn the_anisotropy_of_a_table_is_its_integral() {
     const STEPS: u32 = 700;
@@ -144,7 +206,10 @@ fn the_anisotropy_of_a_table_is_its_integral() {
          ENV,ggx,0.2,1,0,1,0,0.6,0.8,0,0.7,30\n",
     );
     let (x, y) = (0.2 + 0.8 * 0.49, 0.2);
-    let (tangent, bitangent) = (DVec3::new(0.75f64.sqrt(), 0.0, -0.5), DVec3::new(-0.5, 0.0, -(0.75f64.sqrt())));
+    let (tangent, bitangent) = (
+        DVec3::new(0.75f64.sqrt(), 0.0, -0.5),
+        DVec3::new(-0.5, 0.0, -(0.75f64.sqrt())),
+    );
     let squares = |w: DVec3| [w.dot(tangent), w.dot(bitangent)].map(|part| part * part);
     let g1 = |w: DVec3| {
         let [t, b] = squares(w);
@@ -157,7 +222,11 @@ fn the_anisotropy_of_a_table_is_its_integral() {
         let d = 1.0 / (PI * x * y * (t / (x * x) + b / (y * y) + h.y * h.y).powi(2));
         sum += d * g1(v) * g1(l) / (4.0 * v.y) * weight * lookup(&image, l);
     });
-    let own = DVec3::new(column(0, "specular_r"), column(0, "specular_g"), column(0, "specular_b"));
+    let own = DVec3::new(
+        column(0, "specular_r"),
+        column(0, "specular_g"),
+        column(0, "specular_b"),
+    );
     assert_close("anisotropic", own, sum, 1e-4);
 }
 
@@ -172,28 +241,42 @@ fn the_sheen_of_a_table_is_its_integral() {
     let image = golden_environment();
     let v = DVec3::new(0.6, 0.8, 0.0);
     let colors = [DVec3::new(0.2, 0.6, 0.4), DVec3::ONE];
-    for (row, (visibility, alpha)) in
-        [(SheenVisibility::Charlie, 0.3), (SheenVisibility::Ashikhmin, 0.1)].into_iter().enumerate()
+    for (row, (visibility, alpha)) in [
+        (SheenVisibility::Charlie, 0.3),
+        (SheenVisibility::Ashikhmin, 0.1),
+    ]
+    .into_iter()
+    .enumerate()
     {
         let (mut sum, mut albedo) = (DVec3::ZERO, 0.0);
         over_directions(1000, |l, weight| {
             let f = weight * lobe(visibility, alpha, v, l);
             (sum, albedo) = (sum + f * lookup(&image, l), albedo + f);
         });
-        let own = DVec3::new(column(row, "sheen_r"), column(row, "sheen_g"), column(row, "sheen_b"));
+        let own = DVec3::new(
+            column(row, "sheen_r"),
+            column(row, "sheen_g"),
+            column(row, "sheen_b"),
+        );
         assert_close("sheen", own, colors[row] * sum, 1e-4);
         let kept = 1.0 - colors[row].max_element() * albedo;
-        assert!((column(row, "sheen_base_share") - kept).abs() < 1e-5, "{row}");
+        assert!(
+            (column(row, "sheen_base_share") - kept).abs() < 1e-5,
+            "{row}"
+        );
     }
 }
 
 #[test]
 fn a_sun_in_one_texel_is_exact() {
-    // Specular light of one hat of radiance 7e4 on a dim sky: sky times albedo plus the hat by the midpoint rule.
+    // Specular light of one hat of radiance 7e4 on a dim sky: sky times albedo plus the hat by the
+    // midpoint rule.
     const SUN: f32 = 72_704.0;
     const SKY: f32 = 0.1;
     let (width, height, x, y) = (512, 256, 300, 90);
-    let image = RgbImage::from_fn(width, height, |i, j| [if (i, j) == (x, y) { SUN } else { SKY }; 3]);
+    let image = RgbImage::from_fn(width, height, |i, j| {
+        [if (i, j) == (x, y) { SUN } else { SKY }; 3]
+    });
     let environment = exact_quadrature(&image);
     let size = DVec2::new(f64::from(width), f64::from(height));
     let center = DVec2::new(f64::from(x), f64::from(y)) + 0.5;
@@ -207,26 +290,49 @@ fn a_sun_in_one_texel_is_exact() {
     ] {
         let model = <dyn Brdf>::listed(model);
         // The view mirrors the sun, turned away by `offset`.
-        let n = Frame::from_normal(l).to_world(direction_from_polar((1.0 - n_dot_v * n_dot_v).sqrt(), n_dot_v, 0.1));
+        let n = Frame::from_normal(l).to_world(direction_from_polar(
+            (1.0 - n_dot_v * n_dot_v).sqrt(),
+            n_dot_v,
+            0.1,
+        ));
         let v = DQuat::from_axis_angle(n, offset) * (2.0 * n.dot(l) * n - l);
-        let surface = Surface::new(model, MaskingShadowing::Separable, alpha, DVec3::ONE, [n, v]);
+        let surface = Surface::new(
+            model,
+            MaskingShadowing::Separable,
+            alpha,
+            DVec3::ONE,
+            [n, v],
+        );
         let frame = Frame::from_normal(n);
         let count = 300;
-        let points = (0..count * count).map(|i| DVec2::new(f64::from(i % count), f64::from(i / count)));
+        let points =
+            (0..count * count).map(|i| DVec2::new(f64::from(i % count), f64::from(i / count)));
         let hat: f64 = points
             .map(|p| {
                 let offset = (p + 0.5) * 2.0 / f64::from(count) - 1.0;
                 let uv = (center + offset) / size;
                 let l = frame.to_local(direction_from_uv(uv));
-                let f = brdf::eval_without_fresnel(model, frame.to_local(v), l, alpha, MaskingShadowing::Separable);
-                let omega = 2.0 * PI * PI * (PI * uv.y).sin() / (size.x * size.y) * 4.0 / f64::from(count * count);
+                let f = brdf::eval_without_fresnel(
+                    model,
+                    frame.to_local(v),
+                    l,
+                    alpha,
+                    MaskingShadowing::Separable,
+                );
+                let omega = 2.0 * PI * PI * (PI * uv.y).sin() / (size.x * size.y) * 4.0
+                    / f64::from(count * count);
                 (1.0 - offset.x.abs()) * (1.0 - offset.y.abs()) * f * l.z * omega
             })
             .sum();
         let sky = dfg(model, MaskingShadowing::Separable, n.dot(v), alpha).albedo();
         let expected = f64::from(SKY) * sky + f64::from(SUN - SKY) * hat;
         let answer = reference::integrate(&environment, &surface, TOLERANCE).specular_white;
-        assert_close(&format!("{} {alpha} {n_dot_v}", model.name()), answer.value, DVec3::splat(expected), 5e-5);
+        assert_close(
+            &format!("{} {alpha} {n_dot_v}", model.name()),
+            answer.value,
+            DVec3::splat(expected),
+            5e-5,
+        );
         assert!(answer.error.x <= 1e-5 * answer.value.x);
     }
 }
@@ -240,36 +346,63 @@ fn turning_light_and_surface_together_changes_nothing() {
     let (still, turned) = (exact_quadrature(&image), exact_quadrature(&shifted));
     for model in MODELS {
         let surface = surface(*model, MaskingShadowing::Correlated, 0.2, 0.4);
-        let there = Surface { n: turn * surface.n, v: turn * surface.v, ..surface };
+        let there = Surface {
+            n: turn * surface.n,
+            v: turn * surface.v,
+            ..surface
+        };
         let a = reference::integrate(&still, &surface, TOLERANCE);
         let b = reference::integrate(&turned, &there, TOLERANCE);
         assert_close(model.name(), a.specular.value, b.specular.value, 2e-5);
-        assert_close(model.name(), a.diffuse_transmitted.value, b.diffuse_transmitted.value, 2e-5);
+        assert_close(
+            model.name(),
+            a.diffuse_transmitted.value,
+            b.diffuse_transmitted.value,
+            2e-5,
+        );
     }
 }
 
 #[test]
 fn a_tighter_tolerance_stays_within_the_bound() {
     let environment = exact_quadrature(&golden_environment());
-    let fine = Tolerance { relative: 3e-7, ..TOLERANCE };
-    for (model, alpha, n_dot_v) in
-        [("ggx", 0.02, 0.05), ("beckmann", 0.15, 0.6), ("phong", 0.9, 0.1), ("ggx", 1.0, 0.5)]
-    {
-        let surface = surface(<dyn Brdf>::listed(model), MaskingShadowing::Separable, alpha, n_dot_v);
+    let fine = Tolerance {
+        relative: 3e-7,
+        ..TOLERANCE
+    };
+    for (model, alpha, n_dot_v) in [
+        ("ggx", 0.02, 0.05),
+        ("beckmann", 0.15, 0.6),
+        ("phong", 0.9, 0.1),
+        ("ggx", 1.0, 0.5),
+    ] {
+        let surface = surface(
+            <dyn Brdf>::listed(model),
+            MaskingShadowing::Separable,
+            alpha,
+            n_dot_v,
+        );
         let (coarse, exact) = (
             reference::integrate(&environment, &surface, TOLERANCE),
             reference::integrate(&environment, &surface, fine),
         );
-        for (a, b) in [(coarse.specular, exact.specular), (coarse.diffuse_transmitted, exact.diffuse_transmitted)] {
+        for (a, b) in [
+            (coarse.specular, exact.specular),
+            (coarse.diffuse_transmitted, exact.diffuse_transmitted),
+        ] {
             let off = (a.value - b.value).abs();
-            assert!(off.cmple(a.error + b.error).all(), "{model} {alpha}: off by {off}, bound {}", a.error);
+            assert!(
+                off.cmple(a.error + b.error).all(),
+                "{model} {alpha}: off by {off}, bound {}",
+                a.error
+            );
             assert!(b.error.cmplt(a.error).all() && off.max_element() > 0.0);
         }
     }
 }
 
-/// The narrowest accepted lobe shows the mirror image, also at a pole, where columns of texels are needles. A focus
-/// narrower than rounding ends.
+/// The narrowest accepted lobe shows the mirror image, also at a pole, where columns of texels are
+/// needles. A focus narrower than rounding ends.
 #[test]
 fn narrow_lobes_are_mirrors_in_bounded_work() {
     let image = RgbImage::from_fn(64, 32, |_, y| [1.0, 2.0 + f32::from(y as u8), 3.0]);
@@ -282,16 +415,31 @@ fn narrow_lobes_are_mirrors_in_bounded_work() {
     };
     // Rows are constant, and the lobe is a thousandth of one.
     for n in [DVec3::Y, DVec3::new(0.0, 0.6, 0.8)] {
-        let mirror = splitsum::environment::Environment::from_image("rows", image.clone()).radiance(n);
+        let mirror =
+            splitsum::environment::Environment::from_image("rows", image.clone()).radiance(n);
         let found = at(splitsum::oracle::ALPHA_MIN, n);
         assert_close("mirror", found.value, mirror, 2e-3);
         assert!(found.error.cmple(2e-4 * mirror).all(), "{n}: {found:?}");
     }
     // The domain is covered once for any focus.
-    let focus = Some(Focus { direction: DVec3::Z, radius: 0.0, place: None });
-    let tolerance = Tolerance { max_part_count: 2000, ..TOLERANCE };
-    let whole = environment.integrate(|_| [1.0], focus, tolerance).combine([DVec3::ONE]);
-    assert_close("whole", DVec3::splat(whole.value.x), DVec3::splat(4.0 * PI), 1e-9);
+    let focus = Some(Focus {
+        direction: DVec3::Z,
+        radius: 0.0,
+        place: None,
+    });
+    let tolerance = Tolerance {
+        max_part_count: 2000,
+        ..TOLERANCE
+    };
+    let whole = environment
+        .integrate(|_| [1.0], focus, tolerance)
+        .combine([DVec3::ONE]);
+    assert_close(
+        "whole",
+        DVec3::splat(whole.value.x),
+        DVec3::splat(4.0 * PI),
+        1e-9,
+    );
 }
 
 /// A map of one row once took gigabytes: its tree had leaves far thinner than the row.
@@ -299,8 +447,18 @@ fn narrow_lobes_are_mirrors_in_bounded_work() {
 fn maps_of_any_shape_have_small_trees() {
     for [width, height] in [[40_000, 1], [1, 3000], [5000, 3]] {
         let environment = exact_quadrature(&RgbImage::filled(width, height, [0.5; 3]));
-        let found = irradiance(&environment, DVec3::Z, Tolerance { relative: 1e-4, ..TOLERANCE });
+        let found = irradiance(
+            &environment,
+            DVec3::Z,
+            Tolerance {
+                relative: 1e-4,
+                ..TOLERANCE
+            },
+        );
         let off = (found.value - DVec3::splat(0.5 * PI)).abs();
-        assert!(off.cmple(found.error + 1e-9).all(), "{width}x{height}: {found:?}");
+        assert!(
+            off.cmple(found.error + 1e-9).all(),
+            "{width}x{height}: {found:?}"
+        );
     }
 }

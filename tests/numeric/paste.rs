@@ -3,16 +3,27 @@
 use splitsum::bakes::paste::code;
 use splitsum::glsl::source::{Language, compiler, parse};
 
-const METHODS: [&str; 4] = ["split-sum-two", "split-sum-four", "split-sum-one", "split-sum-cap"];
+const METHODS: [&str; 4] = [
+    "split-sum-two",
+    "split-sum-four",
+    "split-sum-one",
+    "split-sum-cap",
+];
 
 /// Compiles each method's code in a fragment shader made from it.
-fn compile_all(language: &str, shader: impl Fn(&str, &str) -> String, compile: impl Fn(&str) -> Result<(), String>) {
+fn compile_all(
+    language: &str,
+    shader: impl Fn(&str, &str) -> String,
+    compile: impl Fn(&str) -> Result<(), String>,
+) {
     for method in METHODS {
-        let [functions, lines] = code(language, method).unwrap_or_else(|| panic!("{language}: no {method}"));
+        let [functions, lines] =
+            code(language, method).unwrap_or_else(|| panic!("{language}: no {method}"));
         let text = shader(functions, lines);
         compile(&text).unwrap_or_else(|log| panic!("{language}, {method}: {log}\n{text}"));
         // A compiler that accepts anything would prove nothing.
-        compile(&text.replace("specular = ", "specular = missing + ")).expect_err("an unknown name");
+        compile(&text.replace("specular = ", "specular = missing + "))
+            .expect_err("an unknown name");
     }
 }
 
@@ -20,12 +31,17 @@ fn compile_all(language: &str, shader: impl Fn(&str, &str) -> String, compile: i
 fn the_glsl_compiles_for_webgl_2() {
     let shader = |functions: &str, lines: &str| {
         format!(
-            "#version 300 es\nprecision highp float;\nuniform sampler2D taps;\nuniform samplerCube map;\n\
-             uniform vec3 n, v, f0;\nuniform vec2 dfg;\nuniform float n_dot_v, roughness;\nout vec4 color;\n\
-             float lod(float r) {{ return 4.0 * r; }}\n{functions}\nvoid main() {{\n{lines}color = vec4(specular, 1.0);\n}}\n"
+            "#version 300 es\nprecision highp float;\nuniform sampler2D taps;\nuniform samplerCube \
+             map;\n\
+             uniform vec3 n, v, f0;\nuniform vec2 dfg;\nuniform float n_dot_v, roughness;\nout \
+             vec4 color;\n\
+             float lod(float r) {{ return 4.0 * r; }}\n{functions}\nvoid main() {{\n{lines}color = \
+             vec4(specular, 1.0);\n}}\n"
         )
     };
-    compile_all("GLSL", shader, |text| parse("use.frag", text, Language::Es).map(|_| ()));
+    compile_all("GLSL", shader, |text| {
+        parse("use.frag", text, Language::Es).map(|_| ())
+    });
 }
 
 #[test]
@@ -50,9 +66,18 @@ fn the_hlsl_compiles() {
         };
         let source = glslang::ShaderSource::from(text);
         let stage = glslang::ShaderStage::Fragment;
-        let input = glslang::ShaderInput::new(&source, stage, &options, None::<&[(&str, Option<&str>)]>, None)
-            .map_err(|error| error.to_string())?;
-        compiler()?.create_shader(input).map(|_| ()).map_err(|error| error.to_string())
+        let input = glslang::ShaderInput::new(
+            &source,
+            stage,
+            &options,
+            None::<&[(&str, Option<&str>)]>,
+            None,
+        )
+        .map_err(|error| error.to_string())?;
+        compiler()?
+            .create_shader(input)
+            .map(|_| ())
+            .map_err(|error| error.to_string())
     });
 }
 
@@ -60,33 +85,48 @@ fn the_hlsl_compiles() {
 fn the_wgsl_compiles() {
     let shader = |functions: &str, lines: &str| {
         format!(
-            "struct Here {{ n: vec3f, v: vec3f, f0: vec3f, dfg: vec2f, n_dot_v: f32, roughness: f32 }}\n\
-             @group(0) @binding(0) var<uniform> here: Here;\n@group(0) @binding(1) var taps: texture_2d<f32>;\n\
-             @group(0) @binding(2) var map: texture_cube<f32>;\n@group(0) @binding(3) var bilinear: sampler;\n\
+            "struct Here {{ n: vec3f, v: vec3f, f0: vec3f, dfg: vec2f, n_dot_v: f32, roughness: \
+             f32 }}\n\
+             @group(0) @binding(0) var<uniform> here: Here;\n@group(0) @binding(1) var taps: \
+             texture_2d<f32>;\n\
+             @group(0) @binding(2) var map: texture_cube<f32>;\n@group(0) @binding(3) var \
+             bilinear: sampler;\n\
              @group(0) @binding(4) var trilinear: sampler;\n\
              fn lod(r: f32) -> f32 {{ return 4.0 * r; }}\n{functions}\n\
-             @fragment fn main() -> @location(0) vec4f {{\nlet n = here.n; let v = here.v; let f0 = here.f0; let dfg = here.dfg;\n\
-             let n_dot_v = here.n_dot_v; let roughness = here.roughness;\n{lines}return vec4f(specular, 1.0);\n}}\n"
+             @fragment fn main() -> @location(0) vec4f {{\nlet n = here.n; let v = here.v; let f0 \
+             = here.f0; let dfg = here.dfg;\n\
+             let n_dot_v = here.n_dot_v; let roughness = here.roughness;\n{lines}return \
+             vec4f(specular, 1.0);\n}}\n"
         )
     };
     compile_all("WGSL", shader, |text| {
-        let module = naga::front::wgsl::parse_str(text).map_err(|error| error.emit_to_string(text))?;
+        let module =
+            naga::front::wgsl::parse_str(text).map_err(|error| error.emit_to_string(text))?;
         let flags = naga::valid::ValidationFlags::all();
         let mut validator = naga::valid::Validator::new(flags, naga::valid::Capabilities::empty());
-        validator.validate(&module).map(|_| ()).map_err(|error| error.emit_to_string(text))
+        validator
+            .validate(&module)
+            .map(|_| ())
+            .map_err(|error| error.emit_to_string(text))
     });
 }
 
 /// Lines without comments and signatures; only compilers check those two.
 fn body(code: &str) -> String {
-    let lines = code.lines().map(str::trim).filter(|line| !line.starts_with("//") && !line.ends_with('{'));
+    let lines = code
+        .lines()
+        .map(str::trim)
+        .filter(|line| !line.starts_with("//") && !line.ends_with('{'));
     lines.map(|line| format!("\n{line}")).collect()
 }
 
 #[test]
 fn the_languages_have_the_same_code() {
     const HLSL: &[[&str; 2]] = &[
-        ["vec2 size = vec2(textureSize(taps, 0));", "vec2 size;\ntaps.GetDimensions(size.x, size.y);"],
+        [
+            "vec2 size = vec2(textureSize(taps, 0));",
+            "vec2 size;\ntaps.GetDimensions(size.x, size.y);",
+        ],
         ["textureLod(map, ", "map.SampleLevel(trilinear, "],
         ["textureLod(taps, ", "taps.SampleLevel(bilinear, "],
         ["vec3(1.0 / 3.0)", "vec3(1.0, 1.0, 1.0) / 3.0"],
@@ -106,13 +146,20 @@ fn the_languages_have_the_same_code() {
         ["vec3(", "vec3f("],
         ["vec4(", "vec4f("],
     ];
-    const BOTH: &[[&str; 2]] =
-        &[["clamp(", "saturate("], [", 0.0, 1.0)", ")"], ["_part(taps, ", "_part(taps, bilinear, "]];
+    const BOTH: &[[&str; 2]] = &[
+        ["clamp(", "saturate("],
+        [", 0.0, 1.0)", ")"],
+        ["_part(taps, ", "_part(taps, bilinear, "],
+    ];
     for (language, words) in [("HLSL", HLSL), ("WGSL", WGSL)] {
         for method in METHODS {
-            let [glsl, other] = ["GLSL", language].map(|language| code(language, method).unwrap().map(body));
-            let translate =
-                |text: String| BOTH.iter().chain(words).fold(text, |text, [glsl, other]| text.replace(glsl, other));
+            let [glsl, other] =
+                ["GLSL", language].map(|language| code(language, method).unwrap().map(body));
+            let translate = |text: String| {
+                BOTH.iter()
+                    .chain(words)
+                    .fold(text, |text, [glsl, other]| text.replace(glsl, other))
+            };
             assert_eq!(glsl.map(translate), other, "{language}, {method}");
         }
     }
@@ -121,8 +168,14 @@ fn the_languages_have_the_same_code() {
 #[test]
 fn the_page_prints_the_functions_that_the_methods_include() {
     let shaders = [
-        ("split-sum-two", include_str!("../../shaders/lib/tap_lookup.glsl")),
-        ("split-sum-cap", include_str!("../../shaders/lib/cap_direction.glsl")),
+        (
+            "split-sum-two",
+            include_str!("../../shaders/lib/tap_lookup.glsl"),
+        ),
+        (
+            "split-sum-cap",
+            include_str!("../../shaders/lib/cap_direction.glsl"),
+        ),
     ];
     for (method, shader) in shaders {
         let (_, functions) = shader.split_once("\n\n").unwrap();

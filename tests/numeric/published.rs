@@ -6,14 +6,31 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 
 fn pages(folder: &Path) -> Vec<PathBuf> {
-    let paths = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    let of = |path: PathBuf| if path.is_dir() { pages(&path) } else { vec![path] };
-    paths.flat_map(of).filter(|path| path.extension().is_some_and(|end| end == "html")).collect()
+    let paths = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path());
+    let of = |path: PathBuf| {
+        if path.is_dir() {
+            pages(&path)
+        } else {
+            vec![path]
+        }
+    };
+    paths
+        .flat_map(of)
+        .filter(|path| path.extension().is_some_and(|end| end == "html"))
+        .collect()
 }
 
 fn targets(page: &str) -> impl Iterator<Item = &str> {
-    let after = |mark| page.split(mark).skip(1).filter_map(|rest: &str| rest.split('"').next());
-    let all = after("href=\"").chain(after("src=\"")).map(|link| link.split('#').next().unwrap_or_default());
+    let after = |mark| {
+        page.split(mark)
+            .skip(1)
+            .filter_map(|rest: &str| rest.split('"').next())
+    };
+    let all = after("href=\"")
+        .chain(after("src=\""))
+        .map(|link| link.split('#').next().unwrap_or_default());
     all.filter(|link| !link.is_empty() && !link.starts_with("data:"))
 }
 
@@ -28,25 +45,41 @@ fn the_site_has_every_published_run_and_no_link_leads_nowhere() {
     for page in &pages {
         let text = std::fs::read_to_string(page).unwrap();
         for link in targets(&text) {
-            assert!(page.parent().unwrap().join(link).is_file(), "{}: {link}", page.display());
+            assert!(
+                page.parent().unwrap().join(link).is_file(),
+                "{}: {link}",
+                page.display()
+            );
         }
     }
     let index = std::fs::read_to_string(out.join(INDEX_FILE)).unwrap();
     // The numbers of the block in README.md, of the table of bakers, and one card for each run.
     let readme = std::fs::read_to_string(root.join("README.md")).unwrap();
-    let row = readme.lines().find(|line| line.starts_with("| split-sum-two ")).unwrap();
-    row.split('|').for_each(|cell| assert!(index.contains(cell.trim()), "{cell}"));
+    let row = readme
+        .lines()
+        .find(|line| line.starts_with("| split-sum-two "))
+        .unwrap();
+    row.split('|')
+        .for_each(|cell| assert!(index.contains(cell.trim()), "{cell}"));
     assert!(index.contains("<td>cmgen (Filament) 1.9.25</td>"));
-    let runs = pages.iter().filter(|page| page.ends_with("summary.html")).count();
+    let runs = pages
+        .iter()
+        .filter(|page| page.ends_with("summary.html"))
+        .count();
     assert_eq!((index.matches("<article").count(), runs > 10), (runs, true));
     // A second time it replaces the site; folders of others stay.
     write(&root.join("results"), &[], &out).unwrap();
     std::fs::remove_file(out.join(INDEX_FILE)).unwrap();
     let error = write(&root.join("results"), &[], &out).unwrap_err();
-    assert!(error.is_misuse() && error.to_string().contains("choose a new folder"), "{error}");
+    assert!(
+        error.is_misuse() && error.to_string().contains("choose a new folder"),
+        "{error}"
+    );
     let error = write(&root.join("shaders"), &[], &dir.join("other")).unwrap_err();
     assert!(
-        error.to_string().ends_with("published run; expected the folder of `splitsum answers --publish`"),
+        error
+            .to_string()
+            .ends_with("published run; expected the folder of `splitsum answers --publish`"),
         "{error}"
     );
 }
@@ -57,14 +90,27 @@ fn a_repeated_run_agrees_within_its_own_errors_alone() {
     let published = root.join("results/coat/answers");
     let compare = |file: &str, from: &str, to: &str| {
         let new = scratch();
-        for name in ["effect.csv", "effect_digest.csv", "error.csv", "error_digest.csv"] {
+        for name in [
+            "effect.csv",
+            "effect_digest.csv",
+            "error.csv",
+            "error_digest.csv",
+        ] {
             std::fs::copy(published.join(name), new.join(name)).unwrap();
         }
         let text = std::fs::read_to_string(new.join(file)).unwrap();
         assert!(text.contains(from), "{from}");
         std::fs::write(new.join(file), text.replacen(from, to, 1)).unwrap();
         let script = root.join("scripts/compare_answers.py");
-        Some(Command::new("python3").arg(script).args([&published, &new]).output().ok()?.status.success())
+        Some(
+            Command::new("python3")
+                .arg(script)
+                .args([&published, &new])
+                .output()
+                .ok()?
+                .status
+                .success(),
+        )
     };
     // Its noise floor is 1.1e-5: an rms of 0.0323 may become 0.0370. The ratio is unresolved.
     let error = |new| compare("error.csv", "0.001042893556144161", new);
@@ -72,7 +118,11 @@ fn a_repeated_run_agrees_within_its_own_errors_alone() {
         return eprintln!("skipped: no Python");
     };
     let digest = |new| compare("effect_digest.csv", "1.7 (95 % 1.6 to 1.9)", new);
-    let found = [digest("1.8 (95 % 1.5 to 3)"), error("0.0012"), compare("effect.csv", "1.0571098335738587", "7")];
+    let found = [
+        digest("1.8 (95 % 1.5 to 3)"),
+        error("0.0012"),
+        compare("effect.csv", "1.0571098335738587", "7"),
+    ];
     assert!(is_same && found == [Some(true); 3], "{found:?}");
     let found = [
         digest("2.0 (95 % 1.6 to 2.9)"),

@@ -1,4 +1,5 @@
-//! Hostile inputs do no harm: every target of `fuzz/` over its corpus, its regressions and mutated seeds, on any toolchain.
+//! Hostile inputs do no harm: every target of `fuzz/` over its corpus, its regressions and mutated
+//! seeds, on any toolchain.
 
 mod mutation;
 mod targets;
@@ -29,34 +30,54 @@ fn try_input(target: &Target, name: &str, bytes: &[u8]) {
         let path = folder.join(format!("{}-{name}", target.name));
         std::fs::write(&path, bytes).unwrap();
         let fault = if is_slow { "too slow" } else { "panicked" };
-        panic!("{} {name}: {fault} (kept as {})", target.name, path.display());
+        panic!(
+            "{} {name}: {fault} (kept as {})",
+            target.name,
+            path.display()
+        );
     }
 }
 
 /// The files of a folder of `fuzz/` with their names, sorted.
 fn kept(folder: &str, target: &str) -> Vec<(String, Vec<u8>)> {
-    let dir = Path::new(env!("CARGO_MANIFEST_DIR")).join("fuzz").join(folder).join(target);
-    let mut paths: Vec<PathBuf> =
-        std::fs::read_dir(dir).into_iter().flatten().map(|entry| entry.unwrap().path()).collect();
+    let dir = Path::new(env!("CARGO_MANIFEST_DIR"))
+        .join("fuzz")
+        .join(folder)
+        .join(target);
+    let mut paths: Vec<PathBuf> = std::fs::read_dir(dir)
+        .into_iter()
+        .flatten()
+        .map(|entry| entry.unwrap().path())
+        .collect();
     paths.sort();
     let name = |path: &Path| path.file_name().unwrap().to_string_lossy().into_owned();
-    paths.iter().map(|path| (name(path), std::fs::read(path).unwrap())).collect()
+    paths
+        .iter()
+        .map(|path| (name(path), std::fs::read(path).unwrap()))
+        .collect()
 }
 
 /// Valid files, from which mutation starts.
 fn seeds(target: &str) -> Vec<(String, Vec<u8>)> {
-    kept("corpus", target).into_iter().filter(|(name, _)| name.starts_with("seed-")).collect()
+    kept("corpus", target)
+        .into_iter()
+        .filter(|(name, _)| name.starts_with("seed-"))
+        .collect()
 }
 
 fn check(target: &Target) {
     let name = target.name;
-    for (name, bytes) in kept("corpus", name).iter().chain(&kept("regressions", name)) {
+    for (name, bytes) in kept("corpus", name)
+        .iter()
+        .chain(&kept("regressions", name))
+    {
         try_input(target, name, bytes);
     }
     let (seeds, mut mutator) = (seeds(name), Mutator::new(0x5eed));
     let seeds: Vec<&[u8]> = seeds.iter().map(|(_, bytes)| bytes.as_slice()).collect();
     assert!(seeds.len() >= 2, "{name} has {} seeds", seeds.len());
-    let count = std::env::var("SPLITSUM_MUTATIONS").map_or(MUTATIONS, |count| count.parse().unwrap());
+    let count =
+        std::env::var("SPLITSUM_MUTATIONS").map_or(MUTATIONS, |count| count.parse().unwrap());
     for i in 0..count {
         try_input(target, &format!("mutation-{i}"), &mutator.mutate(&seeds));
     }
@@ -75,7 +96,10 @@ fn truncated_textures_are_refused() {
             let path = PathBuf::from(format!("{seed}.{name}"));
             container::from_bytes(&path, &bytes).unwrap_or_else(|error| panic!("{error}"));
             for length in 0..bytes.len() {
-                assert!(container::from_bytes(&path, &bytes[..length]).is_err(), "{seed}.{name} of {length} bytes");
+                assert!(
+                    container::from_bytes(&path, &bytes[..length]).is_err(),
+                    "{seed}.{name} of {length} bytes"
+                );
             }
         }
     }
@@ -94,7 +118,10 @@ fn seeds_are_valid_files() {
     for (name, bytes) in seeds("bake") {
         let dir = tempfile::tempdir().unwrap();
         targets::write_files(dir.path(), &bytes);
-        let reading = source::Reading { layout: None, brdf: "ggx" };
+        let reading = source::Reading {
+            layout: None,
+            brdf: "ggx",
+        };
         let bake = source::read(&[dir.path().display().to_string()], reading);
         assert!(bake.is_ok_and(|bake| bake.specular.is_some()), "{name}");
     }

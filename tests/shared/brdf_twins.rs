@@ -5,8 +5,9 @@ use glam::{DVec2, DVec3};
 use splitsum::brdf::{Compensation, Ggx, Widths};
 use splitsum::math::sampling::direction_from_polar;
 
-/// Samples visible normals of GGX by spherical caps, for every model: the normals of the visible half sphere are the
-/// half vectors of the cap that `v` reflects into \[Dupuy23\]. `xi.x = 0` is the cap's centre.
+/// Samples visible normals of GGX by spherical caps, for every model: the normals of the visible
+/// half sphere are the half vectors of the cap that `v` reflects into \[Dupuy23\]. `xi.x = 0` is
+/// the cap's centre.
 pub fn sample_visible(xi: DVec2, v_local: DVec3, widths: Widths) -> DVec3 {
     let v_hemisphere = stretched(v_local, widths).normalize();
     let z = (1.0 - xi.x) * (1.0 + v_hemisphere.z) - v_hemisphere.z;
@@ -19,7 +20,8 @@ fn stretched(w_local: DVec3, widths: Widths) -> DVec3 {
     (widths.0 * w_local.truncate()).extend(w_local.z)
 }
 
-/// Density per solid angle of `l = reflect(-v, h)` under [`sample_visible`]: `G1(v) D / (4 n_dot_v)`.
+/// Density per solid angle of `l = reflect(-v, h)` under [`sample_visible`]: `G1(v) D / (4
+/// n_dot_v)`.
 pub fn pdf_visible_l(v_local: DVec3, h_local: DVec3, widths: Widths) -> f64 {
     if v_local.dot(h_local) <= 0.0 {
         return 0.0;
@@ -35,7 +37,9 @@ pub fn multiple(compensation: Compensation, f0: DVec3, pair: DVec2, mean_albedo:
     let lost = (1.0 - pair.element_sum()).max(0.0);
     let average = f0 + (1.0 - f0) / 21.0;
     match compensation {
-        Compensation::FdezAguera => lost * (f0 * pair.x + pair.y) * average / (1.0 - average * lost),
+        Compensation::FdezAguera => {
+            lost * (f0 * pair.x + pair.y) * average / (1.0 - average * lost)
+        }
         Compensation::KullaConty => {
             lost * average * average * mean_albedo / (1.0 - average * (1.0 - mean_albedo).max(0.0))
         }

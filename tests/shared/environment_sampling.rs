@@ -43,7 +43,8 @@ impl Sampling {
         Guide::new(&self.tables.slots, weight)
     }
 
-    /// Returns the density (1/sr) with which [`Self::sample`] returns the unit direction `d` (environment's frame).
+    /// Returns the density (1/sr) with which [`Self::sample`] returns the unit direction `d`
+    /// (environment's frame).
     pub fn pdf(&self, d: DVec3) -> f64 {
         self.guided_pdf(&self.even, d)
     }
@@ -57,12 +58,14 @@ impl Sampling {
         let band = (corner.y as i64 + 1).clamp(0, i64::from(height)) as u32;
         let [cell_width, cell_height] = self.tables.cell_size;
         let cell = band / cell_height * CELL_COLUMNS + column / cell_width;
-        let slot = self.tables.words[self.tables.band_weights.len() + (CELL_COUNT + cell) as usize] as usize;
+        let slot = self.tables.words[self.tables.band_weights.len() + (CELL_COUNT + cell) as usize]
+            as usize;
         let band = band as usize;
         self.density(self.quad(band, column).weight(texel - corner), band, d) * guide.factor(slot)
     }
 
-    /// Returns a unit direction from `xi` in [0, 1)² and its density (1/sr): y selects cell and band, x the column.
+    /// Returns a unit direction from `xi` in [0, 1)² and its density (1/sr): y selects cell and
+    /// band, x the column.
     pub fn sample(&self, xi: DVec2) -> (DVec3, f64) {
         self.guided_sample(&self.even, xi)
     }
@@ -86,18 +89,29 @@ impl Sampling {
         let u = (column as f64 + 0.5 + inner.x) / f64::from(width);
         let v = top + (bottom - top) * inner.y;
         let d = equirect::direction_from_uv(DVec2::new(u, v));
-        (d, self.density(quad.weight(inner), band, d) * guide.factor(slot))
+        (
+            d,
+            self.density(quad.weight(inner), band, d) * guide.factor(slot),
+        )
     }
 
     fn density(&self, weight: f64, band: usize, d: DVec3) -> f64 {
-        weight * self.tables.band_weights[band] / d.x.hypot(d.z).max(f64::from(ENVIRONMENT_SIN_THETA_MIN))
+        weight * self.tables.band_weights[band]
+            / d.x.hypot(d.z).max(f64::from(ENVIRONMENT_SIN_THETA_MIN))
     }
 
     fn quad(&self, band: usize, column: u32) -> Quad {
         let [above, below] = rows_of_band(band, self.tables.weights.height);
         let right = (column + 1) % self.tables.weights.width;
         let at = |x, y| f64::from(self.tables.weights.get(x, y));
-        Quad { corners: [at(column, above), at(right, above), at(column, below), at(right, below)] }
+        Quad {
+            corners: [
+                at(column, above),
+                at(right, above),
+                at(column, below),
+                at(right, below),
+            ],
+        }
     }
 }
 
@@ -109,25 +123,45 @@ impl Guide {
             sum += slot.mass * weight;
             sum
         };
-        Self { ends: slots.iter().zip(&weights).map(&mut end).collect(), weights }
+        Self {
+            ends: slots.iter().zip(&weights).map(&mut end).collect(),
+            weights,
+        }
     }
 
     fn sum(&self) -> f64 {
-        *self.ends.last().expect("a distribution has at least one slot")
+        *self
+            .ends
+            .last()
+            .expect("a distribution has at least one slot")
     }
 
     /// Returns the ratio of guided to plain density in a slot's cell.
     fn factor(&self, slot: usize) -> f64 {
-        if self.sum() > 0.0 { self.weights[slot] / self.sum() } else { 0.0 }
+        if self.sum() > 0.0 {
+            self.weights[slot] / self.sum()
+        } else {
+            0.0
+        }
     }
 
     /// Returns the slot of `xi` in [0, 1), and the position inside it, in [0, 1].
     fn invert(&self, xi: f64) -> (usize, f64) {
         let place = xi * self.sum();
-        let slot = self.ends.partition_point(|end| *end <= place).min(self.ends.len() - 1);
+        let slot = self
+            .ends
+            .partition_point(|end| *end <= place)
+            .min(self.ends.len() - 1);
         let start = if slot > 0 { self.ends[slot - 1] } else { 0.0 };
         let size = self.ends[slot] - start;
-        (slot, if size > 0.0 { ((place - start) / size).clamp(0.0, 1.0) } else { 0.0 })
+        (
+            slot,
+            if size > 0.0 {
+                ((place - start) / size).clamp(0.0, 1.0)
+            } else {
+                0.0
+            },
+        )
     }
 }
 
@@ -147,17 +181,22 @@ impl Quad {
     }
 }
 
-/// Returns the interval of a distribution that holds `xi` in [0, 1], and the position inside it, in [0, 1].
+/// Returns the interval of a distribution that holds `xi` in [0, 1], and the position inside it, in
+/// [0, 1].
 fn invert(starts: &[u32], xi: f64) -> (usize, f64) {
     let position = xi * f64::from(FIXED_ONE);
     // The end of the last interval belongs to none.
     let fixed = (position as u32).min(FIXED_ONE - 1);
     let interval = starts.partition_point(|start| *start <= fixed) - 1;
     let (start, end) = (f64::from(starts[interval]), f64::from(starts[interval + 1]));
-    (interval, ((position - start) / (end - start)).clamp(0.0, 1.0))
+    (
+        interval,
+        ((position - start) / (end - start)).clamp(0.0, 1.0),
+    )
 }
 
-/// Inverts the distribution of x in [0, 1] whose density is linear from `p0` at 0 to `p1` at 1 (each ≥ 0, any scale).
+/// Inverts the distribution of x in [0, 1] whose density is linear from `p0` at 0 to `p1` at 1
+/// (each ≥ 0, any scale).
 fn invert_linear(p0: f64, p1: f64, xi: f64) -> f64 {
     let total = p0 + p1;
     // No light at either end: any position will do. 0 maps to 0, even if the root would be 0/0.

@@ -1,4 +1,5 @@
-//! The f64 twin of the g-buffer: a ray through each pixel's centre against exact spheres and all triangles (for small test meshes).
+//! The f64 twin of the g-buffer: a ray through each pixel's centre against exact spheres and all
+//! triangles (for small test meshes).
 
 use glam::{DVec2, DVec3, DVec4, Vec2, Vec3, Vec4, Vec4Swizzles as _};
 use rayon::prelude::*;
@@ -36,15 +37,24 @@ pub fn gbuffer(scene: &Scene, camera: &Camera, size: [u32; 2]) -> Gbuffer<f64> {
         .into_par_iter()
         .map(|i| {
             let (origin, direction) = camera.ray(i % width, i / width, size);
-            let spheres = scene.spheres.iter().filter_map(|sphere| hit_sphere(sphere, origin, direction));
-            let meshes = scene.meshes.iter().filter_map(|mesh| hit_mesh(scene, mesh, origin, direction));
+            let spheres = scene
+                .spheres
+                .iter()
+                .filter_map(|sphere| hit_sphere(sphere, origin, direction));
+            let meshes = scene
+                .meshes
+                .iter()
+                .filter_map(|mesh| hit_mesh(scene, mesh, origin, direction));
             let nearest = spheres.chain(meshes).min_by(|a, b| a.t.total_cmp(&b.t));
-            // Differences as on the device: within quads of 2 x 2 pixels, on the plane of the triangle.
-            let quad = [(1, 0), (0, 1)].map(|(x, y)| camera.ray((i % width) ^ x, (i / width) ^ y, size));
+            // Differences as on the device: within quads of 2 x 2 pixels, on the plane of the
+            // triangle.
+            let quad =
+                [(1, 0), (0, 1)].map(|(x, y)| camera.ray((i % width) ^ x, (i / width) ^ y, size));
             nearest.map_or([[0.0; 4]; 4], |hit| texels(scene, &hit, quad))
         })
         .collect();
-    let attachment = |k: usize| Pixels::new(width, height, texels.iter().map(|texel| texel[k]).collect());
+    let attachment =
+        |k: usize| Pixels::new(width, height, texels.iter().map(|texel| texel[k]).collect());
     [0, 1, 2, 3].map(attachment).into()
 }
 
@@ -52,25 +62,39 @@ fn texels(scene: &Scene, hit: &Hit, quad: [(DVec3, DVec3); 2]) -> [[f64; 4]; 4] 
     let material: &Material = &scene.materials[hit.material];
     let rgb = |values: [f32; 3]| Vec3::from_array(values).as_dvec3();
     let steps = hit.mapped.as_ref().map_or([DVec2::ZERO; 2], |at| {
-        let uv = |(origin, direction)| cross(at.mesh, at.triangle, origin, direction).uv(at.mesh, at.triangle);
+        let uv = |(origin, direction)| {
+            cross(at.mesh, at.triangle, origin, direction).uv(at.mesh, at.triangle)
+        };
         quad.map(|ray| uv(ray) - at.uv)
     });
     let map = |index: Option<usize>, missing: DVec3| {
-        let found = index.zip(hit.mapped.as_ref()).map(|(map, at)| texture_at(&scene.textures[map], at.uv, steps));
+        let found = index
+            .zip(hit.mapped.as_ref())
+            .map(|(map, at)| texture_at(&scene.textures[map], at.uv, steps));
         found.unwrap_or(missing)
     };
     let albedo = rgb(material.albedo) * map(material.albedo_map, DVec3::ONE);
     let metallic = f64::from(material.metallic) * map(material.metallic_map, DVec3::ONE).z;
     let roughness = map(material.roughness_map, DVec3::ONE).y;
     let alpha = (f64::from(material.alpha) * roughness.powi(2)).max(f64::from(ALPHA_MIN));
-    let Anisotropy { strength, turn, is_shown, .. } = material.anisotropy;
+    let Anisotropy {
+        strength,
+        turn,
+        is_shown,
+        ..
+    } = material.anisotropy;
     // Without a tangent of its own a surface has the one of spheres.
-    let own = hit.mapped.as_ref().map(|at| at.tangent).filter(|tangent| !is_shown || tangent.xyz() != DVec3::ZERO);
+    let own = hit
+        .mapped
+        .as_ref()
+        .map(|at| at.tangent)
+        .filter(|tangent| !is_shown || tangent.xyz() != DVec3::ZERO);
     let tangent = own.unwrap_or_else(|| east(hit.n.normalize(), 0.0).extend(1.0));
     let side = hit.mapped.as_ref().map_or(1.0, |at| at.side);
     // Vectors between vertices are not unit vectors, and maps are baked for those [Mikkelsen08].
     let bitangent = tangent.w.signum() * hit.n.cross(tangent.xyz());
-    let turned = |m: DVec3| side * (m.x * tangent.xyz() + m.y * bitangent + m.z * hit.n).normalize();
+    let turned =
+        |m: DVec3| side * (m.x * tangent.xyz() + m.y * bitangent + m.z * hit.n).normalize();
     let (n, alpha) = if is_shown {
         let direction = map(material.normal_map, DVec3::X);
         let unit = direction.truncate().normalize_or(DVec2::X);
@@ -81,30 +105,52 @@ fn texels(scene: &Scene, hit: &Hit, quad: [(DVec3, DVec3); 2]) -> [[f64; 4]; 4] 
     };
     let f0 = rgb(material.f0).lerp(albedo, metallic);
     let with = |xyz: DVec3, w: f64| xyz.extend(w).to_array();
-    [with(hit.position, 1.0), with(n, alpha), with(albedo, metallic), with(f0, hit.material as f64)]
+    [
+        with(hit.position, 1.0),
+        with(n, alpha),
+        with(albedo, metallic),
+        with(f0, hit.material as f64),
+    ]
 }
 
-/// Looks up the texture at `uv` (v up), trilinearly; texels of the level are as wide as the longer step to a neighbour.
+/// Looks up the texture at `uv` (v up), trilinearly; texels of the level are as wide as the longer
+/// step to a neighbour.
 fn texture_at(texture: &Texture, uv: DVec2, steps: [DVec2; 2]) -> DVec3 {
-    let size = DVec2::new(texture.levels[0].width.into(), texture.levels[0].height.into());
+    let size = DVec2::new(
+        texture.levels[0].width.into(),
+        texture.levels[0].height.into(),
+    );
     let [across, down] = steps.map(|step| (step * size).length_squared());
     let lod = 0.5 * across.max(down).max(1.0).log2();
     let value = |texel| Vec3::from_array(texel).as_dvec3();
-    trilinear(&texture.levels, DVec2::new(uv.x, 1.0 - uv.y), lod, texture.wrap, value)
+    trilinear(
+        &texture.levels,
+        DVec2::new(uv.x, 1.0 - uv.y),
+        lod,
+        texture.wrap,
+        value,
+    )
 }
 
 /// Solves `|origin + t direction - center|² = r²` for the nearer root; `direction` has unit length.
 fn hit_sphere(sphere: &Sphere, origin: DVec3, direction: DVec3) -> Option<Hit<'static>> {
     let from_center = origin - sphere.center;
     let half_b = direction.dot(from_center);
-    let discriminant = half_b * half_b - from_center.length_squared() + sphere.radius * sphere.radius;
+    let discriminant =
+        half_b * half_b - from_center.length_squared() + sphere.radius * sphere.radius;
     let t = -half_b - discriminant.max(0.0).sqrt();
     if discriminant < 0.0 || t <= 0.0 {
         return None;
     }
     let position = origin + direction * t;
     let n = (position - sphere.center).normalize();
-    Some(Hit { t, position, n, material: sphere.material, mapped: None })
+    Some(Hit {
+        t,
+        position,
+        n,
+        material: sphere.material,
+        mapped: None,
+    })
 }
 
 fn hit_mesh<'a>(scene: &Scene, mesh: &'a Mesh, origin: DVec3, direction: DVec3) -> Option<Hit<'a>> {
@@ -125,20 +171,27 @@ struct Crossing {
 impl Crossing {
     fn uv(&self, mesh: &Mesh, triangle: [u32; 3]) -> DVec2 {
         let corners = triangle.into_iter().zip(self.weights);
-        corners.map(|(i, w)| Vec2::from_array(mesh.uvs[i as usize]).as_dvec2() * w).sum()
+        corners
+            .map(|(i, w)| Vec2::from_array(mesh.uvs[i as usize]).as_dvec2() * w)
+            .sum()
     }
 }
 
 /// Solves `origin + t direction = a + beta (b - a) + gamma (c - a)` by Cramer's rule.
 fn cross(mesh: &Mesh, triangle: [u32; 3], origin: DVec3, direction: DVec3) -> Crossing {
-    let [a, b, c] = triangle.map(|index| Vec3::from_array(mesh.positions[index as usize]).as_dvec3());
+    let [a, b, c] =
+        triangle.map(|index| Vec3::from_array(mesh.positions[index as usize]).as_dvec3());
     let (ab, ac) = (b - a, c - a);
     let determinant = ab.cross(ac).dot(-direction);
     let from_a = origin - a;
     let moment = from_a.cross(-direction);
     let beta = ac.dot(-moment) / determinant;
     let gamma = ab.dot(moment) / determinant;
-    Crossing { t: ab.cross(ac).dot(from_a) / determinant, weights: [1.0 - beta - gamma, beta, gamma], determinant }
+    Crossing {
+        t: ab.cross(ac).dot(from_a) / determinant,
+        weights: [1.0 - beta - gamma, beta, gamma],
+        determinant,
+    }
 }
 
 fn hit_triangle<'a>(
@@ -149,15 +202,39 @@ fn hit_triangle<'a>(
     direction: DVec3,
 ) -> Option<Hit<'a>> {
     let crossing = cross(mesh, triangle, origin, direction);
-    let Crossing { t, weights, determinant } = crossing;
+    let Crossing {
+        t,
+        weights,
+        determinant,
+    } = crossing;
     let is_back = determinant < 0.0 && scene.materials[mesh.material].is_one_sided;
     if determinant == 0.0 || is_back || weights.iter().any(|weight| *weight < 0.0) || t <= 0.0 {
         return None;
     }
     let uv = crossing.uv(mesh, triangle);
-    let corners = triangle.map(|index| index as usize).into_iter().zip(weights);
-    let n: DVec3 = corners.clone().map(|(i, w)| Vec3::from_array(mesh.normals[i]).as_dvec3() * w).sum();
-    let tangent: DVec4 = corners.map(|(i, w)| Vec4::from_array(mesh.tangents[i]).as_dvec4() * w).sum();
-    let mapped = Some(Mapped { mesh, triangle, uv, tangent, side: determinant.signum() });
-    Some(Hit { t, position: origin + direction * t, n, material: mesh.material, mapped })
+    let corners = triangle
+        .map(|index| index as usize)
+        .into_iter()
+        .zip(weights);
+    let n: DVec3 = corners
+        .clone()
+        .map(|(i, w)| Vec3::from_array(mesh.normals[i]).as_dvec3() * w)
+        .sum();
+    let tangent: DVec4 = corners
+        .map(|(i, w)| Vec4::from_array(mesh.tangents[i]).as_dvec4() * w)
+        .sum();
+    let mapped = Some(Mapped {
+        mesh,
+        triangle,
+        uv,
+        tangent,
+        side: determinant.signum(),
+    });
+    Some(Hit {
+        t,
+        position: origin + direction * t,
+        n,
+        material: mesh.material,
+        mapped,
+    })
 }

@@ -12,7 +12,11 @@ struct One<'a>(&'a [u8]);
 
 impl SceneFiles for One<'_> {
     fn read(&self, path: &Path) -> std::io::Result<Vec<u8>> {
-        if self.has(path) { Ok(self.0.to_vec()) } else { Err(Error::from(ErrorKind::NotFound)) }
+        if self.has(path) {
+            Ok(self.0.to_vec())
+        } else {
+            Err(Error::from(ErrorKind::NotFound))
+        }
     }
 
     fn has(&self, path: &Path) -> bool {
@@ -21,28 +25,40 @@ impl SceneFiles for One<'_> {
 }
 
 pub fn load(model: &Value) -> Result<Scene, String> {
-    Scene::from_file(Path::new("x.gltf"), &One(model.to_string().as_bytes())).map_err(|error| error.to_string())
+    Scene::from_file(Path::new("x.gltf"), &One(model.to_string().as_bytes()))
+        .map_err(|error| error.to_string())
 }
 
 fn data(bytes: &[u8]) -> String {
-    format!("data:application/octet-stream;base64,{}", BASE64_STANDARD.encode(bytes))
+    format!(
+        "data:application/octet-stream;base64,{}",
+        BASE64_STANDARD.encode(bytes)
+    )
 }
 
 /// An image of 8-bit texels, as a `data:` URI.
 pub fn png(width: u32, height: u32, texel: impl Fn(u32, u32) -> [u8; 3]) -> Value {
-    uri(image::RgbImage::from_fn(width, height, |x, y| image::Rgb(texel(x, y))))
+    uri(image::RgbImage::from_fn(width, height, |x, y| {
+        image::Rgb(texel(x, y))
+    }))
 }
 
 pub fn uri(image: impl Into<image::DynamicImage>) -> Value {
     let mut file = std::io::Cursor::new(Vec::new());
-    image.into().write_to(&mut file, image::ImageFormat::Png).expect("a picture in memory");
+    image
+        .into()
+        .write_to(&mut file, image::ImageFormat::Png)
+        .expect("a picture in memory");
     json!({ "uri": format!("data:image/png;base64,{}", BASE64_STANDARD.encode(file.into_inner())) })
 }
 
-/// One mesh with attributes of floats (name, floats an element, values) in one node, each in its own buffer; indices of 16 bits.
+/// One mesh with attributes of floats (name, floats an element, values) in one node, each in its
+/// own buffer; indices of 16 bits.
 pub fn mesh(attributes: &[(&str, usize, &[f32])], indices: &[u16]) -> Value {
-    let mut buffers: Vec<Vec<u8>> =
-        attributes.iter().map(|(.., values)| values.iter().flat_map(|x| x.to_le_bytes()).collect()).collect();
+    let mut buffers: Vec<Vec<u8>> = attributes
+        .iter()
+        .map(|(.., values)| values.iter().flat_map(|x| x.to_le_bytes()).collect())
+        .collect();
     buffers.push(indices.iter().flat_map(|x| x.to_le_bytes()).collect());
     let mut accessors: Vec<Value> = (0..)
         .zip(attributes)
@@ -55,8 +71,10 @@ pub fn mesh(attributes: &[(&str, usize, &[f32])], indices: &[u16]) -> Value {
     accessors.push(
         json!({ "bufferView": attributes.len(), "componentType": 5123, "count": indices.len(), "type": "SCALAR" }),
     );
-    let names: serde_json::Map<String, Value> =
-        (0..).zip(attributes).map(|(accessor, (name, ..))| ((*name).to_owned(), json!(accessor))).collect();
+    let names: serde_json::Map<String, Value> = (0..)
+        .zip(attributes)
+        .map(|(accessor, (name, ..))| ((*name).to_owned(), json!(accessor)))
+        .collect();
     json!({
         "asset": { "version": "2.0" },
         "scene": 0,
@@ -70,19 +88,36 @@ pub fn mesh(attributes: &[(&str, usize, &[f32])], indices: &[u16]) -> Value {
     })
 }
 
-/// A bent sheet of two triangles with unequal normals, which shows a wrong transform of either triangle.
+/// A bent sheet of two triangles with unequal normals, which shows a wrong transform of either
+/// triangle.
 pub fn sheet() -> Value {
     let positions = [-1., -1., 0., 1., -1., 0.3, 1., 1., -0.2, -1., 1., 0.1];
-    let normals = [[-0.3, -0.1, 1.0], [0.4, -0.2, 1.0], [0.1, 0.5, 1.0], [-0.2, 0.3, 1.0]];
-    let normals = normals.map(|n| Vec3::from_array(n).normalize().to_array()).concat();
+    let normals = [
+        [-0.3, -0.1, 1.0],
+        [0.4, -0.2, 1.0],
+        [0.1, 0.5, 1.0],
+        [-0.2, 0.3, 1.0],
+    ];
+    let normals = normals
+        .map(|n| Vec3::from_array(n).normalize().to_array())
+        .concat();
     let uvs = [0., 0., 1., 0., 1., 1., 0., 1.];
-    mesh(&[("POSITION", 3, &positions), ("NORMAL", 3, &normals), ("TEXCOORD_0", 2, &uvs)], &[0, 1, 2, 0, 2, 3])
+    mesh(
+        &[
+            ("POSITION", 3, &positions),
+            ("NORMAL", 3, &normals),
+            ("TEXCOORD_0", 2, &uvs),
+        ],
+        &[0, 1, 2, 0, 2, 3],
+    )
 }
 
 /// Gives the material of `model` maps: (place, image), each with its own texture.
 pub fn textured(mut model: Value, material: Value, images: &[Value]) -> Value {
     model["materials"] = json!([material]);
     model["images"] = json!(images);
-    model["textures"] = (0..images.len()).map(|source| json!({ "source": source })).collect();
+    model["textures"] = (0..images.len())
+        .map(|source| json!({ "source": source }))
+        .collect();
     model
 }

@@ -10,7 +10,10 @@ pub fn chain(image: &RgbImage) -> Vec<Pixels<DVec3>> {
     let mut levels = vec![image.map(|radiance| DVec3::from_array(radiance.map(f64::from)))];
     let size = [image.width, image.height];
     for mip in 1..level_count(size) {
-        let level = downsample(&levels[mip as usize - 1], size.map(|side| (side >> mip).max(1)));
+        let level = downsample(
+            &levels[mip as usize - 1],
+            size.map(|side| (side >> mip).max(1)),
+        );
         levels.push(level);
     }
     levels
@@ -33,18 +36,27 @@ pub fn downsample(source: &Pixels<DVec3>, size: [u32; 2]) -> Pixels<DVec3> {
 }
 
 /// Lists source texels under texel `index` of `count`, with the overlap's ends in source texels.
-pub fn overlaps(index: u32, count: u32, source_count: u32) -> impl Iterator<Item = (u32, f64, f64)> {
+pub fn overlaps(
+    index: u32,
+    count: u32,
+    source_count: u32,
+) -> impl Iterator<Item = (u32, f64, f64)> {
     // Exact in integers: a rounded edge would add a sliver of another texel.
     let edge = |i: u32| u64::from(i) * u64::from(source_count);
     let (low, high) = (edge(index), edge(index + 1));
     let count = u64::from(count);
     (low / count..high.div_ceil(count)).map(move |source| {
         let (start, end) = (low.max(source * count), high.min((source + 1) * count));
-        (source as u32, start as f64 / count as f64, end as f64 / count as f64)
+        (
+            source as u32,
+            start as f64 / count as f64,
+            end as f64 / count as f64,
+        )
     })
 }
 
-/// Returns `cos θ_start - cos θ_end` of a band of rows of `height`: its solid angle per radian of azimuth.
+/// Returns `cos θ_start - cos θ_end` of a band of rows of `height`: its solid angle per radian of
+/// azimuth.
 fn band(start: f64, end: f64, height: u32) -> f64 {
     let theta = |row: f64| PI * row / f64::from(height);
     // As a product: the difference of cosines loses digits in thin bands.

@@ -11,7 +11,11 @@ static REMOVERS: Mutex<Vec<Child>> = Mutex::new(Vec::new());
 pub fn scratch() -> PathBuf {
     let folder = tempfile::tempdir().unwrap().keep();
     let remover = Command::new("sh")
-        .args(["-c", r#"trap '' INT HUP; cat >/dev/null; rm -rf "$1""#, "sh"])
+        .args([
+            "-c",
+            r#"trap '' INT HUP; cat >/dev/null; rm -rf "$1""#,
+            "sh",
+        ])
         .arg(&folder)
         .stdin(Stdio::piped())
         .stdout(Stdio::null())

@@ -9,7 +9,8 @@ pub fn assert_snapshot(name: &str, text: &str) {
     settings.bind(|| insta::assert_snapshot!(name, text));
 }
 
-/// A message without the names of a long list, which grows: `expected a, b, c, d` is `expected ...`.
+/// A message without the names of a long list, which grows: `expected a, b, c, d` is `expected
+/// ...`.
 pub fn without_lists(message: &str) -> String {
     for word in ["expected ", "known: "] {
         if let Some((start, list)) = message.rsplit_once(word)

@@ -1,4 +1,5 @@
-//! The window, driven by real input on a virtual display: Xvfb, xdotool and a window manager, on any Vulkan device.
+//! The window, driven by real input on a virtual display: Xvfb, xdotool and a window manager, on
+//! any Vulkan device.
 
 mod screen;
 
@@ -28,7 +29,14 @@ fn has_choice(axis: usize) -> bool {
 }
 
 /// A small state with a short reference.
-const SMALL: [&str; 6] = ["--size", "128x128", "--environment", "builtin:studio", "--perceptual-roughness", "0.4"];
+const SMALL: [&str; 6] = [
+    "--size",
+    "128x128",
+    "--environment",
+    "builtin:studio",
+    "--perceptual-roughness",
+    "0.4",
+];
 
 fn png(path: &Path) -> Rgb8Image {
     let image = image::open(path).unwrap().to_rgb8();
@@ -39,29 +47,51 @@ fn png(path: &Path) -> Rgb8Image {
 /// Runs the commands that a window saved, in its folder.
 fn render_again(folder: &Path) {
     let text = std::fs::read_to_string(folder.join("render.sh")).unwrap();
-    for line in text.lines().filter_map(|line| line.strip_prefix("splitsum ")) {
+    for line in text
+        .lines()
+        .filter_map(|line| line.strip_prefix("splitsum "))
+    {
         let words = line.split(' ').map(|word| word.replace('\'', ""));
         let output = program().current_dir(folder).args(words).output().unwrap();
-        assert!(output.status.success(), "{line}: {}", String::from_utf8_lossy(&output.stderr));
+        assert!(
+            output.status.success(),
+            "{line}: {}",
+            String::from_utf8_lossy(&output.stderr)
+        );
     }
 }
 
-/// Saves the state of the window and compares both linear images with the output of the saved `render` commands, bit for bit.
+/// Saves the state of the window and compares both linear images with the output of the saved
+/// `render` commands, bit for bit.
 fn save_and_render(win: &Win, number: u32) -> Rgb8Image {
     win.key("ctrl+s");
     let folder = win.dir().join(format!("view-{number}"));
     let end = format!("view-{number}");
     win.wait("the saved state", |report| {
-        report["notice"].as_str().is_some_and(|notice| notice.starts_with("Saved") && notice.ends_with(&end))
+        report["notice"]
+            .as_str()
+            .is_some_and(|notice| notice.starts_with("Saved") && notice.ends_with(&end))
     });
     render_again(&folder);
     for side in ["left", "right"] {
-        let [shown, again] = ["", "-again"].map(|end| exr::read(&folder.join(format!("{side}{end}.exr"))).unwrap().rgb);
+        let [shown, again] = ["", "-again"].map(|end| {
+            exr::read(&folder.join(format!("{side}{end}.exr")))
+                .unwrap()
+                .rgb
+        });
         assert!(shown.data.iter().flatten().any(|x| *x > 0.0));
         let bits = |image: &splitsum::pixels::RgbImage| {
-            image.data.as_flattened().iter().map(|x| x.to_bits()).collect::<Vec<_>>()
+            image
+                .data
+                .as_flattened()
+                .iter()
+                .map(|x| x.to_bits())
+                .collect::<Vec<_>>()
         };
-        assert!(bits(&shown) == bits(&again), "{side} of view-{number} is not what render makes");
+        assert!(
+            bits(&shown) == bits(&again),
+            "{side} of view-{number} is not what render makes"
+        );
     }
     png(&folder.join("picture.png"))
 }
@@ -76,23 +106,46 @@ fn the_window_shows_and_saves_the_images_of_render() {
     // The screen: each pixel of the image is a square of whole pixels.
     let seen = win.picture();
     let zoom = seen.width / picture.width;
-    assert!(zoom >= 1 && seen.width % picture.width == 0, "{} pixels on {}", picture.width, seen.width);
+    assert!(
+        zoom >= 1 && seen.width % picture.width == 0,
+        "{} pixels on {}",
+        picture.width,
+        seen.width
+    );
     // Clear of the toolbar above, the captions below and the wipe.
     let clear = |x: u32, y: u32| (30..110).contains(&y) && x.abs_diff(64) > 3;
     let all = (0..128).flat_map(|y| (0..128).map(move |x| (x, y)));
     for (x, y) in all.filter(|&(x, y)| clear(x, y)) {
         for (dx, dy) in (0..zoom).flat_map(|dy| (0..zoom).map(move |dx| (dx, dy))) {
-            assert_eq!(seen.get(zoom * x + dx, zoom * y + dy), picture.get(x, y), "({dx}, {dy}) of pixel ({x}, {y})");
+            assert_eq!(
+                seen.get(zoom * x + dx, zoom * y + dy),
+                picture.get(x, y),
+                "({dx}, {dy}) of pixel ({x}, {y})"
+            );
         }
     }
     // The halves equal `render`'s; the left one's display image too.
     let folder = win.dir().join("view-1");
     let text = std::fs::read_to_string(folder.join("render.sh")).unwrap();
-    let left = text.lines().find(|line| line.contains("left-again")).unwrap().replace("left-again.exr", "left.png");
+    let left = text
+        .lines()
+        .find(|line| line.contains("left-again"))
+        .unwrap()
+        .replace("left-again.exr", "left.png");
     let words: Vec<&str> = left.split(' ').skip(1).collect();
-    assert!(program().current_dir(&folder).args(&words).status().unwrap().success());
+    assert!(
+        program()
+            .current_dir(&folder)
+            .args(&words)
+            .status()
+            .unwrap()
+            .success()
+    );
     let left = png(&folder.join("left.png"));
-    assert!((0..64).all(|x| (0..128).all(|y| left.get(x, y) == picture.get(x, y))), "the left half");
+    assert!(
+        (0..64).all(|x| (0..128).all(|y| left.get(x, y) == picture.get(x, y))),
+        "the left half"
+    );
 
     // Another view: turned camera, turned light, nearer; the command lines carry them.
     let before = win.state();
@@ -101,8 +154,15 @@ fn the_window_shows_and_saves_the_images_of_render() {
     win.wheel("image", 3);
     let after = win.state();
     assert_ne!(before["orbit"], after["orbit"]);
-    assert!(after["orbit"][2].as_f64().unwrap() < 1.125, "the wheel zooms: {}", after["orbit"]);
-    assert_ne!(before["axes"]["environment_rotation_deg"], after["axes"]["environment_rotation_deg"]);
+    assert!(
+        after["orbit"][2].as_f64().unwrap() < 1.125,
+        "the wheel zooms: {}",
+        after["orbit"]
+    );
+    assert_ne!(
+        before["axes"]["environment_rotation_deg"],
+        after["axes"]["environment_rotation_deg"]
+    );
     win.wait_done();
     save_and_render(&win, 2);
 
@@ -110,8 +170,14 @@ fn the_window_shows_and_saves_the_images_of_render() {
     let folder = win.dir().join("view-2");
     let text = std::fs::read_to_string(folder.join("view.sh")).unwrap();
     win.close();
-    let words: Vec<String> =
-        text.lines().last().unwrap().split(' ').skip(2).map(|word| word.replace('\'', "")).collect();
+    let words: Vec<String> = text
+        .lines()
+        .last()
+        .unwrap()
+        .split(' ')
+        .skip(2)
+        .map(|word| word.replace('\'', ""))
+        .collect();
     let again = screen.window(&words.iter().map(String::as_str).collect::<Vec<_>>());
     again.wait_done();
     assert_eq!(again.state(), after);
@@ -130,7 +196,13 @@ fn keys_work_as_in_the_report() {
         assert_eq!(picture(&win), name, "{key}");
         win.wait_done();
     }
-    let exposure = |win: &Win| win.state()["axes"]["exposure"].as_str().unwrap().parse::<f64>().unwrap();
+    let exposure = |win: &Win| {
+        win.state()["axes"]["exposure"]
+            .as_str()
+            .unwrap()
+            .parse::<f64>()
+            .unwrap()
+    };
     win.key("bracketright");
     assert!((exposure(&win) - 2f64.sqrt()).abs() < 1e-9);
     win.key("bracketleft");
@@ -157,8 +229,15 @@ fn keys_work_as_in_the_report() {
         win.drag("wipe", [0.5, height], [to, height], None);
         let state = win.state();
         let moved = state["wipe"].as_f64().unwrap() - 0.5;
-        assert!(if to > 1.0 { moved > 0.05 } else { moved < 0.05 }, "{moved}");
-        assert_eq!(state["orbit"], serde_json::json!([0.0, 0.0, 1.125]), "the line is above the camera");
+        assert!(
+            if to > 1.0 { moved > 0.05 } else { moved < 0.05 },
+            "{moved}"
+        );
+        assert_eq!(
+            state["orbit"],
+            serde_json::json!([0.0, 0.0, 1.125]),
+            "the line is above the camera"
+        );
     }
     win.close();
 }
@@ -166,16 +245,49 @@ fn keys_work_as_in_the_report() {
 #[test]
 fn every_control_moves_its_axis() {
     let Some(screen) = Screen::open() else { return };
-    let method = METHODS.iter().find(|method| method.uses_lod_bias && method.uses_point_set).unwrap().name;
+    let method = METHODS
+        .iter()
+        .find(|method| method.uses_lod_bias && method.uses_point_set)
+        .unwrap()
+        .name;
     // These methods read all tables, made of samples, so that their controls are in use.
-    let right = METHODS.iter().find(|method| method.uses_prefiltered() && method.uses_bend).unwrap().name;
-    let diffuse = DIFFUSE.iter().find(|diffuse| diffuse.uses_irradiance_map).unwrap().name;
+    let right = METHODS
+        .iter()
+        .find(|method| method.uses_prefiltered() && method.uses_bend)
+        .unwrap()
+        .name;
+    let diffuse = DIFFUSE
+        .iter()
+        .find(|diffuse| diffuse.uses_irradiance_map)
+        .unwrap()
+        .name;
     let win = screen.window(
         &[
-            &["--size", "32x32", "--environment", "builtin:constant", "--method", method, "--right", right][..],
+            &[
+                "--size",
+                "32x32",
+                "--environment",
+                "builtin:constant",
+                "--method",
+                method,
+                "--right",
+                right,
+            ][..],
             &["--metallic", "0.5"],
-            &["--diffuse", diffuse, "--prefilter", PrefilterBy::Sampled.name(), "--prefilter-sample-count", "16"],
-            &["--dfg-sample-count", "16", "--irradiance-sample-count", "8x8"],
+            &[
+                "--diffuse",
+                diffuse,
+                "--prefilter",
+                PrefilterBy::Sampled.name(),
+                "--prefilter-sample-count",
+                "16",
+            ],
+            &[
+                "--dfg-sample-count",
+                "16",
+                "--irradiance-sample-count",
+                "8x8",
+            ],
         ]
         .concat(),
     );
@@ -188,11 +300,16 @@ fn every_control_moves_its_axis() {
     let mut moved = BTreeSet::new();
     // Controls of how tables are computed come last: they determine which of the others are in use.
     let is_way = |index: usize| AXES[index].part == Part::Method || index == PREFILTER_BY;
-    let (ways, others): (Vec<usize>, Vec<usize>) =
-        (0..AXES.len()).filter(|index| has_choice(*index)).partition(|&index| is_way(index));
+    let (ways, others): (Vec<usize>, Vec<usize>) = (0..AXES.len())
+        .filter(|index| has_choice(*index))
+        .partition(|&index| is_way(index));
     for index in others.into_iter().chain(ways) {
         let axis = &AXES[index];
-        let name = if axis.name == "method" { "left" } else { Named::usual(index).name() };
+        let name = if axis.name == "method" {
+            "left"
+        } else {
+            Named::usual(index).name()
+        };
         let value = |win: &Win| win.state()["axes"][axis.name].clone();
         let before = value(&win);
         let is_pair = matches!(axis.kind, Kind::Pair { .. });
@@ -200,9 +317,15 @@ fn every_control_moves_its_axis() {
             win.drag(name, [0.5, 0.5], [1.5, 0.5], None);
         } else if win.has(name) {
             // A tenth is the default of one axis.
-            win.click(name, [if axis.name == "ema_factor" { 0.4 } else { 0.1 }, 0.5]);
+            win.click(
+                name,
+                [if axis.name == "ema_factor" { 0.4 } else { 0.1 }, 0.5],
+            );
             let current = format!("choice {}", before.as_str().unwrap_or_default());
-            let others = win.controls().into_iter().filter(|name| name.starts_with("choice ") && *name != current);
+            let others = win
+                .controls()
+                .into_iter()
+                .filter(|name| name.starts_with("choice ") && *name != current);
             // Selects the topmost other entry: a long list is scrolled.
             if let Some(choice) = others.min_by_key(|choice| win.place(choice)[1] as u32) {
                 win.click(&choice, [0.5, 0.5]);
@@ -212,8 +335,10 @@ fn every_control_moves_its_axis() {
             moved.insert(axis.name);
         }
     }
-    let all: BTreeSet<&str> =
-        (0..AXES.len()).filter(|index| has_choice(*index)).map(|index| AXES[index].name).collect();
+    let all: BTreeSet<&str> = (0..AXES.len())
+        .filter(|index| has_choice(*index))
+        .map(|index| AXES[index].name)
+        .collect();
     let left: Vec<_> = all.difference(&moved).copied().collect();
     assert!(left.is_empty(), "not moved: {left:?}");
     win.close();
@@ -223,7 +348,14 @@ fn every_control_moves_its_axis() {
 fn an_outdated_picture_is_dimmed_and_errors_keep_the_reference() {
     let Some(screen) = Screen::open() else { return };
     // Tables of another environment take seconds, and a half is dimmed after 250 ms.
-    let tables = ["--prefilter", "sampled", "--prefilter-size", "512x512", "--prefilter-sample-count", "512"];
+    let tables = [
+        "--prefilter",
+        "sampled",
+        "--prefilter-size",
+        "512x512",
+        "--prefilter-sample-count",
+        "512",
+    ];
     let win = screen.window(&[&SMALL[..], &["--reference-samples", "256"], &tables].concat());
     win.wait_done();
     let dimmed = || win.report()["dimmed"].as_u64().unwrap();
@@ -248,15 +380,25 @@ fn files_are_opened_by_their_paths() {
     let win = screen.window(&SMALL);
     let quad = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
     std::fs::write(win.dir().join("a.obj"), quad).unwrap();
-    std::fs::write(win.dir().join("b.obj"), format!("mtllib b.mtl\nusemtl red\n{quad}")).unwrap();
+    std::fs::write(
+        win.dir().join("b.obj"),
+        format!("mtllib b.mtl\nusemtl red\n{quad}"),
+    )
+    .unwrap();
     std::fs::write(win.dir().join("b.mtl"), "newmtl red\nKd 1 0 0\n").unwrap();
     // A model without materials keeps the window's, one with materials shows them.
     for (name, metallic) in [("a", "1"), ("b", "")] {
         win.click("open scene", [0.5, 0.5]);
-        [name, "period", "o", "b", "j", "Return"].into_iter().for_each(|key| win.key(key));
+        [name, "period", "o", "b", "j", "Return"]
+            .into_iter()
+            .for_each(|key| win.key(key));
         let axes = win.state()["axes"].clone();
         assert!(
-            axes["scene"].as_str().unwrap().ends_with(&format!("{name}.obj")) && axes["metallic"] == metallic,
+            axes["scene"]
+                .as_str()
+                .unwrap()
+                .ends_with(&format!("{name}.obj"))
+                && axes["metallic"] == metallic,
             "{axes}"
         );
     }
@@ -274,41 +416,74 @@ fn faults_of_display_device_and_files_are_reported() {
         .output()
         .unwrap();
     assert_eq!(output.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("no display"), "{output:?}");
-    let output = program().args(["view", "--environment", "nothing.hdr"]).env("DISPLAY", ":4095").output().unwrap();
+    assert!(
+        String::from_utf8_lossy(&output.stderr).contains("no display"),
+        "{output:?}"
+    );
+    let output = program()
+        .args(["view", "--environment", "nothing.hdr"])
+        .env("DISPLAY", ":4095")
+        .output()
+        .unwrap();
     assert_eq!(output.status.code(), Some(2));
-    let output = program().arg("view").env("DISPLAY", ":4095").env_remove("WAYLAND_DISPLAY").output().unwrap();
+    let output = program()
+        .arg("view")
+        .env("DISPLAY", ":4095")
+        .env_remove("WAYLAND_DISPLAY")
+        .output()
+        .unwrap();
     assert_eq!(output.status.code(), Some(2), "{output:?}");
     let Some(screen) = Screen::open() else { return };
     let mut win = screen.window_with(&SMALL, &[("SPLITSUM_TEST_FAULTS", "submit:60:device-lost")]);
     let (code, message) = win.end();
-    assert!(code == Some(75) && message.contains("the device was lost"), "{code:?}: {message}");
+    assert!(
+        code == Some(75) && message.contains("the device was lost"),
+        "{code:?}: {message}"
+    );
 
     // After a file that is not a map the window keeps the previous one.
     let mut win = screen.window(&SMALL);
     win.few_samples();
     std::fs::write(win.dir().join("no.hdr"), "no picture").unwrap();
     win.click("open environment", [0.5, 0.5]);
-    ["n", "o", "period", "h", "d", "r", "Return"].into_iter().for_each(|key| win.key(key));
-    let is_reported =
-        |report: &serde_json::Value| report["notice"].as_str().is_some_and(|text| text.contains("no first line"));
+    ["n", "o", "period", "h", "d", "r", "Return"]
+        .into_iter()
+        .for_each(|key| win.key(key));
+    let is_reported = |report: &serde_json::Value| {
+        report["notice"]
+            .as_str()
+            .is_some_and(|text| text.contains("no first line"))
+    };
     win.wait("the fault of the file", is_reported);
     win.wait_done();
     assert_eq!(win.state()["axes"]["environment"], "builtin:studio");
     // The window is taken away from the program.
     win.act(&format!("windowclose {}", win.id()));
     let (code, message) = win.end();
-    assert!(code == Some(75) && message.contains("the window was taken away"), "{code:?}: {message}");
+    assert!(
+        code == Some(75) && message.contains("the window was taken away"),
+        "{code:?}: {message}"
+    );
 }
 
 #[test]
 fn random_input_leaves_no_message_and_no_leak() {
     let Some(screen) = Screen::open() else { return };
-    let seconds = std::env::var("SPLITSUM_WINDOW_SECONDS").ok().and_then(|text| text.parse().ok()).unwrap_or(2);
-    let win = screen.window(&["--size", "96x96", "--environment", "builtin:sky", "--validation"]);
+    let seconds = std::env::var("SPLITSUM_WINDOW_SECONDS")
+        .ok()
+        .and_then(|text| text.parse().ok())
+        .unwrap_or(2);
+    let win = screen.window(&[
+        "--size",
+        "96x96",
+        "--environment",
+        "builtin:sky",
+        "--validation",
+    ]);
     win.few_samples();
     win.wait_done();
-    // Memory does not grow with the number of pictures of one size. Random input reaches other sizes, too.
+    // Memory does not grow with the number of pictures of one size. Random input reaches other
+    // sizes, too.
     let turn = |count: u64| {
         for _ in 0..count {
             win.key("Right");
@@ -320,13 +495,20 @@ fn random_input_leaves_no_message_and_no_leak() {
     let (early, late) = (turn(10), turn(pictures));
     println!("{pictures} pictures: {early} KiB, then {late} KiB");
     // The validation layer remembers each object's name.
-    assert!(late < early + (1 << 10) + pictures * 32, "memory grew from {early} to {late} KiB");
+    assert!(
+        late < early + (1 << 10) + pictures * 32,
+        "memory grew from {early} to {late} KiB"
+    );
     let mut random = 0x9e37_79b9_7f4a_7c15_u64;
     let mut next = |below: u64| {
-        random = random.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        random = random
+            .wrapping_mul(6_364_136_223_846_793_005)
+            .wrapping_add(1_442_695_040_888_963_407);
         (random >> 33) % below
     };
-    let keys = "e s t d 0 1 2 4 plus minus Left Up space bracketleft Tab Escape".split(' ').collect::<Vec<_>>();
+    let keys = "e s t d 0 1 2 4 plus minus Left Up space bracketleft Tab Escape"
+        .split(' ')
+        .collect::<Vec<_>>();
     let until = Instant::now() + Duration::from_secs(seconds);
     let (mut actions, mut most) = (0, 0);
     while Instant::now() < until {
@@ -335,7 +517,8 @@ fn random_input_leaves_no_message_and_no_leak() {
             0 => format!("key {}", keys[next(keys.len() as u64) as usize]),
             1 => "mousedown 1 mousemove_relative -- 37 -11 mouseup 1".to_owned(),
             2 => ["click 4", "click 5"][next(2) as usize].to_owned(),
-            3 => "keydown shift mousedown 1 mousemove_relative -- -23 5 mouseup 1 keyup shift".to_owned(),
+            3 => "keydown shift mousedown 1 mousemove_relative -- -23 5 mouseup 1 keyup shift"
+                .to_owned(),
             4 => "click 1".to_owned(),
             _ => format!("mousemove --window {} {x} {y}", win.id()),
         });

@@ -32,37 +32,72 @@ impl Screen {
         let frames = tempfile::tempdir().unwrap();
         let screen = format!("{}x{}x24", SIZE[0], SIZE[1]);
         let folder = frames.path().to_str().unwrap();
-        // Without `-noreset` the server resets when its last client leaves, and refuses a window manager that connects
-        // just then. Without `-r` it repeats a key whose release comes late.
+        // Without `-noreset` the server resets when its last client leaves, and refuses a window
+        // manager that connects just then. Without `-r` it repeats a key whose release comes late.
         let server = Command::new("Xvfb")
-            .args(["-displayfd", "1", "-noreset", "-r", "-screen", "0", &screen, "-fbdir", folder, "-nolisten", "tcp"])
+            .args([
+                "-displayfd",
+                "1",
+                "-noreset",
+                "-r",
+                "-screen",
+                "0",
+                &screen,
+                "-fbdir",
+                folder,
+                "-nolisten",
+                "tcp",
+            ])
             .stdout(Stdio::piped())
             .stderr(Stdio::null())
             .spawn();
         let is_there = |name: &str| Command::new(name).arg("--version").output().is_ok();
-        let (Ok(mut server), true, true) = (server, is_there("xdotool"), is_there("openbox")) else {
+        let (Ok(mut server), true, true) = (server, is_there("xdotool"), is_there("openbox"))
+        else {
             let required = std::env::var_os("SPLITSUM_REQUIRE_WINDOW").is_some();
             assert!(!required, "Xvfb, xdotool or openbox is missing");
-            eprintln!("skipped: Xvfb, xdotool or openbox is missing (Debian: apt-get install xvfb xdotool openbox)");
+            eprintln!(
+                "skipped: Xvfb, xdotool or openbox is missing (Debian: apt-get install xvfb \
+                 xdotool openbox)"
+            );
             return None;
         };
         let mut number = String::new();
-        BufReader::new(server.stdout.take().unwrap()).read_line(&mut number).unwrap();
+        BufReader::new(server.stdout.take().unwrap())
+            .read_line(&mut number)
+            .unwrap();
         let display = format!(":{}", number.trim());
         let silent = |name: &str| {
             let mut command = Command::new(name);
-            command.env("DISPLAY", &display).stdout(Stdio::null()).stderr(Stdio::null());
+            command
+                .env("DISPLAY", &display)
+                .stdout(Stdio::null())
+                .stderr(Stdio::null());
             command
         };
         let mut manager = silent("openbox").spawn().unwrap();
         // The window manager announces desktops once it manages them.
         let begun = Instant::now();
-        while !silent("xdotool").arg("get_desktop").status().unwrap().success() {
+        while !silent("xdotool")
+            .arg("get_desktop")
+            .status()
+            .unwrap()
+            .success()
+        {
             let ended = manager.try_wait().unwrap();
-            assert!(ended.is_none() && begun.elapsed() < PATIENCE, "the window manager is not there: {ended:?}");
+            assert!(
+                ended.is_none() && begun.elapsed() < PATIENCE,
+                "the window manager is not there: {ended:?}"
+            );
             std::thread::sleep(Duration::from_millis(50));
         }
-        Some(Self { server, manager, display, frames, _turn: turn })
+        Some(Self {
+            server,
+            manager,
+            display,
+            frames,
+            _turn: turn,
+        })
     }
 
     pub fn window(&self, arguments: &[&str]) -> Win<'_> {
@@ -82,16 +117,29 @@ impl Screen {
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
-        let mut win = Win { screen: self, child: Mutex::new(child), dir, id: String::new(), sent: Cell::new(0) };
+        let mut win = Win {
+            screen: self,
+            child: Mutex::new(child),
+            dir,
+            id: String::new(),
+            sent: Cell::new(0),
+        };
         if variables.is_empty() {
             win.wait("a first picture", |report| report["scales"][0].is_u64());
             // A window manager takes a moment to show it.
             let begun = Instant::now();
             while win.id.is_empty() {
-                assert!(begun.elapsed() < PATIENCE, "the window manager shows no window");
+                assert!(
+                    begun.elapsed() < PATIENCE,
+                    "the window manager shows no window"
+                );
                 std::thread::sleep(Duration::from_millis(50));
                 let words = ["search", "--onlyvisible", "--name", "^splitsum view$"];
-                let output = Command::new("xdotool").args(words).env("DISPLAY", &self.display).output().unwrap();
+                let output = Command::new("xdotool")
+                    .args(words)
+                    .env("DISPLAY", &self.display)
+                    .output()
+                    .unwrap();
                 win.id = String::from_utf8(output.stdout).unwrap().trim().to_owned();
             }
         }
@@ -99,8 +147,16 @@ impl Screen {
     }
 
     fn act(&self, line: &str) -> String {
-        let output = Command::new("xdotool").args(line.split(' ')).env("DISPLAY", &self.display).output().unwrap();
-        assert!(output.status.success(), "xdotool {line}: {}", String::from_utf8_lossy(&output.stderr));
+        let output = Command::new("xdotool")
+            .args(line.split(' '))
+            .env("DISPLAY", &self.display)
+            .output()
+            .unwrap();
+        assert!(
+            output.status.success(),
+            "xdotool {line}: {}",
+            String::from_utf8_lossy(&output.stderr)
+        );
         String::from_utf8(output.stdout).unwrap()
     }
 
@@ -156,7 +212,8 @@ impl Win<'_> {
         let path = PathBuf::from(format!("/proc/{}/status", self.child().id()));
         let text = std::fs::read_to_string(path).unwrap_or_default();
         let line = text.lines().find_map(|line| line.strip_prefix("VmRSS:"));
-        line.and_then(|line| line.split_whitespace().next()?.parse().ok()).unwrap_or_default()
+        line.and_then(|line| line.split_whitespace().next()?.parse().ok())
+            .unwrap_or_default()
     }
 
     pub fn report(&self) -> Value {
@@ -185,13 +242,17 @@ impl Win<'_> {
     /// Waits until the window shows everything that the state requests.
     pub fn wait_done(&self) {
         self.settle();
-        self.wait("all pictures", |report| report["is_done"] == true && report["asked"] == report["shown"]);
+        self.wait("all pictures", |report| {
+            report["is_done"] == true && report["asked"] == report["shown"]
+        });
     }
 
     /// Waits until the window has handled all sent input.
     fn settle(&self) {
         let sent = self.sent.get();
-        self.wait(&format!("{sent} inputs"), |report| report["inputs"] == sent && report["is_still"] == true);
+        self.wait(&format!("{sent} inputs"), |report| {
+            report["inputs"] == sent && report["is_still"] == true
+        });
     }
 
     pub fn state(&self) -> Value {
@@ -201,7 +262,12 @@ impl Win<'_> {
 
     pub fn controls(&self) -> Vec<String> {
         self.settle();
-        self.report()["controls"].as_object().unwrap().keys().cloned().collect()
+        self.report()["controls"]
+            .as_object()
+            .unwrap()
+            .keys()
+            .cloned()
+            .collect()
     }
 
     pub fn has(&self, name: &str) -> bool {
@@ -212,7 +278,9 @@ impl Win<'_> {
     /// Left, top, width, height of a control in the window.
     pub fn place(&self, name: &str) -> [f64; 4] {
         let report = self.report();
-        let found = report["controls"].get(name).unwrap_or_else(|| panic!("no control {name}: {}", report["controls"]));
+        let found = report["controls"]
+            .get(name)
+            .unwrap_or_else(|| panic!("no control {name}: {}", report["controls"]));
         serde_json::from_value(found.clone()).unwrap()
     }
 
@@ -229,17 +297,25 @@ impl Win<'_> {
     }
 
     pub fn key(&self, key: &str) {
-        self.send(&format!("windowfocus --sync {} key {key}", self.id), 2 * key.split('+').count() as u64);
+        self.send(
+            &format!("windowfocus --sync {} key {key}", self.id),
+            2 * key.split('+').count() as u64,
+        );
     }
 
     pub fn hold(&self, key: &str, is_down: bool) {
-        self.send(&format!("{} {key}", if is_down { "keydown" } else { "keyup" }), 1);
+        self.send(
+            &format!("{} {key}", if is_down { "keydown" } else { "keyup" }),
+            1,
+        );
     }
 
     fn point(&self, place: [f64; 2]) {
         let [x, y] = place.map(f64::round);
         self.act(&format!("mousemove --window {} {x} {y}", self.id));
-        self.wait("the pointer", |report| report["pointer"] == serde_json::json!([x, y]));
+        self.wait("the pointer", |report| {
+            report["pointer"] == serde_json::json!([x, y])
+        });
         self.settle();
     }
 
@@ -272,7 +348,9 @@ impl Win<'_> {
         self.send("mousedown 1", 1);
         for step in 1..=3 {
             let at = |axis: usize| {
-                place[axis] + (from[axis] + (to[axis] - from[axis]) * f64::from(step) / 3.0) * place[axis + 2]
+                place[axis]
+                    + (from[axis] + (to[axis] - from[axis]) * f64::from(step) / 3.0)
+                        * place[axis + 2]
             };
             self.point([at(0), at(1)]);
         }
@@ -291,8 +369,13 @@ impl Win<'_> {
 
     pub fn resize(&self, width: u32, height: u32) {
         let before = self.place("image");
-        self.act(&format!("windowmove {id} 0 30 windowsize {id} {width} {height}", id = self.id));
-        self.wait("the new size", |report| report["controls"]["image"] != serde_json::json!(before));
+        self.act(&format!(
+            "windowmove {id} 0 30 windowsize {id} {width} {height}",
+            id = self.id
+        ));
+        self.wait("the new size", |report| {
+            report["controls"]["image"] != serde_json::json!(before)
+        });
         self.settle();
     }
 
@@ -302,23 +385,38 @@ impl Win<'_> {
         let all = self.screen.pixels();
         let text = self.screen.act("getmouselocation --shell");
         let number = |key: &str| {
-            let line = text.lines().find_map(|line| line.strip_prefix(key)).unwrap();
+            let line = text
+                .lines()
+                .find_map(|line| line.strip_prefix(key))
+                .unwrap();
             line.trim_start_matches('=').parse::<f64>().unwrap()
         };
         let [left, top, width, height] = self.place("image").map(f64::round);
         let [x, y] = [number("X") + left, number("Y") + top].map(|place| place as u32);
-        Rgb8Image::from_fn(width as u32, height as u32, |dx, dy| all.get(x + dx, y + dy))
+        Rgb8Image::from_fn(width as u32, height as u32, |dx, dy| {
+            all.get(x + dx, y + dy)
+        })
     }
 
-    /// Asks it to close through the window manager, as often as a user would: the manager drops keys while it holds a
-    /// grab. The window ends without a fault.
+    /// Asks it to close through the window manager, as often as a user would: the manager drops
+    /// keys while it holds a grab. The window ends without a fault.
     pub fn close(mut self) {
         let begun = Instant::now();
         while self.is_alive() && begun.elapsed() < PATIENCE {
             let asked = Instant::now();
-            // A random click may have iconified it. The call fails or waits for ever if the window goes meanwhile.
+            // A random click may have iconified it. The call fails or waits for ever if the window
+            // goes meanwhile.
             let _ = Command::new("timeout")
-                .args(["5", "xdotool", "windowactivate", "--sync", &self.id, "windowfocus", "--sync", &self.id])
+                .args([
+                    "5",
+                    "xdotool",
+                    "windowactivate",
+                    "--sync",
+                    &self.id,
+                    "windowfocus",
+                    "--sync",
+                    &self.id,
+                ])
                 .args(["key", "alt+F4"])
                 .env("DISPLAY", &self.screen.display)
                 .output();
@@ -334,12 +432,19 @@ impl Win<'_> {
     pub fn end(&mut self) -> (Option<i32>, String) {
         let begun = Instant::now();
         while self.is_alive() {
-            assert!(begun.elapsed() < PATIENCE, "the window stays: {}", self.report());
+            assert!(
+                begun.elapsed() < PATIENCE,
+                "the window stays: {}",
+                self.report()
+            );
             std::thread::sleep(Duration::from_millis(50));
         }
         let mut child = self.child();
         let mut message = String::new();
-        child.stderr.take().map(|mut pipe| pipe.read_to_string(&mut message));
+        child
+            .stderr
+            .take()
+            .map(|mut pipe| pipe.read_to_string(&mut message));
         (child.wait().unwrap().code(), message)
     }
 }

@@ -41,7 +41,8 @@ impl MaterialExtension for Taps {
     }
 }
 
-/// A fragment shader with the functions and lines of `taps.wgsl`. Bevy's cubes are left-handed: it negates z.
+/// A fragment shader with the functions and lines of `taps.wgsl`. Bevy's cubes are left-handed: it
+/// negates z.
 fn pasted(text: &str) -> String {
     let (functions, lines) = text.split_once("// Replaces ").expect("a taps.wgsl");
     let lines: Vec<&str> = lines.lines().filter_map(|line| line.strip_prefix("//     ")).collect();
@@ -50,13 +51,15 @@ fn pasted(text: &str) -> String {
     };
     format!(
         "#import bevy_pbr::{{
-            forward_io::VertexOutput, lighting::F_AB, mesh_view_bindings as view, pbr_fragment::pbr_input_from_standard_material,
+            forward_io::VertexOutput, lighting::F_AB, mesh_view_bindings as view, \
+            pbr_fragment::pbr_input_from_standard_material,
         }}
         @group(#{{MATERIAL_BIND_GROUP}}) @binding(100) var taps: texture_2d<f32>;
         @group(#{{MATERIAL_BIND_GROUP}}) @binding(101) var bilinear: sampler;
         {functions}
         @fragment
-        fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> @location(0) vec4f {{
+        fn fragment(in: VertexOutput, @builtin(front_facing) is_front: bool) -> @location(0) vec4f \
+        {{
             let input = pbr_input_from_standard_material(in, is_front);
             let roughness = input.material.perceptual_roughness;
             let f0 = input.material.base_color.rgb;
@@ -145,7 +148,8 @@ fn texels(app: &App, image: &Handle<Image>) -> Vec<u8> {
     texels
 }
 
-/// The camera of `splitsum render`: 4 from the centre along +z, a square of half side 1.05, or 32 degrees.
+/// The camera of `splitsum render`: 4 from the centre along +z, a square of half side 1.05, or 32
+/// degrees.
 fn sphere([specular, diffuse, size, camera, roughness, out]: [String; 6], bake: Option<&str>) {
     let mut app = app_without_window();
     let [specular_map, diffuse_map] = [specular, diffuse].map(|path| texture(&mut app, &path));
@@ -230,7 +234,8 @@ fn main() {
         Some("sphere") => {
             let bake = (words.len() == 7).then(|| words.remove(6));
             sphere(
-                words.try_into().expect("sphere SPECULAR DIFFUSE SIZE CAMERA ROUGHNESS OUT [FOLDER]"),
+                words.try_into().expect("sphere SPECULAR DIFFUSE SIZE CAMERA ROUGHNESS OUT \
+                                         [FOLDER]"),
                 bake.as_deref(),
             );
         }

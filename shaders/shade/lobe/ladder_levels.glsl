@@ -1,5 +1,5 @@
-// Rung `ladder-levels`: as `ladder-view`, but the width is one of the levels of a prefiltered map: the linear blend of
-// the two around alpha. Level 0 is the environment at r.
+// Rung `ladder-levels`: as `ladder-view`, but the width is one of the levels of a prefiltered map:
+// the linear blend of the two around alpha. Level 0 is the environment at r.
 
 #include "lib/directional_albedo.glsl"
 #include "lib/frame.glsl"
@@ -18,7 +18,8 @@ struct Lobe {
     vec2 alpha;
     // Share of each; they sum to 1.
     vec2 share;
-    // Share of each over the normalisation of its kernel D/4 w(l); 0 for the smoother level if it is the mirror.
+    // Share of each over the normalisation of its kernel D/4 w(l); 0 for the smoother level if it
+    // is the mirror.
     vec2 scale;
 };
 

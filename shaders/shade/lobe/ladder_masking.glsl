@@ -1,5 +1,5 @@
-// Rung `ladder-masking`: as `ladder-fresnel`, with the weight w(l) of prefiltered maps, by default n.l, for the
-// masking:
+// Rung `ladder-masking`: as `ladder-fresnel`, with the weight w(l) of prefiltered maps, by default
+// n.l, for the masking:
 //     (f0 A + B) <D (n.h) / (4 v.h) w(l), L> at the true v.
 
 #include "lib/directional_albedo.glsl"

@@ -1,4 +1,5 @@
-// `ladder-masking-alone`: the weight w(l) of prefiltered maps for the masking with Fresnel left inside,
+// `ladder-masking-alone`: the weight w(l) of prefiltered maps for the masking with Fresnel left
+// inside,
 //     (f0 A + B) <K F, L>, K = D (n.h) / (4 v.h) w(l).
 
 #include "lib/directional_albedo.glsl"

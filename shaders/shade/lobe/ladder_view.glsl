@@ -1,4 +1,5 @@
-// Rung `ladder-view`: as `ladder-masking` for n = v = r: the split sum with exact factors, P(r, alpha) (f0 A + B).
+// Rung `ladder-view`: as `ladder-masking` for n = v = r: the split sum with exact factors, P(r,
+// alpha) (f0 A + B).
 
 #include "lib/directional_albedo.glsl"
 #include "lib/microfacet_lobe.glsl"

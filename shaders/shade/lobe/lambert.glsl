@@ -1,5 +1,6 @@
-// The diffuse lobe of the reference: a Lambert surface of albedo 1, so that its radiance is irradiance / pi. Factors
-// that do not depend on l (albedo, metallic, the Fresnel weight) are applied when the estimate is resolved.
+// The diffuse lobe of the reference: a Lambert surface of albedo 1, so that its radiance is
+// irradiance / pi. Factors that do not depend on l (albedo, metallic, the Fresnel weight) are
+// applied when the estimate is resolved.
 //
 // Every file in shade/lobe/ defines the same functions.
 

@@ -1,4 +1,5 @@
-// The diffuse lobe with Fresnel inside the integral: facets scatter the light they don't reflect, (1 - F) n.l / pi.
+// The diffuse lobe with Fresnel inside the integral: facets scatter the light they don't reflect,
+// (1 - F) n.l / pi.
 
 #include "lib/frame.glsl"
 #include "lib/fresnel.glsl"

@@ -1,4 +1,5 @@
-// Method `sampled`: importance sampling of D with few points, each lookup filtered by its solid angle.
+// Method `sampled`: importance sampling of D with few points, each lookup filtered by its solid
+// angle.
 
 #include "lib/filtered_sample.glsl"
 #include "lib/importance_sampling.glsl"

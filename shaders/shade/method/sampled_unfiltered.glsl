@@ -1,4 +1,5 @@
-// Method `sampled-unfiltered`: importance sampling of D with fixed points, each lookup from the environment itself.
+// Method `sampled-unfiltered`: importance sampling of D with fixed points, each lookup from the
+// environment itself.
 
 #include "lib/equirect.glsl"
 #include "lib/importance_sampling.glsl"

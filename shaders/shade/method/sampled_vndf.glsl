@@ -1,7 +1,9 @@
-// Method `sampled-vndf`: importance sampling of the normals that v sees, each lookup filtered by its solid angle.
+// Method `sampled-vndf`: importance sampling of the normals that v sees, each lookup filtered by
+// its solid angle.
 //
-// l = reflect(-v, m) has density p_l, and the weight is f (n.l) / p_l = F G2 D / (4 (n.v) p_l): F G2 / G1(v) if m has
-// the density of visible normals, less if a bounded cap excludes samples below the horizon.
+// l = reflect(-v, m) has density p_l, and the weight is f (n.l) / p_l = F G2 D / (4 (n.v) p_l): F
+// G2 / G1(v) if m has the density of visible normals, less if a bounded cap excludes samples below
+// the horizon.
 
 #include "lib/filtered_sample.glsl"
 #include "lib/frame.glsl"

@@ -1,4 +1,5 @@
-// Method `split-sum`: the mean radiance of the lobe for n = v = r, times the albedo of the lobe for constant radiance.
+// Method `split-sum`: the mean radiance of the lobe for n = v = r, times the albedo of the lobe for
+// constant radiance.
 
 #include "lib/split_sum.glsl"
 

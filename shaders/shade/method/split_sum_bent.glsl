@@ -2,7 +2,8 @@
 
 #include "lib/split_sum.glsl"
 
-// Parameters | normal << 4 | toward << 8, of BEND_*; 1 << 12 reads A and B at the root mean square width. In GLSL ES a uniform.
+// Parameters | normal << 4 | toward << 8, of BEND_*; 1 << 12 reads A and B at the root mean square
+// width. In GLSL ES a uniform.
 #ifdef GL_ES
 uniform uint BEND;
 #else

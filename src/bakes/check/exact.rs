@@ -7,12 +7,17 @@ use crate::precompute::prefilter::Kernel;
 use glam::DVec3;
 use rayon::prelude::*;
 
-/// Returns exact texels of a level: prefiltered radiance, or the averaged environment for a mirror level.
+/// Returns exact texels of a level: prefiltered radiance, or the averaged environment for a mirror
+/// level.
 pub fn exact(truth: &Truth, kernel: Kernel, directions: &Directions, alpha: f64) -> Vec<DVec3> {
     match has_width(alpha) {
         true => {
             let map = truth.prefiltered_by(kernel, alpha);
-            directions.world.par_iter().map(|direction| map.value(*direction)).collect()
+            directions
+                .world
+                .par_iter()
+                .map(|direction| map.value(*direction))
+                .collect()
         }
         false => mirror(truth.environment, directions),
     }
@@ -28,6 +33,12 @@ pub fn mirror(environment: &Environment, directions: &Directions) -> Vec<DVec3> 
 pub fn finer(environment: &Environment, directions: &Directions) -> u32 {
     let (map, [width, height]) = (&environment.image, directions.size);
     // A cube has two faces from pole to pole and four around.
-    let (rows, columns) = if directions.layout.face_count > 1 { (2, 4) } else { (1, 1) };
-    map.height.div_ceil(rows * height).max(map.width.div_ceil(columns * width))
+    let (rows, columns) = if directions.layout.face_count > 1 {
+        (2, 4)
+    } else {
+        (1, 1)
+    };
+    map.height
+        .div_ceil(rows * height)
+        .max(map.width.div_ceil(columns * width))
 }

@@ -46,9 +46,15 @@ pub fn is_narrow(alpha: f64) -> bool {
 }
 
 /// Fits a level of width `alpha` with texels `found` at `directions`, which should be `exact`.
-pub fn fit(truth: &Truth, directions: &Directions, [found, exact]: [&[DVec3]; 2], alpha: f64) -> Option<Fit> {
+pub fn fit(
+    truth: &Truth,
+    directions: &Directions,
+    [found, exact]: [&[DVec3]; 2],
+    alpha: f64,
+) -> Option<Fit> {
     let chosen = directions.grid(DIRECTIONS);
-    let [found, exact] = [found, exact].map(|all| chosen.iter().map(|index| all[*index]).collect::<Vec<_>>());
+    let [found, exact] =
+        [found, exact].map(|all| chosen.iter().map(|index| all[*index]).collect::<Vec<_>>());
     let directions = directions.only(&chosen);
     let bands = truth.harmonics.bands(DEGREE_MAX, &directions.world);
     let epsilon = truth.epsilon();
@@ -56,9 +62,17 @@ pub fn fit(truth: &Truth, directions: &Directions, [found, exact]: [&[DVec3]; 2]
     let at = |alpha: f64| {
         let exact = truth.of_bands(&bands, alpha);
         let gain = gain(&directions, &found, &exact, epsilon);
-        Fit { alpha, gain, left: errors(&directions, &found, &exact, epsilon, 1.0 / gain).relmse / own }
+        Fit {
+            alpha,
+            gain,
+            left: errors(&directions, &found, &exact, epsilon, 1.0 / gain).relmse / own,
+        }
     };
-    let high = if is_narrow(alpha) { 1.0 } else { (alpha * REACH).min(1.0) };
+    let high = if is_narrow(alpha) {
+        1.0
+    } else {
+        (alpha * REACH).min(1.0)
+    };
     let low = (alpha / REACH).max(ALPHA_MIN);
     let widths = (0..=GRID).map(|k| low * (high / low).powf(f64::from(k) / f64::from(GRID)));
     let mut best = widths.map(at).min_by(|a, b| a.left.total_cmp(&b.left))?;
@@ -79,11 +93,19 @@ pub fn fit(truth: &Truth, directions: &Directions, [found, exact]: [&[DVec3]; 2]
 pub fn gain(directions: &Directions, found: &[DVec3], exact: &[DVec3], epsilon: Epsilon) -> f64 {
     let (mut product, mut square) = (0.0, 0.0);
     for ((weight, found), exact) in directions.weights.iter().zip(found).zip(exact) {
-        let scale = DVec3::from_array(exact.to_array().map(|exact| epsilon.relative(*weight, exact)));
+        let scale = DVec3::from_array(
+            exact
+                .to_array()
+                .map(|exact| epsilon.relative(*weight, exact)),
+        );
         product += (scale * *found * *exact).element_sum();
         square += (scale * *found * *found).element_sum();
     }
-    if square > 0.0 && product > 0.0 { square / product } else { 1.0 }
+    if square > 0.0 && product > 0.0 {
+        square / product
+    } else {
+        1.0
+    }
 }
 
 /// Factors that are forgotten, and their names.

@@ -55,12 +55,20 @@ const IF_FIXED: &str = "if fixed, ";
 pub const IRRADIANCE: &str = "irradiance map";
 
 impl Judging {
-    /// Judges GGX by the conventions that the files state, else by the conventions of `splitsum bake`. Fails on an unknown name.
+    /// Judges GGX by the conventions that the files state, else by the conventions of `splitsum
+    /// bake`. Fails on an unknown name.
     pub fn stated(stated: &Stated) -> Result<Self, String> {
-        Self::by(stated.preset.as_deref().map_or(Ok(&PRESETS[0]), Preset::parse)?, stated)
+        Self::by(
+            stated
+                .preset
+                .as_deref()
+                .map_or(Ok(&PRESETS[0]), Preset::parse)?,
+            stated,
+        )
     }
 
-    /// Judges GGX by the conventions of a preset; statements of the files override them, unless they name another preset.
+    /// Judges GGX by the conventions of a preset; statements of the files override them, unless
+    /// they name another preset.
     pub fn by(preset: &Preset, stated: &Stated) -> Result<Self, String> {
         let is_own = preset.name == stated.preset.as_deref().unwrap_or(PRESETS[0].name);
         let stated = if is_own { stated } else { &Stated::default() };
@@ -72,10 +80,14 @@ impl Judging {
         if let Some(name) = &stated.weight {
             convention.weight = Weight::parse(name)?;
         }
-        Ok(Self { brdf: &Ggx, convention })
+        Ok(Self {
+            brdf: &Ggx,
+            convention,
+        })
     }
 
-    /// Scores each part of `bake` against its integral over `environment`, and reports each step to `doing`.
+    /// Scores each part of `bake` against its integral over `environment`, and reports each step to
+    /// `doing`.
     ///
     /// Fails unless the convention has one width per level.
     pub fn judge(
@@ -86,7 +98,10 @@ impl Judging {
     ) -> Result<Judged, String> {
         let convention = &self.convention;
         let kernel = Kernel::new(self.brdf, convention.weight, convention.masking);
-        let alphas = bake.specular.as_ref().map_or(Ok(Vec::new()), |map| convention.alphas(map.levels.len()))?;
+        let alphas = bake
+            .specular
+            .as_ref()
+            .map_or(Ok(Vec::new()), |map| convention.alphas(map.levels.len()))?;
         doing("integrating the exact maps");
         let truth = &mut Truth::judging(environment, kernel, &alphas);
         doing("comparing the axes");
@@ -98,7 +113,9 @@ impl Judging {
             axes.push((IRRADIANCE, guess::irradiance_axes(truth, map)));
         }
         truth.is_other = bake.specular.is_some() && axes[0].1[0].correlation < guess::SAME_LIGHT;
-        let fits = |map: &Map| guess::axes(truth, map, convention).is_ok_and(|fits| fits[0].correlation >= guess::SURE);
+        let fits = |map: &Map| {
+            guess::axes(truth, map, convention).is_ok_and(|fits| fits[0].correlation >= guess::SURE)
+        };
         let order = bake
             .specular
             .iter()
@@ -114,16 +131,30 @@ impl Judging {
     }
 }
 
-fn scored(truth: &Truth, brdf: &'static dyn Brdf, bake: &Bake, convention: Convention) -> Result<Judged, String> {
+fn scored(
+    truth: &Truth,
+    brdf: &'static dyn Brdf,
+    bake: &Bake,
+    convention: Convention,
+) -> Result<Judged, String> {
     let levels = match &bake.specular {
         Some(map) => level::score(truth, map, &convention)?,
         None => Vec::new(),
     };
     Ok(Judged {
         chain: chain::slip(&convention, &levels),
-        irradiance: bake.irradiance.as_ref().map(|map| level::score_irradiance(truth, map, &convention)),
-        dfg: bake.dfg.as_ref().map(|image| table::score(image, brdf, &convention)),
-        sh: bake.sh.as_ref().map(|found| sh::score(truth, found, convention.axes)),
+        irradiance: bake
+            .irradiance
+            .as_ref()
+            .map(|map| level::score_irradiance(truth, map, &convention)),
+        dfg: bake
+            .dfg
+            .as_ref()
+            .map(|image| table::score(image, brdf, &convention)),
+        sh: bake
+            .sh
+            .as_ref()
+            .map(|found| sh::score(truth, found, convention.axes)),
         fixed: None,
         convention,
         axes: Vec::new(),
@@ -144,7 +175,12 @@ impl Judged {
         let doubt = self.first_doubt();
         let mut convention = self.convention.clone();
         match (&doubt, &self.chain) {
-            (Some(Doubt { axes: Some(axes), .. }), _) => convention.axes = *axes,
+            (
+                Some(Doubt {
+                    axes: Some(axes), ..
+                }),
+                _,
+            ) => convention.axes = *axes,
             (None, Some(chain)) => convention.alphas = Some(chain.alphas.clone()),
             _ => {}
         }
@@ -158,23 +194,34 @@ impl Judged {
             }
             fixed.axes.clone_from(&self.axes);
             // A part that is good as it is needs no mending.
-            fixed.irradiance = fixed.irradiance.filter(|_| self.irradiance.iter().all(|own| own.errors.relmse > GOOD));
-            fixed.sh = fixed.sh.filter(|_| self.sh.iter().all(|own| own.errors.relmse > GOOD));
+            fixed.irradiance = fixed
+                .irradiance
+                .filter(|_| self.irradiance.iter().all(|own| own.errors.relmse > GOOD));
+            fixed.sh = fixed
+                .sh
+                .filter(|_| self.sh.iter().all(|own| own.errors.relmse > GOOD));
             fixed.fix_convention(truth, brdf, bake, doing)?;
             self.fixed = Some(Box::new(fixed));
         }
         // A fit explains nothing if the light or the axes are wrong.
         if doubt.is_some() {
-            self.levels.iter_mut().chain(&mut self.irradiance).for_each(LevelScore::doubt);
+            self.levels
+                .iter_mut()
+                .chain(&mut self.irradiance)
+                .for_each(LevelScore::doubt);
             self.sh.iter_mut().for_each(ShScore::doubt);
         }
         Ok(())
     }
 
-    /// Whether its slips explain all that is wrong, and by less than other axes with the slips that these leave.
+    /// Whether its slips explain all that is wrong, and by less than other axes with the slips that
+    /// these leave.
     fn is_simpler_than(&self, other: &Self) -> bool {
         let most = |of: &Self| of.maps().map(|score| score.causes.len()).max();
-        let left: f64 = self.maps().map(|score| score.left().unwrap_or(score.errors.relmse)).sum();
+        let left: f64 = self
+            .maps()
+            .map(|score| score.left().unwrap_or(score.errors.relmse))
+            .sum();
         self.maps().all(LevelScore::is_explained)
             && left < EXPLAINED * other.maps().map(|score| score.errors.relmse).sum::<f64>()
             && (other.maps().any(|score| score.names("unknown")) || most(self) <= most(other))
@@ -184,37 +231,67 @@ impl Judged {
         self.levels.iter().chain(&self.irradiance)
     }
 
-    /// The doubt of the prefiltered map, else of the irradiance map: beside a prefiltered map, a turned irradiance map is a slip of its own.
+    /// The doubt of the prefiltered map, else of the irradiance map: beside a prefiltered map, a
+    /// turned irradiance map is a slip of its own.
     fn first_doubt(&self) -> Option<Doubt> {
-        self.axes.first().and_then(|(what, fits)| self.doubt(what, fits))
+        self.axes
+            .first()
+            .and_then(|(what, fits)| self.doubt(what, fits))
     }
 
     /// Describes why the axes or the light seem wrong, if they do.
     pub fn doubt(&self, what: &str, fits: &[AxesFit]) -> Option<Doubt> {
         let used: Axes = self.convention.axes;
-        let hint = if what == IRRADIANCE { "; if it is the map itself, name it specular=FILE" } else { "" };
-        // A good level proves the light, as does one that a slip explains. With a constant light nothing correlates.
+        let hint = if what == IRRADIANCE {
+            "; if it is the map itself, name it specular=FILE"
+        } else {
+            ""
+        };
+        // A good level proves the light, as does one that a slip explains. With a constant light
+        // nothing correlates.
         let is_wrong = self.maps().all(|score| !score.is_explained());
-        let best: Vec<String> =
-            fits.iter().filter(|fit| !guess::is_clear(fits[0], **fit)).map(|fit| fit.axes.to_string()).collect();
+        let best: Vec<String> = fits
+            .iter()
+            .filter(|fit| !guess::is_clear(fits[0], **fit))
+            .map(|fit| fit.axes.to_string())
+            .collect();
         let is_sure = fits[0].correlation >= guess::SURE;
-        let is_like = fits[0].correlation >= guess::SAME_LIGHT && (is_sure || best.len() < guess::ALIKE_MAX);
+        let is_like =
+            fits[0].correlation >= guess::SAME_LIGHT && (is_sure || best.len() < guess::ALIKE_MAX);
         if is_wrong && !is_like || self.order.is_some() && what != IRRADIANCE {
-            let AxesFit { axes, correlation: c } = fits[0];
-            let other = format!("seems to be a bake of another map: its best axes, {axes}, have correlation {c:.2}");
+            let AxesFit {
+                axes,
+                correlation: c,
+            } = fits[0];
+            let other = format!(
+                "seems to be a bake of another map: its best axes, {axes}, have correlation {c:.2}"
+            );
             let words = self.order.map_or(other, str::to_owned);
-            return Some(Doubt { words, more: hint.to_owned(), axes: None });
+            return Some(Doubt {
+                words,
+                more: hint.to_owned(),
+                axes: None,
+            });
         }
         let own = *fits.iter().find(|fit| fit.axes == used)?;
-        let is_explained = !is_sure && (self.levels.iter().all(LevelScore::is_explained) || !is_like && !is_wrong);
+        let is_explained =
+            !is_sure && (self.levels.iter().all(LevelScore::is_explained) || !is_like && !is_wrong);
         let is_doubtful = fits[0].axes != used && guess::is_clear(fits[0], own) && !is_explained;
         let (AxesFit { axes, correlation }, of_own) = (fits[0], own.correlation);
-        let alike = if best.len() > 1 { format!("; as good: {}", best[1..].join(", ")) } else { String::new() };
+        let alike = if best.len() > 1 {
+            format!("; as good: {}", best[1..].join(", "))
+        } else {
+            String::new()
+        };
         let turns_by = |degrees: &f64| {
             let turn = DQuat::from_rotation_y(degrees.to_radians());
-            DVec3::AXES.iter().all(|d| axes.to_world(used.to_file(*d)).distance(turn * *d) < 1e-6)
+            DVec3::AXES
+                .iter()
+                .all(|d| axes.to_world(used.to_file(*d)).distance(turn * *d) < 1e-6)
         };
-        let turn = [90.0, 180.0, -90.0].iter().find(|degrees| turns_by(degrees));
+        let turn = [90.0, 180.0, -90.0]
+            .iter()
+            .find(|degrees| turns_by(degrees));
         let words = turn.map_or_else(
             || format!("axes {axes} fit far better than {used}"),
             |degrees| format!("turned by {degrees}° about y"),
@@ -228,14 +305,26 @@ impl Judged {
 
     /// Lists what the verdict names, each once.
     pub fn causes(&self) -> Vec<Cause> {
-        let whole = |kind, words: &str| vec![Cause { kind, words: words.to_owned() }];
+        let whole = |kind, words: &str| {
+            vec![Cause {
+                kind,
+                words: words.to_owned(),
+            }]
+        };
         let mut causes = match (self.first_doubt(), &self.chain) {
-            (Some(doubt), _) => whole(if doubt.axes.is_some() { "axes" } else { "map" }, &doubt.words),
+            (Some(doubt), _) => whole(
+                if doubt.axes.is_some() { "axes" } else { "map" },
+                &doubt.words,
+            ),
             (None, Some(chain)) => whole("levels", &chain.words),
             _ => {
                 let levels = self.maps().flat_map(|score| &score.causes);
                 let sh = self.sh.iter().flat_map(|score| &score.causes);
-                levels.chain(sh).chain(self.dfg.iter().flat_map(|score| &score.causes)).cloned().collect()
+                levels
+                    .chain(sh)
+                    .chain(self.dfg.iter().flat_map(|score| &score.causes))
+                    .cloned()
+                    .collect()
             }
         };
         causes.extend(self.fixed.iter().flat_map(|fixed| fixed.causes()));
@@ -248,32 +337,58 @@ impl Judged {
         seen
     }
 
-    /// Lists each part with its verdict; neighbouring levels of one verdict share a line. Levels of other axes or another chain are
-    /// listed as they are if that is fixed.
+    /// Lists each part with its verdict; neighbouring levels of one verdict share a line. Levels of
+    /// other axes or another chain are listed as they are if that is fixed.
     pub fn parts(&self) -> Vec<(String, String)> {
         let mut parts: Vec<(String, String)> = Vec::new();
         let mut first = 0;
-        for (level, score) in self.levels.iter().enumerate().filter(|_| self.fixed.is_none()) {
+        for (level, score) in self
+            .levels
+            .iter()
+            .enumerate()
+            .filter(|_| self.fixed.is_none())
+        {
             if level > 0 && self.levels[level - 1].verdict == score.verdict {
                 parts.pop();
             } else {
                 first = level;
             }
-            let name = if first == level { format!("level {level}") } else { format!("levels {first} to {level}") };
+            let name = if first == level {
+                format!("level {level}")
+            } else {
+                format!("levels {first} to {level}")
+            };
             parts.push((name, score.verdict.clone()));
         }
         let is_listed = |relmse: f64| self.fixed.is_none() || relmse <= GOOD;
-        let irradiance = self.irradiance.iter().filter(|own| is_listed(own.errors.relmse));
+        let irradiance = self
+            .irradiance
+            .iter()
+            .filter(|own| is_listed(own.errors.relmse));
         parts.extend(irradiance.map(|own| ("irradiance".to_owned(), own.verdict.clone())));
         let sh = self.sh.iter().filter(|own| is_listed(own.errors.relmse));
         parts.extend(sh.map(|own| ("SH".to_owned(), own.verdict.clone())));
         let Some(fixed) = &self.fixed else {
-            parts.extend(self.dfg.iter().map(|own| ("DFG table".to_owned(), own.verdict.clone())));
+            parts.extend(
+                self.dfg
+                    .iter()
+                    .map(|own| ("DFG table".to_owned(), own.verdict.clone())),
+            );
             return parts;
         };
-        let chain = self.chain.iter().map(|chain| ("widths", chain.words.clone()));
-        let cause = self.first_doubt().map(|doubt| (self.axes[0].0, doubt.words)).into_iter().chain(chain).next();
-        let named = |(name, verdict): (String, String)| match name.starts_with(IF_FIXED) || name == "DFG table" {
+        let chain = self
+            .chain
+            .iter()
+            .map(|chain| ("widths", chain.words.clone()));
+        let cause = self
+            .first_doubt()
+            .map(|doubt| (self.axes[0].0, doubt.words))
+            .into_iter()
+            .chain(chain)
+            .next();
+        let named = |(name, verdict): (String, String)| match name.starts_with(IF_FIXED)
+            || name == "DFG table"
+        {
             true => (name, verdict),
             false => (format!("{IF_FIXED}{name}"), verdict),
         };
@@ -296,11 +411,20 @@ impl Judged {
             });
             return Some(cause + &rest.unwrap_or_default());
         }
-        let wrong = self.parts().into_iter().filter(|(_, verdict)| !verdict.starts_with(GOOD_WORDS));
-        let mut said: Vec<String> = wrong.map(|(name, verdict)| format!("{name}: {verdict}")).collect();
+        let wrong = self
+            .parts()
+            .into_iter()
+            .filter(|(_, verdict)| !verdict.starts_with(GOOD_WORDS));
+        let mut said: Vec<String> = wrong
+            .map(|(name, verdict)| format!("{name}: {verdict}"))
+            .collect();
         said.sort_by_key(|said| [said.ends_with(UNEXPLAINED), !said.starts_with("levels")]);
         let is_known = self.causes().iter().all(|cause| cause.kind != "unknown");
-        let left = self.maps().filter_map(LevelScore::left).max_by(f64::total_cmp).filter(|_| is_known);
+        let left = self
+            .maps()
+            .filter_map(LevelScore::left)
+            .max_by(f64::total_cmp)
+            .filter(|_| is_known);
         let left = left.map(|left| format!("; {:.1} % rms if fixed", 100.0 * left.sqrt()));
         (!said.is_empty()).then(|| said.join("; ") + &left.unwrap_or_default())
     }
@@ -309,12 +433,18 @@ impl Judged {
     pub fn verdict(&self) -> String {
         let coarse = self.levels.iter().filter_map(LevelScore::coarseness);
         let is_table = self.axes.is_empty() && self.sh.is_none();
-        self.wrong().unwrap_or_else(|| match coarse.max_by(f64::total_cmp) {
-            None if is_table => "good: the DFG table is within a step of 8 bits of its integral".to_owned(),
-            None => "good: every part is within 3 % rms of its integral".to_owned(),
-            Some(relmse) => {
-                format!("good, but coarse: lookups between texels err by up to {:.1} % rms", 100.0 * relmse.sqrt())
-            }
-        })
+        self.wrong()
+            .unwrap_or_else(|| match coarse.max_by(f64::total_cmp) {
+                None if is_table => {
+                    "good: the DFG table is within a step of 8 bits of its integral".to_owned()
+                }
+                None => "good: every part is within 3 % rms of its integral".to_owned(),
+                Some(relmse) => {
+                    format!(
+                        "good, but coarse: lookups between texels err by up to {:.1} % rms",
+                        100.0 * relmse.sqrt()
+                    )
+                }
+            })
     }
 }

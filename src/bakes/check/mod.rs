@@ -1,7 +1,7 @@
 //! How wrong a bake is, compared with exact integrals over the environment's bilinear map.
 //!
-//! Prefiltered radiance and irradiance are convolutions, computed in spherical harmonics (relMSE below 1e-6). Means
-//! weight each texel by its solid angle.
+//! Prefiltered radiance and irradiance are convolutions, computed in spherical harmonics (relMSE
+//! below 1e-6). Means weight each texel by its solid angle.
 
 mod chain;
 mod directions;
@@ -46,7 +46,11 @@ pub struct Cause {
 }
 
 fn words(causes: &[Cause]) -> String {
-    causes.iter().map(|cause| cause.words.as_str()).collect::<Vec<_>>().join("; ")
+    causes
+        .iter()
+        .map(|cause| cause.words.as_str())
+        .collect::<Vec<_>>()
+        .join("; ")
 }
 
 /// The light of a bake, and the kernel that it should have.
@@ -71,17 +75,33 @@ impl<'a> Truth<'a> {
         Self::reaching(2, environment, kernel, alphas)
     }
 
-    fn reaching(reach: usize, environment: &'a Environment, kernel: Kernel, alphas: &[f64]) -> Self {
+    fn reaching(
+        reach: usize,
+        environment: &'a Environment,
+        kernel: Kernel,
+        alphas: &[f64],
+    ) -> Self {
         let widths = alphas.iter().filter(|alpha| has_width(**alpha));
-        let degree = widths.map(|alpha| harmonic::degree(*alpha)).max().unwrap_or_default();
+        let degree = widths
+            .map(|alpha| harmonic::degree(*alpha))
+            .max()
+            .unwrap_or_default();
         // A fit tries narrower lobes than the levels'.
-        let degree = (reach * degree.max(harmonic::degree(1.0))).clamp(fit::DEGREE_MAX, harmonic::DEGREE_MAX);
-        Self { environment, kernel, harmonics: harmonic::harmonics(&environment.image, degree), reach, is_other: false }
+        let degree = (reach * degree.max(harmonic::degree(1.0)))
+            .clamp(fit::DEGREE_MAX, harmonic::DEGREE_MAX);
+        Self {
+            environment,
+            kernel,
+            harmonics: harmonic::harmonics(&environment.image, degree),
+            reach,
+            is_other: false,
+        }
     }
 
     fn factors(&self, kernel: Kernel, alpha: f64, degree: usize) -> Vec<f64> {
         // Other kernels only explain a level.
-        let is_own = kernel.brdf.name() == self.kernel.brdf.name() && kernel.weight == self.kernel.weight;
+        let is_own =
+            kernel.brdf.name() == self.kernel.brdf.name() && kernel.weight == self.kernel.weight;
         let reach = if is_own { self.reach } else { 1 };
         harmonic::factors(kernel, alpha, degree.min(reach * harmonic::degree(alpha)))
     }
@@ -92,17 +112,28 @@ impl<'a> Truth<'a> {
     }
 
     fn prefiltered_by(&self, kernel: Kernel, alpha: f64) -> SmoothMap {
-        self.harmonics.convolved(&self.factors(kernel, alpha, self.harmonics.degree()))
+        self.harmonics
+            .convolved(&self.factors(kernel, alpha, self.harmonics.degree()))
     }
 
     /// Sums prefiltered radiance from bands of the light.
     fn of_bands(&self, bands: &[Vec<DVec3>], alpha: f64) -> Vec<DVec3> {
         let degree = bands.first().map_or(0, |bands| bands.len() - 1);
         let factors = self.factors(self.kernel, alpha, degree);
-        bands.iter().map(|bands| bands.iter().zip(&factors).map(|(band, factor)| *band * *factor).sum()).collect()
+        bands
+            .iter()
+            .map(|bands| {
+                bands
+                    .iter()
+                    .zip(&factors)
+                    .map(|(band, factor)| *band * *factor)
+                    .sum()
+            })
+            .collect()
     }
 
-    /// Kernel and width of irradiance over π: at exponent 0 Phong's distribution is constant, so the weight is n·l.
+    /// Kernel and width of irradiance over π: at exponent 0 Phong's distribution is constant, so
+    /// the weight is n·l.
     pub fn of_irradiance() -> (Kernel, f64) {
         (Kernel::cosine(&Phong), 1.0)
     }
@@ -126,7 +157,13 @@ pub struct Errors {
 }
 
 /// Scores `gain` times a map.
-pub fn errors(directions: &Directions, found: &[DVec3], exact: &[DVec3], epsilon: Epsilon, gain: f64) -> Errors {
+pub fn errors(
+    directions: &Directions,
+    found: &[DVec3],
+    exact: &[DVec3],
+    epsilon: Epsilon,
+    gain: f64,
+) -> Errors {
     let (mut relmse, mut whole, mut sums) = (0.0, 0.0, [0.0; 2]);
     for ((weight, found), exact) in directions.weights.iter().zip(found).zip(exact) {
         let found = *found * gain;
@@ -135,11 +172,21 @@ pub fn errors(directions: &Directions, found: &[DVec3], exact: &[DVec3], epsilon
         sums[0] += weight * found.element_sum();
         sums[1] += weight * exact.element_sum();
     }
-    Errors { relmse: relmse / whole, bias_rel: if sums[1] > 0.0 { sums[0] / sums[1] - 1.0 } else { 0.0 } }
+    Errors {
+        relmse: relmse / whole,
+        bias_rel: if sums[1] > 0.0 {
+            sums[0] / sums[1] - 1.0
+        } else {
+            0.0
+        },
+    }
 }
 
 /// Averages `d²/(r² + ε)` over channels.
 fn relative_square(found: DVec3, exact: DVec3, epsilon: Epsilon) -> f64 {
     let d = found - exact;
-    (0..3).map(|c| epsilon.relative(d[c] * d[c], exact[c])).sum::<f64>() / 3.0
+    (0..3)
+        .map(|c| epsilon.relative(d[c] * d[c], exact[c]))
+        .sum::<f64>()
+        / 3.0
 }

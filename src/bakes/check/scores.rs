@@ -30,39 +30,73 @@ pub struct Limits {
 
 #[cfg(feature = "cli")]
 fn threshold(text: &str) -> Result<f64, String> {
-    let number = text.parse::<f64>().ok().filter(|x| x.is_finite() && *x >= 0.0);
-    number.ok_or_else(|| "expected a number of at least 0; an error of 1 % rms is a relmse of 1e-4".to_owned())
+    let number = text
+        .parse::<f64>()
+        .ok()
+        .filter(|x| x.is_finite() && *x >= 0.0);
+    number.ok_or_else(|| {
+        "expected a number of at least 0; an error of 1 % rms is a relmse of 1e-4".to_owned()
+    })
 }
 
 impl Limits {
     /// Lists the scores above a limit, one a line.
     pub fn failures(&self, judged: &Judged) -> Vec<String> {
-        let levels = || judged.levels.iter().enumerate().map(|(k, score)| (format!("level {k}"), score));
+        let levels = || {
+            judged
+                .levels
+                .iter()
+                .enumerate()
+                .map(|(k, score)| (format!("level {k}"), score))
+        };
         let relmse = levels().map(|(name, score)| (name, "relmse", score.errors.relmse));
-        let irradiance = judged.irradiance.iter().map(|score| ("irradiance".to_owned(), "relmse", score.errors.relmse));
-        let sh = judged.sh.iter().map(|score| ("SH".to_owned(), "relmse", score.errors.relmse));
-        let maps = relmse.chain(irradiance).chain(sh).map(|own| (own, self.fail_above));
-        let between = levels().filter_map(|(name, score)| Some((name, "relmse between texels", score.between?)));
+        let irradiance = judged
+            .irradiance
+            .iter()
+            .map(|score| ("irradiance".to_owned(), "relmse", score.errors.relmse));
+        let sh = judged
+            .sh
+            .iter()
+            .map(|score| ("SH".to_owned(), "relmse", score.errors.relmse));
+        let maps = relmse
+            .chain(irradiance)
+            .chain(sh)
+            .map(|own| (own, self.fail_above));
+        let between = levels()
+            .filter_map(|(name, score)| Some((name, "relmse between texels", score.between?)));
         let between = between.map(|own| (own, self.fail_between_above));
-        let table = judged.dfg.iter().map(|score| ("DFG table".to_owned(), "max error", score.max_error));
+        let table = judged
+            .dfg
+            .iter()
+            .map(|score| ("DFG table".to_owned(), "max error", score.max_error));
         let table = table.map(|own| (own, self.fail_table_above));
         // NaN does not pass.
         let is_above = |value: f64, limit: f64| value.is_nan() || value > limit;
-        let scores = maps.chain(between).chain(table).filter_map(|((name, what, value), limit)| {
-            let limit = limit.filter(|limit| is_above(value, *limit))?;
-            Some(format!("{name}: {what} {value:.2e} is above {limit:.2e}"))
+        let scores = maps
+            .chain(between)
+            .chain(table)
+            .filter_map(|((name, what, value), limit)| {
+                let limit = limit.filter(|limit| is_above(value, *limit))?;
+                Some(format!("{name}: {what} {value:.2e} is above {limit:.2e}"))
+            });
+        let doubts = judged.axes.iter().filter_map(|(what, fits)| {
+            Some(format!("{what}: {}", judged.doubt(what, fits)?.words))
         });
-        let doubts =
-            judged.axes.iter().filter_map(|(what, fits)| Some(format!("{what}: {}", judged.doubt(what, fits)?.words)));
         let wrong = judged.wrong().filter(|_| self.fail_on_wrong);
-        scores.chain(doubts.filter(|_| self.fail_on_warning)).chain(wrong).collect()
+        scores
+            .chain(doubts.filter(|_| self.fail_on_warning))
+            .chain(wrong)
+            .collect()
     }
 }
 
 pub fn as_json(environment: &str, preset: &str, limits: &Limits, judged: &Judged) -> Value {
     let failures = limits.failures(judged);
     let causes = |causes: &[Cause]| -> Vec<Value> {
-        causes.iter().map(|cause| json!({ "kind": cause.kind, "words": cause.words })).collect()
+        causes
+            .iter()
+            .map(|cause| json!({ "kind": cause.kind, "words": cause.words }))
+            .collect()
     };
     let level = |(name, score): (String, &LevelScore)| {
         let worst = &score.worst;
@@ -88,7 +122,11 @@ pub fn as_json(environment: &str, preset: &str, limits: &Limits, judged: &Judged
             "verdict": score.verdict,
         })
     };
-    let levels = judged.levels.iter().enumerate().map(|(k, score)| (format!("level {k}"), score));
+    let levels = judged
+        .levels
+        .iter()
+        .enumerate()
+        .map(|(k, score)| (format!("level {k}"), score));
     let axes = judged.axes.iter().map(|(what, fits)| {
         let best =
             fits.iter().take(4).map(|fit| json!({ "axes": fit.axes.to_string(), "correlation": fit.correlation }));

@@ -1,6 +1,7 @@
 //! KTX 1, as Filament's cmgen writes it. No maintained crate reads it.
 //!
-//! A header of 64 bytes, keys and values, then the levels, largest first [KTX 1 file format, section 2].
+//! A header of 64 bytes, keys and values, then the levels, largest first [KTX 1 file format,
+//! section 2].
 
 use super::texel::Texel;
 use super::{Claim, Encoding, Texture, pairs, truncated, unjoined};
@@ -15,18 +16,51 @@ const HEADER: usize = IDENTIFIER.len() + 4 * WORDS;
 
 pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
     let whole = || Fault::new("has no complete KTX 1 header", "a KTX 1 file");
-    let header = bytes.get(..HEADER).filter(|header| header.starts_with(&IDENTIFIER)).ok_or_else(whole)?;
-    let words: Vec<u32> =
-        header[IDENTIFIER.len()..].as_chunks().0.iter().map(|word| u32::from_le_bytes(*word)).collect();
-    let [order, .., internal, _, width, height, depth, layers, faces, levels, keys] = words[..] else {
+    let header = bytes
+        .get(..HEADER)
+        .filter(|header| header.starts_with(&IDENTIFIER))
+        .ok_or_else(whole)?;
+    let words: Vec<u32> = header[IDENTIFIER.len()..]
+        .as_chunks()
+        .0
+        .iter()
+        .map(|word| u32::from_le_bytes(*word))
+        .collect();
+    let [
+        order,
+        ..,
+        internal,
+        _,
+        width,
+        height,
+        depth,
+        layers,
+        faces,
+        levels,
+        keys,
+    ] = words[..]
+    else {
         return Err(whole());
     };
     if order != LITTLE_ENDIAN {
-        return Err(Fault::new(format!("its byte order is {order:#010x}"), "a little-endian file, 0x04030201"));
+        return Err(Fault::new(
+            format!("its byte order is {order:#010x}"),
+            "a little-endian file, 0x04030201",
+        ));
     }
-    let claim = Claim { width, height, depth, layers, faces, levels: levels.max(1) };
+    let claim = Claim {
+        width,
+        height,
+        depth,
+        layers,
+        faces,
+        levels: levels.max(1),
+    };
     let faces = claim.check()?;
-    let texel = Texel::of(|texel| texel.gl == internal, || format!("its glInternalFormat is {internal:#06x}"))?;
+    let texel = Texel::of(
+        |texel| texel.gl == internal,
+        || format!("its glInternalFormat is {internal:#06x}"),
+    )?;
     let mut at = HEADER.saturating_add(keys as usize);
     let keys = unjoined(bytes.get(HEADER..at).unwrap_or_default());
     let mut read = Vec::new();
@@ -35,7 +69,9 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
         let row = width * texel.bytes;
         let face_bytes = row.next_multiple_of(4) * height;
         let rest = bytes.get(at..).unwrap_or_default();
-        let Some((length, data)) = rest.split_first_chunk() else { return Err(truncated(level, 4, rest.len())) };
+        let Some((length, data)) = rest.split_first_chunk() else {
+            return Err(truncated(level, 4, rest.len()));
+        };
         // The stated length is one face's.
         let length = u32::from_le_bytes(*length) as usize;
         if length != face_bytes {
@@ -45,24 +81,49 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
             ));
         }
         let needed = face_bytes * faces;
-        let data = data.get(..needed).ok_or_else(|| truncated(level, needed, data.len()))?;
+        let data = data
+            .get(..needed)
+            .ok_or_else(|| truncated(level, needed, data.len()))?;
         // Rows are padded to 4 bytes.
-        let rows = data.chunks(row.next_multiple_of(4)).flat_map(|padded| &padded[..row]);
+        let rows = data
+            .chunks(row.next_multiple_of(4))
+            .flat_map(|padded| &padded[..row]);
         read.push(claim.faces_of(level, texel, &rows.copied().collect::<Vec<_>>())?);
         at += 4 + needed;
     }
-    Ok(Texture { levels: read, texel: texel.name, keys })
+    Ok(Texture {
+        levels: read,
+        texel: texel.name,
+        keys,
+    })
 }
 
 pub fn write(encoding: &Encoding) -> Vec<u8> {
-    let Encoding { texel, levels, keys, .. } = encoding;
+    let Encoding {
+        texel,
+        levels,
+        keys,
+        ..
+    } = encoding;
     let pairs = pairs(*keys);
     let (first, faces) = (&levels[0][0], levels[0].len() as u32);
     let ((kind, size), format) = (texel.gl_type, texel.gl_format());
     let (counts, bytes) = ([0, 0, faces, levels.len() as u32], pairs.len() as u32);
-    let words = [LITTLE_ENDIAN, kind, size, format, texel.gl, format, first.width, first.height];
+    let words = [
+        LITTLE_ENDIAN,
+        kind,
+        size,
+        format,
+        texel.gl,
+        format,
+        first.width,
+        first.height,
+    ];
     let words = words.iter().chain(&counts).chain([&bytes]);
-    let mut file: Vec<u8> = IDENTIFIER.into_iter().chain(words.flat_map(|word| word.to_le_bytes())).collect();
+    let mut file: Vec<u8> = IDENTIFIER
+        .into_iter()
+        .chain(words.flat_map(|word| word.to_le_bytes()))
+        .collect();
     file.extend(pairs);
     for level in *levels {
         let row = level[0].width as usize * texel.bytes;

@@ -1,6 +1,7 @@
 //! Texture files: their levels and faces as stored, without a convention.
 //!
-//! Headers are checked before anything is allocated: at most [`TEXELS_MAX`] texels, square faces, levels that halve.
+//! Headers are checked before anything is allocated: at most [`TEXELS_MAX`] texels, square faces,
+//! levels that halve.
 
 mod dds;
 mod ktx1;
@@ -57,14 +58,37 @@ pub struct Encoding<'a> {
 
 /// Every container. Other images are environment formats ([`IMAGES`]) and PNG.
 pub static FORMATS: &[Format] = &[
-    Format { name: "ktx2", extension: "ktx2", read: ktx2::read, needs_dxgi: false, write: ktx2::write },
-    Format { name: "ktx", extension: "ktx", read: ktx1::read, needs_dxgi: false, write: ktx1::write },
-    Format { name: "dds", extension: "dds", read: dds::read, needs_dxgi: true, write: dds::write },
+    Format {
+        name: "ktx2",
+        extension: "ktx2",
+        read: ktx2::read,
+        needs_dxgi: false,
+        write: ktx2::write,
+    },
+    Format {
+        name: "ktx",
+        extension: "ktx",
+        read: ktx1::read,
+        needs_dxgi: false,
+        write: ktx1::write,
+    },
+    Format {
+        name: "dds",
+        extension: "dds",
+        read: dds::read,
+        needs_dxgi: true,
+        write: dds::write,
+    },
 ];
 
 pub fn extensions() -> Vec<&'static str> {
     let images = IMAGES.iter().map(|format| format.extension);
-    FORMATS.iter().map(|format| format.extension).chain(images).chain([PNG]).collect()
+    FORMATS
+        .iter()
+        .map(|format| format.extension)
+        .chain(images)
+        .chain([PNG])
+        .collect()
 }
 
 const PNG: &str = "png";
@@ -79,28 +103,50 @@ pub fn read_texture(path: &Path) -> Result<Texture, PixelsError> {
 }
 
 fn extension(path: &Path) -> Result<String, PixelsError> {
-    let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase()).unwrap_or_default();
+    let extension = path
+        .extension()
+        .map(|extension| extension.to_string_lossy().to_lowercase())
+        .unwrap_or_default();
     if extensions().contains(&&*extension) {
         return Ok(extension);
     }
     let known = extensions().join(", .");
-    Err(Fault::new(format!("its extension is {extension:?}"), format!("one of .{known}")).at(path))
+    Err(Fault::new(
+        format!("its extension is {extension:?}"),
+        format!("one of .{known}"),
+    )
+    .at(path))
 }
 
 /// Reads a texture from memory; the extension of `path` selects the format.
 pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Texture, PixelsError> {
-    let image = |decoded: Decoded, texel| Texture { levels: vec![vec![decoded.rgb]], texel, keys: Vec::new() };
+    let image = |decoded: Decoded, texel| Texture {
+        levels: vec![vec![decoded.rgb]],
+        texel,
+        keys: Vec::new(),
+    };
     let extension = extension(path)?;
     let container = FORMATS.iter().find(|format| format.extension == extension);
-    let texture = match (container, IMAGES.iter().find(|format| format.extension == extension)) {
+    let texture = match (
+        container,
+        IMAGES.iter().find(|format| format.extension == extension),
+    ) {
         (Some(format), _) => (format.read)(bytes).map_err(|fault| fault.at(path))?,
         (None, Some(format)) => image(format.read(path, bytes)?, format.name),
         (None, None) => image(png::read_linear(path, bytes)?, PNG),
     };
     // Containers check their claims; other images may be as large as an environment.
-    let texels: usize = texture.levels.iter().flatten().map(|face| face.data.len()).sum();
+    let texels: usize = texture
+        .levels
+        .iter()
+        .flatten()
+        .map(|face| face.data.len())
+        .sum();
     if texels as u64 > TEXELS_MAX {
-        let fault = Fault::new(format!("it has {texels} texels"), format!("at most {TEXELS_MAX}; bake a smaller map"));
+        let fault = Fault::new(
+            format!("it has {texels} texels"),
+            format!("at most {TEXELS_MAX}; bake a smaller map"),
+        );
         return Err(fault.at(path));
     }
     first_oddity(&texture).map_or(Ok(()), |fault| Err(fault.at(path)))?;
@@ -109,12 +155,23 @@ pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Texture, PixelsError> {
 
 fn first_oddity(texture: &Texture) -> Option<Fault> {
     let levels = texture.levels.iter().enumerate();
-    let mut images = levels.flat_map(|(level, faces)| (0..).zip(faces).map(move |(face, image)| (level, face, image)));
+    let mut images = levels.flat_map(|(level, faces)| {
+        (0..)
+            .zip(faces)
+            .map(move |(face, image)| (level, face, image))
+    });
     images.find_map(|(level, face, image): (usize, u32, &RgbImage)| {
-        let at = image.data.iter().position(|texel| texel.iter().any(|value| !value.is_finite()))?;
+        let at = image
+            .data
+            .iter()
+            .position(|texel| texel.iter().any(|value| !value.is_finite()))?;
         let (x, y) = (at % image.width as usize, at / image.width as usize);
-        let what = format!("level {level}, face {face}, column {x}, row {y} is {:?}", image.data[at]);
-        let expected = "finite values (a sun above 65504 overflows a half: clip the environment before the bake)";
+        let what = format!(
+            "level {level}, face {face}, column {x}, row {y} is {:?}",
+            image.data[at]
+        );
+        let expected = "finite values (a sun above 65504 overflows a half: clip the environment \
+                        before the bake)";
         Some(Fault::new(what, expected))
     })
 }
@@ -133,30 +190,57 @@ struct Claim {
 impl Claim {
     /// Checks the claim and returns the number of faces.
     fn check(&self) -> Result<usize, Fault> {
-        let Self { width, height, depth, layers, faces, levels } = *self;
+        let Self {
+            width,
+            height,
+            depth,
+            layers,
+            faces,
+            levels,
+        } = *self;
         if width == 0 || height == 0 {
-            return Err(Fault::new(format!("the header claims {width}x{height} texels"), "at least one texel"));
+            return Err(Fault::new(
+                format!("the header claims {width}x{height} texels"),
+                "at least one texel",
+            ));
         }
         if depth > 1 || layers > 1 {
             let what = format!("the header claims a depth of {depth} and {layers} layers");
             return Err(Fault::new(what, "one image or one cube"));
         }
         if faces != 1 && faces != FACE_COUNT as u32 {
-            return Err(Fault::new(format!("the header claims {faces} faces"), "1 or 6"));
+            return Err(Fault::new(
+                format!("the header claims {faces} faces"),
+                "1 or 6",
+            ));
         }
         if faces > 1 && width != height {
-            return Err(Fault::new(format!("its faces are {width}x{height}"), "square faces"));
+            return Err(Fault::new(
+                format!("its faces are {width}x{height}"),
+                "square faces",
+            ));
         }
         let most = LEVELS_MAX.min(u32::BITS - width.max(height).leading_zeros());
         if levels == 0 || levels > most {
             let what = format!("the header claims {levels} levels of {width}x{height} texels");
-            return Err(Fault::new(what, format!("1 to {most}, each half as wide as the one before")));
+            return Err(Fault::new(
+                what,
+                format!("1 to {most}, each half as wide as the one before"),
+            ));
         }
         // Level 0 has at least three quarters of all texels.
-        let texels = u64::from(width).saturating_mul(height.into()).saturating_mul(faces.into());
+        let texels = u64::from(width)
+            .saturating_mul(height.into())
+            .saturating_mul(faces.into());
         if texels.saturating_add(texels / 3) > TEXELS_MAX {
-            let what = format!("the header claims {texels} texels in level 0, which take {} MiB", (texels * 12) >> 20);
-            return Err(Fault::new(what, format!("at most {TEXELS_MAX} texels in all; bake a smaller map")));
+            let what = format!(
+                "the header claims {texels} texels in level 0, which take {} MiB",
+                (texels * 12) >> 20
+            );
+            return Err(Fault::new(
+                what,
+                format!("at most {TEXELS_MAX} texels in all; bake a smaller map"),
+            ));
         }
         Ok(faces as usize)
     }
@@ -172,7 +256,9 @@ impl Claim {
 
     fn faces_of(&self, level: u32, texel: &Texel, data: &[u8]) -> Result<Vec<RgbImage>, Fault> {
         let [width, height] = self.size(level);
-        data.chunks_exact(self.face_bytes(level, texel)).map(|face| texel.image(width, height, face)).collect()
+        data.chunks_exact(self.face_bytes(level, texel))
+            .map(|face| texel.image(width, height, face))
+            .collect()
     }
 }
 
@@ -193,9 +279,15 @@ fn unjoined(mut bytes: &[u8]) -> Vec<(String, String)> {
     let mut keys = Vec::new();
     while let Some((length, rest)) = bytes.split_first_chunk() {
         let length = u32::from_le_bytes(*length) as usize;
-        let Some(pair) = rest.get(..length) else { break };
-        let text = std::str::from_utf8(pair).ok().and_then(|pair| pair.split_once('\0'));
-        keys.extend(text.map(|(key, value)| (key.to_owned(), value.trim_end_matches('\0').to_owned())));
+        let Some(pair) = rest.get(..length) else {
+            break;
+        };
+        let text = std::str::from_utf8(pair)
+            .ok()
+            .and_then(|pair| pair.split_once('\0'));
+        keys.extend(
+            text.map(|(key, value)| (key.to_owned(), value.trim_end_matches('\0').to_owned())),
+        );
         bytes = rest.get(length.next_multiple_of(4)..).unwrap_or_default();
     }
     keys

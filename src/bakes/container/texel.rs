@@ -59,19 +59,50 @@ pub static TEXELS: &[Texel] = &[
     },
 ];
 
-const fn half(name: &'static str, channels: usize, vulkan: Format, gl: u32, dxgi: Option<u32>) -> Texel {
+const fn half(
+    name: &'static str,
+    channels: usize,
+    vulkan: Format,
+    gl: u32,
+    dxgi: Option<u32>,
+) -> Texel {
     let (bytes, gl_type, largest) = (2 * channels, (0x140b, 2), HALF_MAX);
-    Texel { name, bytes, channels, vulkan, gl, gl_type, dxgi, largest, decode: halves, encode: to_halves }
+    Texel {
+        name,
+        bytes,
+        channels,
+        vulkan,
+        gl,
+        gl_type,
+        dxgi,
+        largest,
+        decode: halves,
+        encode: to_halves,
+    }
 }
 
 const fn float(name: &'static str, channels: usize, vulkan: Format, gl: u32, dxgi: u32) -> Texel {
     let (bytes, gl_type, dxgi, largest) = (4 * channels, (0x1406, 4), Some(dxgi), f32::MAX);
-    Texel { name, bytes, channels, vulkan, gl, gl_type, dxgi, largest, decode: floats, encode: to_floats }
+    Texel {
+        name,
+        bytes,
+        channels,
+        vulkan,
+        gl,
+        gl_type,
+        dxgi,
+        largest,
+        decode: floats,
+        encode: to_floats,
+    }
 }
 
 impl Texel {
     /// Finds a format by its code in a container.
-    pub(super) fn of(is: impl Fn(&Self) -> bool, found: impl FnOnce() -> String) -> Result<&'static Self, Fault> {
+    pub(super) fn of(
+        is: impl Fn(&Self) -> bool,
+        found: impl FnOnce() -> String,
+    ) -> Result<&'static Self, Fault> {
         let unknown = || Fault::new(found(), format!("one of {}", Self::names().join(", ")));
         TEXELS.iter().find(|texel| is(texel)).ok_or_else(unknown)
     }
@@ -80,7 +111,11 @@ impl Texel {
     pub(super) fn image(&self, width: u32, height: u32, bytes: &[u8]) -> Result<RgbImage, Fault> {
         let count = width as usize * height as usize;
         let mut data = reserved(count)?;
-        data.extend(bytes[..count * self.bytes].chunks_exact(self.bytes).map(self.decode));
+        data.extend(
+            bytes[..count * self.bytes]
+                .chunks_exact(self.bytes)
+                .map(self.decode),
+        );
         Ok(Pixels::new(width, height, data))
     }
 
@@ -103,14 +138,19 @@ impl Texel {
     }
 }
 
-/// Filament's reader and cmgen identify 10-11-11 floats by the internal format in the place of the type.
+/// Filament's reader and cmgen identify 10-11-11 floats by the internal format in the place of the
+/// type.
 const CMGEN: (u32, u32) = (0x8c3a, 1);
 
 listed!(Texel, "texel format", TEXELS);
 
 fn halves(bytes: &[u8]) -> [f32; 3] {
     let words = bytes.as_chunks::<2>().0;
-    std::array::from_fn(|i| words.get(i).map_or(0.0, |word| f16::from_le_bytes(*word).to_f32()))
+    std::array::from_fn(|i| {
+        words
+            .get(i)
+            .map_or(0.0, |word| f16::from_le_bytes(*word).to_f32())
+    })
 }
 
 fn floats(bytes: &[u8]) -> [f32; 3] {
@@ -134,25 +174,31 @@ fn word(bytes: &[u8]) -> u32 {
     u32::from_le_bytes([bytes[0], bytes[1], bytes[2], bytes[3]])
 }
 
-/// Decodes 9 bits of mantissa each and a shared exponent: `m 2^(e - 15 - 9)` [Vulkan13, "Shared Exponent to RGB"].
+/// Decodes 9 bits of mantissa each and a shared exponent: `m 2^(e - 15 - 9)` [Vulkan13, "Shared
+/// Exponent to RGB"].
 fn shared_exponent(bytes: &[u8]) -> [f32; 3] {
     let word = word(bytes);
     let scale = f32::powi(2.0, (word >> 27) as i32 - 24);
     [0, 9, 18].map(|shift| ((word >> shift) & 0x1ff) as f32 * scale)
 }
 
-/// Encodes with the smallest exponent that fits the largest channel [Vulkan13, "RGB to Shared Exponent"].
+/// Encodes with the smallest exponent that fits the largest channel [Vulkan13, "RGB to Shared
+/// Exponent"].
 fn to_shared_exponent([r, g, b, _]: [f32; 4], bytes: &mut [u8]) {
     let largest = r.max(g).max(b);
     // Exact, where a logarithm rounds.
     let leading = ((largest.to_bits() >> 23) as i32 - 127).max(-16);
-    let mantissa = |value: f32, exponent: i32| (value / f32::powi(2.0, exponent - 24)).round_ties_even() as u32;
+    let mantissa = |value: f32, exponent: i32| {
+        (value / f32::powi(2.0, exponent - 24)).round_ties_even() as u32
+    };
     let exponent = leading + 16;
     let exponent = exponent + i32::from(mantissa(largest, exponent) > 0x1ff);
     let word = [r, g, b]
         .iter()
         .zip([0, 9, 18])
-        .fold((exponent as u32) << 27, |word, (value, shift)| word | mantissa(*value, exponent) << shift);
+        .fold((exponent as u32) << 27, |word, (value, shift)| {
+            word | mantissa(*value, exponent) << shift
+        });
     bytes.copy_from_slice(&word.to_le_bytes());
 }
 
@@ -170,9 +216,14 @@ fn to_eleven_eleven_ten([r, g, b, _]: [f32; 4], bytes: &mut [u8]) {
 const SHARED_MAX: f32 = 65408.0;
 const PACKED_MAX: f32 = 64512.0;
 
-/// Decodes unsigned halves with 6 and 5 bits of mantissa [Vulkan13, "Unsigned 11-Bit Floating-Point Numbers"].
+/// Decodes unsigned halves with 6 and 5 bits of mantissa [Vulkan13, "Unsigned 11-Bit Floating-Point
+/// Numbers"].
 fn eleven_eleven_ten(bytes: &[u8]) -> [f32; 3] {
     let word = word(bytes);
     let half = |bits: u32| f16::from_bits(bits as u16).to_f32();
-    [half((word & 0x7ff) << 4), half(((word >> 11) & 0x7ff) << 4), half((word >> 22) << 5)]
+    [
+        half((word & 0x7ff) << 4),
+        half(((word >> 11) & 0x7ff) << 4),
+        half((word >> 22) << 5),
+    ]
 }

@@ -7,5 +7,7 @@ pub static CONSTANT: Builtin = Builtin {
     name: "constant",
     about: "the same grey radiance from everywhere",
     parameters: &[parameter("radiance", "radiance", 1.0, [0.0, 1e6])],
-    make: |values, [width, height]| RgbImage::filled(width, height, [values.get("radiance") as f32; 3]),
+    make: |values, [width, height]| {
+        RgbImage::filled(width, height, [values.get("radiance") as f32; 3])
+    },
 };

@@ -1,12 +1,14 @@
-//! The clear sky of Hosek and Wilkie \[HosekWilkie12\], RGB data set, in the f32 arithmetic of its authors.
+//! The clear sky of Hosek and Wilkie \[HosekWilkie12\], RGB data set, in the f32 arithmetic of its
+//! authors.
 //!
-//! `L(θ, γ) = r (1 + A exp(B/(cos θ + 0.01))) (C + D exp(E γ) + F cos² γ + G χ(H, γ) + I √cos θ)` for each channel, θ
-//! the angle to the zenith, γ to the sun, and `χ(H, γ) = (1 + cos² γ)/(1 + H² - 2 H cos γ)^1.5`.
+//! `L(θ, γ) = r (1 + A exp(B/(cos θ + 0.01))) (C + D exp(E γ) + F cos² γ + G χ(H, γ) + I √cos θ)`
+//! for each channel, θ the angle to the zenith, γ to the sun, and `χ(H, γ) = (1 + cos² γ)/(1 + H² -
+//! 2 H cos γ)^1.5`.
 
 use std::f32::consts::FRAC_PI_2;
 
-/// Little-endian f32: the nine coefficients of red, green and blue, then r of each. Each is ordered by albedo (0 and
-/// 1), turbidity (1 to 10) and the six control points of a quintic Bézier curve.
+/// Little-endian f32: the nine coefficients of red, green and blue, then r of each. Each is ordered
+/// by albedo (0 and 1), turbidity (1 to 10) and the six control points of a quintic Bézier curve.
 static DATA: &[u8] = include_bytes!("../../../assets/hosek-wilkie/rgb.f32");
 
 const COEFFICIENTS: usize = 9;
@@ -21,21 +23,31 @@ pub struct Sky {
 }
 
 impl Sky {
-    /// Computes the sky for an elevation in [0, π/2] (radians), a turbidity in [1, 10] and a ground albedo in [0, 1].
+    /// Computes the sky for an elevation in [0, π/2] (radians), a turbidity in [1, 10] and a ground
+    /// albedo in [0, 1].
     pub fn new(elevation: f32, turbidity: f32, albedo: f32) -> Self {
-        let data: Vec<f32> = DATA.as_chunks().0.iter().map(|word| f32::from_le_bytes(*word)).collect();
+        let data: Vec<f32> = DATA
+            .as_chunks()
+            .0
+            .iter()
+            .map(|word| f32::from_le_bytes(*word))
+            .collect();
         let points = ALBEDOS * TURBIDITIES * POINTS;
         let (coefficients, radiances) = data.split_at(3 * points * COEFFICIENTS);
         let t = (elevation / FRAC_PI_2).powf(1.0 / 3.0);
-        let at = |data: &[f32], stride: usize, index: usize| interpolated(data, stride, index, turbidity, albedo, t);
+        let at = |data: &[f32], stride: usize, index: usize| {
+            interpolated(data, stride, index, turbidity, albedo, t)
+        };
         let of_channel = |channel: usize| &coefficients[channel * points * COEFFICIENTS..];
         Self {
-            coefficients: [0, 1, 2].map(|i| std::array::from_fn(|k| at(of_channel(i), COEFFICIENTS, k))),
+            coefficients: [0, 1, 2]
+                .map(|i| std::array::from_fn(|k| at(of_channel(i), COEFFICIENTS, k))),
             radiances: [0, 1, 2].map(|i| at(&radiances[i * points..], 1, 0)),
         }
     }
 
-    /// Returns the RGB radiance at angles to the zenith and to the sun, radians. Under a low sun it may be negative.
+    /// Returns the RGB radiance at angles to the zenith and to the sun, radians. Under a low sun it
+    /// may be negative.
     pub fn radiance(&self, theta: f32, gamma: f32) -> [f32; 3] {
         let (cos_gamma, cos_theta) = (gamma.cos(), theta.cos().abs());
         let rayleigh = cos_gamma * cos_gamma;
@@ -50,15 +62,24 @@ impl Sky {
     }
 }
 
-/// Interpolates coefficient `index` of `stride`: linearly between albedos and turbidities, by the Bézier curve in t.
-fn interpolated(data: &[f32], stride: usize, index: usize, turbidity: f32, albedo: f32, t: f32) -> f32 {
+/// Interpolates coefficient `index` of `stride`: linearly between albedos and turbidities, by the
+/// Bézier curve in t.
+fn interpolated(
+    data: &[f32],
+    stride: usize,
+    index: usize,
+    turbidity: f32,
+    albedo: f32,
+    t: f32,
+) -> f32 {
     let (whole, part) = (turbidity.trunc() as usize, turbidity.fract());
     let turbidities = [whole.saturating_sub(1), whole.min(TURBIDITIES - 1)];
     let mut sum = 0.0;
     for (albedo_index, albedo_weight) in [1.0 - albedo, albedo].into_iter().enumerate() {
         for (turbidity_index, turbidity_weight) in turbidities.into_iter().zip([1.0 - part, part]) {
             let first = (albedo_index * TURBIDITIES + turbidity_index) * POINTS * stride + index;
-            sum += albedo_weight * turbidity_weight * quintic(|point| data[first + point * stride], t);
+            sum +=
+                albedo_weight * turbidity_weight * quintic(|point| data[first + point * stride], t);
         }
     }
     sum

@@ -1,8 +1,8 @@
 //! A dark room with softboxes and a bare lamp.
 //!
-//! `L(d) = room(d.y) + Σ box_i(d)`, plus the lamp, a uniform cap. A softbox with centre `c`, right `r`, up `t` and half
-//! sizes `(a, b)` (radians) is `radiance edge(|d.r / d.c| / tan a) edge(|d.t / d.c| / tan b)` for `d.c > 0`, where
-//! `edge` falls from 1 to 0 by a smoothstep over `1 ± EDGE`.
+//! `L(d) = room(d.y) + Σ box_i(d)`, plus the lamp, a uniform cap. A softbox with centre `c`, right
+//! `r`, up `t` and half sizes `(a, b)` (radians) is `radiance edge(|d.r / d.c| / tan a) edge(|d.t /
+//! d.c| / tan b)` for `d.c > 0`, where `edge` falls from 1 to 0 by a smoothstep over `1 ± EDGE`.
 
 use super::{Builtin, Values, raster};
 use crate::pixels::RgbImage;
@@ -23,7 +23,11 @@ struct Softbox {
 }
 
 const fn softbox(center: [f64; 2], half_size: [f64; 2], radiance: [f64; 3]) -> Softbox {
-    Softbox { center, half_size, radiance: DVec3::from_array(radiance) }
+    Softbox {
+        center,
+        half_size,
+        radiance: DVec3::from_array(radiance),
+    }
 }
 
 /// Key, fill, two rims and a top light, as for a subject photographed from +z.
@@ -41,7 +45,8 @@ const LAMP_RADIANCE: DVec3 = DVec3::new(1500.0, 1250.0, 950.0);
 
 pub static STUDIO: Builtin = Builtin {
     name: "studio",
-    about: "a dark room with a large key softbox, a fill, two rim strips, a top light and a small hot lamp",
+    about: "a dark room with a large key softbox, a fill, two rim strips, a top light and a small \
+            hot lamp",
     parameters: &[],
     make,
 };
@@ -59,18 +64,28 @@ fn make(_: &Values, size: [u32; 2]) -> RgbImage {
         })
         .collect();
     let mut image = raster::supersampled(size, SAMPLES_PER_SIDE, |_, d| {
-        boxes.iter().fold(room(d.y), |sum, (center, right, up, radiance)| {
-            let depth = d.dot(*center);
-            let inside =
-                if depth > 0.0 { edge((d.dot(*right) / depth).abs()) * edge((d.dot(*up) / depth).abs()) } else { 0.0 };
-            sum + *radiance * inside
-        })
+        boxes
+            .iter()
+            .fold(room(d.y), |sum, (center, right, up, radiance)| {
+                let depth = d.dot(*center);
+                let inside = if depth > 0.0 {
+                    edge((d.dot(*right) / depth).abs()) * edge((d.dot(*up) / depth).abs())
+                } else {
+                    0.0
+                };
+                sum + *radiance * inside
+            })
     });
     let [azimuth, elevation, half_angle] = LAMP.map(f64::to_radians);
-    raster::cover_cap(size, raster::direction(azimuth, elevation), half_angle, |texel, coverage| {
-        let behind = DVec3::from(image.data[texel].map(f64::from));
-        image.data[texel] = behind.lerp(LAMP_RADIANCE, coverage).as_vec3().to_array();
-    });
+    raster::cover_cap(
+        size,
+        raster::direction(azimuth, elevation),
+        half_angle,
+        |texel, coverage| {
+            let behind = DVec3::from(image.data[texel].map(f64::from));
+            image.data[texel] = behind.lerp(LAMP_RADIANCE, coverage).as_vec3().to_array();
+        },
+    );
     image
 }
 

@@ -7,7 +7,8 @@ use glam::{DVec2, DVec3};
 pub const LAYOUT: MapLayout = MapLayout {
     name: "cube",
     about: "six faces, filtered across their edges by the hardware",
-    mapping: "six faces below each other, +x, -x, +y, -y, +z, -z, each as Vulkan selects and lays out the faces of a cube map",
+    mapping: "six faces below each other, +x, -x, +y, -y, +z, -z, each as Vulkan selects and lays \
+              out the faces of a cube map",
     face_count: 6,
     is_square: true,
     side_min: 4,
@@ -22,10 +23,13 @@ pub const LAYOUT: MapLayout = MapLayout {
     texel,
 };
 
-/// Returns the largest component of a direction. Its mean over a sample of `omega_s` is larger on edges and corners, where another
-/// component becomes the largest; ignoring that, 40 samples lose a tenth of the light of a lamp on a corner.
+/// Returns the largest component of a direction. Its mean over a sample of `omega_s` is larger on
+/// edges and corners, where another component becomes the largest; ignoring that, 40 samples lose a
+/// tenth of the light of a lamp on a corner.
 fn mean_major(a: DVec3, omega_s: f64) -> f64 {
-    let softened = |a: f64, b: f64| 0.5 * (a + b + ((a - b).powi(2) + f64::from(EDGE_SOFTNESS) * omega_s).sqrt());
+    let softened = |a: f64, b: f64| {
+        0.5 * (a + b + ((a - b).powi(2) + f64::from(EDGE_SOFTNESS) * omega_s).sqrt())
+    };
     softened(softened(a.x, a.y), a.z).min(1.0)
 }
 
@@ -45,7 +49,10 @@ fn direction(face: u32, uv: DVec2) -> DVec3 {
 
 /// Returns the point on the cube whose faces have distance 1.
 fn on_face(face: u32, uv: DVec2) -> DVec3 {
-    let (st, sign) = (2.0 * uv - 1.0, if face.is_multiple_of(2) { 1.0 } else { -1.0 });
+    let (st, sign) = (
+        2.0 * uv - 1.0,
+        if face.is_multiple_of(2) { 1.0 } else { -1.0 },
+    );
     match face / 2 {
         0 => DVec3::new(sign, -st.y, -sign * st.x),
         1 => DVec3::new(st.x, sign, sign * st.y),
@@ -53,7 +60,8 @@ fn on_face(face: u32, uv: DVec2) -> DVec3 {
     }
 }
 
-/// A texel one step outside a face, seen from the centre, lies in the outermost row of the next face.
+/// A texel one step outside a face, seen from the centre, lies in the outermost row of the next
+/// face.
 fn texel(face: u32, [x, y]: [i64; 2], [side, _]: [u32; 2]) -> Option<[u32; 3]> {
     let is_inside = |i: i64| (0..i64::from(side)).contains(&i);
     match (is_inside(x), is_inside(y)) {
@@ -63,7 +71,8 @@ fn texel(face: u32, [x, y]: [i64; 2], [side, _]: [u32; 2]) -> Option<[u32; 3]> {
             let centre = (DVec2::new(x as f64, y as f64) + 0.5) / f64::from(side);
             let (next, uv) = place(on_face(face, centre));
             let last = f64::from(side - 1);
-            let [x, y] = [uv.x, uv.y].map(|u| (u * f64::from(side)).floor().clamp(0.0, last) as u32);
+            let [x, y] =
+                [uv.x, uv.y].map(|u| (u * f64::from(side)).floor().clamp(0.0, last) as u32);
             Some([next, x, y])
         }
     }

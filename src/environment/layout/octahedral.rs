@@ -1,4 +1,5 @@
-//! The unfolded octahedron, +y in the centre, -y in the corners: texels of equal solid angle \[ClarbergSquare08\].
+//! The unfolded octahedron, +y in the centre, -y in the corners: texels of equal solid angle
+//! \[ClarbergSquare08\].
 
 use super::MapLayout;
 use glam::{DVec2, DVec3};
@@ -25,8 +26,15 @@ fn place(d: DVec3) -> (u32, DVec2) {
     let r = ((x * x + z * z) / (1.0 + d.y.abs())).sqrt();
     let v = r * z.atan2(x) * FRAC_2_PI;
     let upper = DVec2::new(r - v, v);
-    let uv = if d.y < 0.0 { DVec2::new(1.0 - upper.y, 1.0 - upper.x) } else { upper };
-    (0, 0.5 + 0.5 * DVec2::new(uv.x.copysign(d.x), uv.y.copysign(d.z)))
+    let uv = if d.y < 0.0 {
+        DVec2::new(1.0 - upper.y, 1.0 - upper.x)
+    } else {
+        upper
+    };
+    (
+        0,
+        0.5 + 0.5 * DVec2::new(uv.x.copysign(d.x), uv.y.copysign(d.z)),
+    )
 }
 
 fn direction(_: u32, uv: DVec2) -> DVec3 {
@@ -42,7 +50,11 @@ fn direction(_: u32, uv: DVec2) -> DVec3 {
     let (sin, cos) = (FRAC_PI_2 * share).sin_cos();
     let horizontal = r * (2.0 - r * r).sqrt();
     let y = (1.0 - r * r).copysign(from_fold);
-    DVec3::new((horizontal * cos).copysign(signed.x), y, (horizontal * sin).copysign(signed.y))
+    DVec3::new(
+        (horizontal * cos).copysign(signed.x),
+        y,
+        (horizontal * sin).copysign(signed.y),
+    )
 }
 
 /// Each edge of the square is folded in its middle.

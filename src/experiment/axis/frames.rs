@@ -9,7 +9,11 @@ use crate::scene::is_design;
 use crate::shade::frames::{Accumulation, Frames, History, Motion};
 use crate::spelling::Listed;
 
-const FRAME: Axis = Axis { part: Part::Parameter, used: |u| u.frames.is_some(), ..LAYER };
+const FRAME: Axis = Axis {
+    part: Part::Parameter,
+    used: |u| u.frames.is_some(),
+    ..LAYER
+};
 
 const FRAMES_MAX: u32 = 4096;
 
@@ -24,7 +28,14 @@ pub(super) const FRAME_AXES: &[Axis] = &[
         used: |u| u.method.uses_point_set,
         reference: |_, _| Value::Count(1),
         apply: |s, v| s.shading.frames.count = v.count(),
-        ..valued(Kind::Count { min: 1, max: FRAMES_MAX }, || Value::Count(1), FRAME)
+        ..valued(
+            Kind::Count {
+                min: 1,
+                max: FRAMES_MAX,
+            },
+            || Value::Count(1),
+            FRAME,
+        )
     },
     Axis {
         name: "accumulation",
@@ -37,9 +48,16 @@ pub(super) const FRAME_AXES: &[Axis] = &[
         label: "Newest frame",
         about: "weight of the newest frame in a long exponential moving average (`ema`)",
         symbol: Symbol::Before("factor"),
-        used: |u| u.frames.is_some_and(|frames| frames.accumulation == Accumulation::Ema),
+        used: |u| {
+            u.frames
+                .is_some_and(|frames| frames.accumulation == Accumulation::Ema)
+        },
         apply: |s, v| s.shading.frames.ema_factor = v.number(),
-        ..valued(Kind::Number(Range::above(0.0, 1.0)), || Value::Number(Frames::default().ema_factor), FRAME)
+        ..valued(
+            Kind::Number(Range::above(0.0, 1.0)),
+            || Value::Number(Frames::default().ema_factor),
+            FRAME,
+        )
     },
     Axis {
         name: "motion",
@@ -53,13 +71,21 @@ pub(super) const FRAME_AXES: &[Axis] = &[
         about: "turn of the light or the camera about +y per frame, degrees",
         plural: "speeds",
         symbol: Symbol::After("deg a frame", "degrees a frame"),
-        used: |u| u.frames.is_some_and(|frames| frames.motion != Motion::Still),
+        used: |u| {
+            u.frames
+                .is_some_and(|frames| frames.motion != Motion::Still)
+        },
         apply: |s, v| s.shading.frames.motion_deg = v.number(),
-        ..valued(Kind::Number(Range::closed(-360.0, 360.0)), || Value::Number(Frames::default().motion_deg), FRAME)
+        ..valued(
+            Kind::Number(Range::closed(-360.0, 360.0)),
+            || Value::Number(Frames::default().motion_deg),
+            FRAME,
+        )
     },
     Axis {
         name: "frame_points",
-        about: "points of each pixel and frame: scrambled (owen), continued (r2, least error in a still view), or shifted by blue noise (blue)",
+        about: "points of each pixel and frame: scrambled (owen), continued (r2, least error in a \
+                still view), or shifted by blue noise (blue)",
         plural: "kinds of frame points",
         symbol: Symbol::After("frame points", "frame points"),
         apply: |s, v| s.shading.frames.points = *FramePoints::listed(v.text()),
@@ -81,12 +107,16 @@ pub fn motion_fault(point: &Point, is_antialiased: bool) -> Option<String> {
     let is_moving = ![&Value::Unset, &first::<Motion>()].contains(&motion);
     if is_moving && is_design(point[SCENE].text()) {
         return Some(format!(
-            "{motion} on the scene design, whose pixels are unrelated views: none has a history at another pixel; \
+            "{motion} on the scene design, whose pixels are unrelated views: none has a history at \
+             another pixel; \
              expected still, or another scene"
         ));
     }
     let is_mixed = is_antialiased && point.settings().shading.frames.motion == Motion::Orbit;
-    is_mixed.then(|| "orbit with antialiasing: edges would mix before they add up; expected one of them".to_owned())
+    is_mixed.then(|| {
+        "orbit with antialiasing: edges would mix before they add up; expected one of them"
+            .to_owned()
+    })
 }
 
 /// Whether each frame of a sequence is as blurred as its own samples alone.
@@ -96,5 +126,5 @@ pub fn is_blurred(point: &Point) -> bool {
 }
 
 /// What to do about it.
-pub const BLUR: &str =
-    "lod_bias: each frame is blurred as by its own samples alone; -0.5 log2(frames) sharpens it (docs/frames.md)";
+pub const BLUR: &str = "lod_bias: each frame is blurred as by its own samples alone; -0.5 \
+                        log2(frames) sharpens it (docs/frames.md)";

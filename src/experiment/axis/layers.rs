@@ -9,12 +9,16 @@ use crate::shade::coat::{CoatLayering, CoatRenderer};
 use crate::shade::sheen::SheenLookup;
 use crate::spelling::Listed;
 
-pub(super) const LAYER: Axis = Axis { is_layer: true, ..PLAIN };
+pub(super) const LAYER: Axis = Axis {
+    is_layer: true,
+    ..PLAIN
+};
 
 pub(super) const LAYER_AXES: &[Axis] = &[
     Axis {
         name: "anisotropy",
-        about: "strength of the anisotropy of every material, by anisotropy_widths; 0 has one width",
+        about: "strength of the anisotropy of every material, by anisotropy_widths; 0 has one \
+                width",
         plural: "anisotropies",
         symbol: Symbol::Before("anisotropy"),
         kind: Kind::Number(Range::closed(0.0, 1.0)),
@@ -24,7 +28,8 @@ pub(super) const LAYER_AXES: &[Axis] = &[
     Axis {
         name: "anisotropy_rotation_deg",
         label: "Tangent turn (°)",
-        about: "turns the direction of the larger width from the tangent, counter-clockwise about the normal",
+        about: "turns the direction of the larger width from the tangent, counter-clockwise about \
+                the normal",
         plural: "turns of the tangent",
         symbol: Symbol::After("deg", "degrees"),
         used: |u| u.has_anisotropy,

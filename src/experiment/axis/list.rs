@@ -1,4 +1,5 @@
-//! The list of all axes except the axes of layers ([`super::layers`]), of frames ([`super::frames`]) and of tables ([`super::tables`]).
+//! The list of all axes except the axes of layers ([`super::layers`]), of frames
+//! ([`super::frames`]) and of tables ([`super::tables`]).
 
 use super::frames::FRAME_AXES;
 use super::layers::LAYER_AXES;
@@ -16,7 +17,8 @@ use crate::spelling::Listed;
 pub static AXES: &[Axis] = LIST;
 
 const LIST: &[Axis] = &{
-    let mut list = [PLAIN; IMAGE_AXES.len() + LAYER_AXES.len() + FRAME_AXES.len() + TABLE_AXES.len()];
+    let mut list =
+        [PLAIN; IMAGE_AXES.len() + LAYER_AXES.len() + FRAME_AXES.len() + TABLE_AXES.len()];
     let (image, rest) = list.split_at_mut(IMAGE_AXES.len());
     let (layers, rest) = rest.split_at_mut(LAYER_AXES.len());
     let (frames, tables) = rest.split_at_mut(FRAME_AXES.len());
@@ -40,7 +42,8 @@ const IMAGE_AXES: &[Axis] = &[
     },
     Axis {
         name: "environment",
-        about: "the light: builtin:NAME (`splitsum list environments`), or an .hdr or .exr file (FILE.exr#NAME for a layer)",
+        about: "the light: builtin:NAME (`splitsum list environments`), or an .hdr or .exr file \
+                (FILE.exr#NAME for a layer)",
         plural: "environments",
         sheet: Sheet::Page,
         needs_memory: true,
@@ -70,7 +73,11 @@ const IMAGE_AXES: &[Axis] = &[
         tables_cost: true,
         feeds: &[PREFILTER, DFG],
         apply: |s, v| s.shading.brdf = <dyn brdf::Brdf>::listed(v.text()),
-        ..valued(Kind::one_of::<dyn brdf::Brdf>(), || Value::from("ggx"), PLAIN)
+        ..valued(
+            Kind::one_of::<dyn brdf::Brdf>(),
+            || Value::from("ggx"),
+            PLAIN,
+        )
     },
     Axis {
         name: "method",
@@ -81,9 +88,22 @@ const IMAGE_AXES: &[Axis] = &[
         tables_cost: true,
         is_compared: true,
         needs_memory: true,
-        reference: |r, v| if r.leaves_out(v) { v.clone() } else { Value::from(r.method.as_str()) },
+        reference: |r, v| {
+            if r.leaves_out(v) {
+                v.clone()
+            } else {
+                Value::from(r.method.as_str())
+            }
+        },
         apply: |s, v| s.shading.method = Method::listed(v.text()),
-        ..valued(Kind::NameOrFile { what: Method::WHAT, names: Method::names }, || Value::from("sampled"), PLAIN)
+        ..valued(
+            Kind::NameOrFile {
+                what: Method::WHAT,
+                names: Method::names,
+            },
+            || Value::from("sampled"),
+            PLAIN,
+        )
     },
     Axis {
         name: "diffuse",
@@ -95,7 +115,13 @@ const IMAGE_AXES: &[Axis] = &[
         tables_cost: true,
         needs_memory: true,
         used: |u| u.has_diffuse_surface,
-        reference: |r, v| if r.leaves_out(v) { v.clone() } else { Value::from(REFERENCE) },
+        reference: |r, v| {
+            if r.leaves_out(v) {
+                v.clone()
+            } else {
+                Value::from(REFERENCE)
+            }
+        },
         apply: |s, v| s.shading.diffuse = Diffuse::listed(v.text()),
         ..valued(Kind::one_of::<Diffuse>(), || Value::from("sh9"), PLAIN)
     },
@@ -112,13 +138,24 @@ const IMAGE_AXES: &[Axis] = &[
         used: |u| u.method.uses_samples,
         reference: |r, _| Value::Count(r.samples),
         apply: |s, v| s.shading.samples = v.count(),
-        ..valued(Kind::Count { min: 1, max: 1 << 24 }, || Value::Count(40), PLAIN)
+        ..valued(
+            Kind::Count {
+                min: 1,
+                max: 1 << 24,
+            },
+            || Value::Count(40),
+            PLAIN,
+        )
     },
     Axis {
         name: "sequence",
         part: Part::Parameter,
         about: "point sequence of sampled methods; `splitsum list sequences`",
-        used: |u| u.method.uses_point_set && u.frames.is_none_or(|frames| frames.points != FramePoints::R2),
+        used: |u| {
+            u.method.uses_point_set
+                && u.frames
+                    .is_none_or(|frames| frames.points != FramePoints::R2)
+        },
         apply: |s, v| s.shading.sequence = Sequence::listed(v.text()),
         ..one_of::<Sequence>(PLAIN)
     },
@@ -129,7 +166,14 @@ const IMAGE_AXES: &[Axis] = &[
         symbol: Symbol::Before("set"),
         used: |u| u.method.uses_point_set,
         apply: |s, v| s.shading.point_set = v.count(),
-        ..valued(Kind::Count { min: 0, max: 1 << 20 }, || Value::Count(0), PLAIN)
+        ..valued(
+            Kind::Count {
+                min: 0,
+                max: 1 << 20,
+            },
+            || Value::Count(0),
+            PLAIN,
+        )
     },
     Axis {
         name: "pixel_points",
@@ -155,7 +199,8 @@ const IMAGE_AXES: &[Axis] = &[
     Axis {
         name: "f0",
         label: "F0",
-        about: "reflectance at normal incidence of every dielectric, ((n - 1)/(n + 1))^2 of its index n; a metal's is its albedo",
+        about: "reflectance at normal incidence of every dielectric, ((n - 1)/(n + 1))^2 of its \
+                index n; a metal's is its albedo",
         plural: "values of F0",
         symbol: Symbol::Before("F0"),
         used: |u| u.has_dielectric,
@@ -187,7 +232,11 @@ const IMAGE_AXES: &[Axis] = &[
         about: "factor before the tone curve",
         symbol: Symbol::Before("exposure"),
         apply: |s, v| s.curve.exposure = v.number() as f32,
-        ..valued(Kind::Number(Range::above(0.0, 1e9)), || Value::Number(1.0), PLAIN)
+        ..valued(
+            Kind::Number(Range::above(0.0, 1e9)),
+            || Value::Number(1.0),
+            PLAIN,
+        )
     },
     Axis {
         name: "contrast",
@@ -195,7 +244,11 @@ const IMAGE_AXES: &[Axis] = &[
         about: "exponent of the tone curve, times 2.2",
         symbol: Symbol::Before("contrast"),
         apply: |s, v| s.curve.contrast = v.number() as f32,
-        ..valued(Kind::Number(Range::above(0.0, 100.0)), || Value::Number(1.0), PLAIN)
+        ..valued(
+            Kind::Number(Range::above(0.0, 100.0)),
+            || Value::Number(1.0),
+            PLAIN,
+        )
     },
     Axis {
         name: "environment_orientation",
@@ -204,7 +257,14 @@ const IMAGE_AXES: &[Axis] = &[
         symbol: Symbol::Before("orientation"),
         flag: Some("orientation"),
         apply: |s, v| s.shading.placement.orientation = v.count(),
-        ..valued(Kind::Count { min: 0, max: Placement::ORIENTATION_MAX }, || Value::Count(0), PLAIN)
+        ..valued(
+            Kind::Count {
+                min: 0,
+                max: Placement::ORIENTATION_MAX,
+            },
+            || Value::Count(0),
+            PLAIN,
+        )
     },
     Axis {
         name: "environment_rotation_deg",
@@ -214,7 +274,11 @@ const IMAGE_AXES: &[Axis] = &[
         symbol: Symbol::After("deg", "degrees"),
         flag: Some("rotate"),
         apply: |s, v| s.shading.placement.rotation_deg = v.number(),
-        ..valued(Kind::Number(Range::closed(-360.0, 360.0)), || Value::Number(0.0), PLAIN)
+        ..valued(
+            Kind::Number(Range::closed(-360.0, 360.0)),
+            || Value::Number(0.0),
+            PLAIN,
+        )
     },
     Axis {
         name: "environment_scale",
@@ -223,7 +287,11 @@ const IMAGE_AXES: &[Axis] = &[
         symbol: Symbol::Before("scale"),
         flag: Some("scale"),
         apply: |s, v| s.shading.environment_scale = v.number() as f32,
-        ..valued(Kind::Number(Range::above(0.0, 1e9)), || Value::Number(1.0), PLAIN)
+        ..valued(
+            Kind::Number(Range::above(0.0, 1e9)),
+            || Value::Number(1.0),
+            PLAIN,
+        )
     },
     Axis {
         name: "masking",
@@ -233,11 +301,16 @@ const IMAGE_AXES: &[Axis] = &[
         tables_cost: true,
         feeds: &[PREFILTER, DFG],
         apply: |s, v| s.shading.masking_shadowing = *MaskingShadowing::listed(v.text()),
-        ..valued(Kind::one_of::<MaskingShadowing>(), || Value::from("separable"), PLAIN)
+        ..valued(
+            Kind::one_of::<MaskingShadowing>(),
+            || Value::from("separable"),
+            PLAIN,
+        )
     },
     Axis {
         name: "compensation",
-        about: "multiple-scattering compensation, for the image and its reference; fdez-aguera and kulla-conty add it to the diffuse term",
+        about: "multiple-scattering compensation, for the image and its reference; fdez-aguera and \
+                kulla-conty add it to the diffuse term",
         frames_cost: true,
         used: |u| !u.method.is_none(),
         apply: |s, v| s.shading.compensation = *Compensation::listed(v.text()),

@@ -1,5 +1,5 @@
-//! Axes (sweepable parameters) and points (one value for each axis). A new axis is one entry in `list.rs`,
-//! `layers.rs`, `frames.rs` or `tables.rs`.
+//! Axes (sweepable parameters) and points (one value for each axis). A new axis is one entry in
+//! `list.rs`, `layers.rs`, `frames.rs` or `tables.rs`.
 
 mod frames;
 mod layers;
@@ -109,7 +109,8 @@ pub struct Axis {
     pub kind: Kind,
     pub part: Part,
     pub sheet: Sheet,
-    /// Whether the time of a frame depends on it; false for `alpha`, since all widths run the same instructions.
+    /// Whether the time of a frame depends on it; false for `alpha`, since all widths run the same
+    /// instructions.
     pub frames_cost: bool,
     /// Whether the time to make the tables depends on it. An environment counts by its size alone.
     pub tables_cost: bool,
@@ -174,7 +175,10 @@ impl Used {
     fn needs_dfg(&self) -> bool {
         match self.has_diffuse_surface {
             true => self.method.needs_dfg(self.compensation, self.diffuse),
-            false => self.method.uses_dfg || (self.compensation != Compensation::None && !self.method.is_none()),
+            false => {
+                self.method.uses_dfg
+                    || (self.compensation != Compensation::None && !self.method.is_none())
+            }
         }
     }
 }
@@ -182,8 +186,13 @@ impl Used {
 impl Axis {
     /// Returns the axis without which this one means nothing: `coat` of `coat_alpha`.
     pub fn layer(&self) -> Option<&'static str> {
-        let layers = [("coat_", "coat"), ("anisotropy_", "anisotropy"), ("sheen_", "sheen_color")];
-        let is_own = |(prefix, layer): &(&str, &str)| self.name.starts_with(prefix) && self.name != *layer;
+        let layers = [
+            ("coat_", "coat"),
+            ("anisotropy_", "anisotropy"),
+            ("sheen_", "sheen_color"),
+        ];
+        let is_own =
+            |(prefix, layer): &(&str, &str)| self.name.starts_with(prefix) && self.name != *layer;
         let of_surface = layers.into_iter().find(is_own).map(|(_, layer)| layer);
         let is_of_frames = FRAME_AXES.iter().skip(1).any(|axis| axis.name == self.name);
         of_surface.or(is_of_frames.then_some(FRAME_AXES[0].name))
@@ -248,16 +257,20 @@ impl Point {
 
     /// Returns the default of an axis in the point's layout.
     pub fn default_of(&self, axis: usize) -> Value {
-        AXES[axis].unset.map_or_else(AXES[axis].default, |of_layout| of_layout(self.layout()))
+        AXES[axis]
+            .unset
+            .map_or_else(AXES[axis].default, |of_layout| of_layout(self.layout()))
     }
 
-    /// Unsets every unused parameter, so that points with equal work are equal. Cells are identified by this point.
+    /// Unsets every unused parameter, so that points with equal work are equal. Cells are
+    /// identified by this point.
     pub fn collapsed(&self) -> Self {
         self.where_used(true, true)
     }
 
-    /// Unsets every parameter that cannot reach the pixels, so that points with equal images are equal. Beyond
-    /// [`Point::collapsed`]: the diffuse term of black and metal surfaces, and F0 where nothing is a dielectric.
+    /// Unsets every parameter that cannot reach the pixels, so that points with equal images are
+    /// equal. Beyond [`Point::collapsed`]: the diffuse term of black and metal surfaces, and F0
+    /// where nothing is a dielectric.
     pub fn of_pixels(&self) -> Self {
         let is_metal = self[METALLIC] == Value::Number(1.0);
         let is_black = self[ALBEDO] == Value::Color([0.0; 3]);
@@ -267,11 +280,15 @@ impl Point {
     fn where_used(&self, has_diffuse_surface: bool, has_dielectric: bool) -> Self {
         let (method, diffuse) = (self.method(), self.diffuse());
         let is_sampled = || self[PREFILTER_BY].to_string() != PrefilterBy::Harmonic.name();
-        let has_sampled_tables = method.prefilter.map_or_else(is_sampled, |by| by != PrefilterBy::Harmonic);
-        let has_own = [PREFILTERED, DFG_TABLE].map(|axis| AXES[axis].kind.path_in(&self[axis].to_string()).is_none());
+        let has_sampled_tables = method
+            .prefilter
+            .map_or_else(is_sampled, |by| by != PrefilterBy::Harmonic);
+        let has_own = [PREFILTERED, DFG_TABLE]
+            .map(|axis| AXES[axis].kind.path_in(&self[axis].to_string()).is_none());
         let compensation = self.settings().shading.compensation;
         let is_built_in = SCENES.iter().any(|entry| entry.name == self[SCENE].text());
-        let may_have = |axis: usize| !(self[axis].is_zero() || self[axis] == Value::Unset && is_built_in);
+        let may_have =
+            |axis: usize| !(self[axis].is_zero() || self[axis] == Value::Unset && is_built_in);
         let [has_coat, has_anisotropy, has_sheen] = [COAT, ANISOTROPY, SHEEN_COLOR].map(may_have);
         let frames = self.settings().shading.frames;
         let frames = Some(frames).filter(|frames| frames.count > 1 && method.uses_point_set);
@@ -292,7 +309,9 @@ impl Point {
         };
         let value = |(axis, value): (&Axis, &Value)| match (axis.used)(&used) {
             false => Value::Unset,
-            true if *value == Value::Unset => axis.unset.map_or(Value::Unset, |of_layout| of_layout(self.layout())),
+            true if *value == Value::Unset => axis
+                .unset
+                .map_or(Value::Unset, |of_layout| of_layout(self.layout())),
             true => value.clone(),
         };
         Self(AXES.iter().zip(&self.0).map(value).collect())
@@ -305,10 +324,13 @@ impl Point {
 
     /// Returns the collapsed point of this point's reference.
     pub fn reference(&self, reference: &Reference) -> Self {
-        let values = AXES.iter().zip(&self.0).map(|(axis, value)| match axis.part {
-            Part::Table => (axis.default)(),
-            _ => (axis.reference)(reference, value),
-        });
+        let values = AXES
+            .iter()
+            .zip(&self.0)
+            .map(|(axis, value)| match axis.part {
+                Part::Table => (axis.default)(),
+                _ => (axis.reference)(reference, value),
+            });
         Self(values.collect()).collapsed()
     }
 
@@ -318,7 +340,12 @@ impl Point {
             environment: String::new(),
             scene: String::new(),
             material: MaterialOverride::default(),
-            shading: Shading { method: &METHODS[0], diffuse: &DIFFUSE[0], samples: 1, ..Shading::default() },
+            shading: Shading {
+                method: &METHODS[0],
+                diffuse: &DIFFUSE[0],
+                samples: 1,
+                ..Shading::default()
+            },
             prefiltered: OWN.to_owned(),
             dfg: OWN.to_owned(),
             curve: ToneCurve::default(),

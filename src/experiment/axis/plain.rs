@@ -40,12 +40,20 @@ pub(super) fn first<T: Listed + ?Sized>() -> Value {
 
 /// An axis whose values are the names of a list; the first is the default.
 pub(super) const fn one_of<T: Listed + ?Sized>(base: Axis) -> Axis {
-    Axis { kind: Kind::one_of::<T>(), default: first::<T>, ..base }
+    Axis {
+        kind: Kind::one_of::<T>(),
+        default: first::<T>,
+        ..base
+    }
 }
 
 /// An axis of a kind, with its default.
 pub(super) const fn valued(kind: Kind, default: fn() -> Value, base: Axis) -> Axis {
-    Axis { kind, default, ..base }
+    Axis {
+        kind,
+        default,
+        ..base
+    }
 }
 
 pub(super) const ROUGHNESS: Spelling = Spelling {

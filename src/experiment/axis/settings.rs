@@ -46,17 +46,30 @@ pub struct View {
 
 impl Settings {
     fn dfg_axes(&self) -> DfgAxes {
-        if self.dfg == OWN { DfgAxes::default() } else { DfgAxes::Centres }
+        if self.dfg == OWN {
+            DfgAxes::default()
+        } else {
+            DfgAxes::Centres
+        }
     }
 
     pub fn specular_job(&self) -> Job {
         let mut shading = self.shading;
         shading.precompute.dfg_axes = self.dfg_axes();
-        Job::new(specular_shader(shading.precompute.layout, shading.method, shading.brdf), &shading.constants())
+        Job::new(
+            specular_shader(shading.precompute.layout, shading.method, shading.brdf),
+            &shading.constants(),
+        )
     }
 
     /// Builds the request: `scene` with the settings' material and the `given` tables.
-    pub fn request(self, environment: &Arc<Environment>, scene: &Scene, view: &View, given: Given) -> RenderRequest {
+    pub fn request(
+        self,
+        environment: &Arc<Environment>,
+        scene: &Scene,
+        view: &View,
+        given: Given,
+    ) -> RenderRequest {
         let scene = Arc::new(scene.apply(&self.material));
         let camera = Camera::for_scene(view.camera, &scene, self.size).orbited(view.orbit, &scene);
         self.seen_by(camera, environment, scene, view, given)
@@ -80,7 +93,10 @@ impl Settings {
             precompute.prefilter_level_count = map.levels.len() as u32;
             precompute.level_mapping = map.mapping;
         }
-        precompute.dfg_size = given.dfg.as_ref().map_or(precompute.dfg_size, |table| table.side);
+        precompute.dfg_size = given
+            .dfg
+            .as_ref()
+            .map_or(precompute.dfg_size, |table| table.side);
         precompute.dfg_axes = self.dfg_axes();
         RenderRequest {
             environment: environment.clone(),
@@ -88,7 +104,11 @@ impl Settings {
             scene,
             size: self.size,
             shading,
-            reference_samples: if shading.method.is_integrated() { shading.samples } else { view.reference_samples },
+            reference_samples: if shading.method.is_integrated() {
+                shading.samples
+            } else {
+                view.reference_samples
+            },
             reference_error: view.reference_error,
             background: view.background,
             antialias: view.antialias,
@@ -103,7 +123,8 @@ impl Settings {
 pub struct Reference {
     pub method: String,
     pub samples: u32,
-    /// Stops earlier: largest relative standard error of each term (`shade::reference_pass::Convergence`).
+    /// Stops earlier: largest relative standard error of each term
+    /// (`shade::reference_pass::Convergence`).
     pub relative_error: Option<f64>,
     pub terms: Terms,
 }
@@ -127,6 +148,11 @@ impl Reference {
 
 impl Default for Reference {
     fn default() -> Self {
-        Self { method: REFERENCE.to_owned(), samples: 4096, relative_error: None, terms: Terms::default() }
+        Self {
+            method: REFERENCE.to_owned(),
+            samples: 4096,
+            relative_error: None,
+            terms: Terms::default(),
+        }
     }
 }

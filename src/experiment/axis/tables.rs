@@ -21,9 +21,16 @@ pub const PREFILTER: &str = "prefilter";
 pub const DFG: &str = "dfg";
 pub const IRRADIANCE: &str = "irradiance";
 
-const TABLE_FILE: Kind = Kind::NameOrFile { what: "table", names: || vec![OWN] };
+const TABLE_FILE: Kind = Kind::NameOrFile {
+    what: "table",
+    names: || vec![OWN],
+};
 
-const TABLE: Axis = Axis { part: Part::Table, tables_cost: true, ..PLAIN };
+const TABLE: Axis = Axis {
+    part: Part::Table,
+    tables_cost: true,
+    ..PLAIN
+};
 
 pub(super) const TABLE_AXES: &[Axis] = &[
     Axis {
@@ -40,7 +47,8 @@ pub(super) const TABLE_AXES: &[Axis] = &[
     },
     Axis {
         name: "prefiltered",
-        about: "the prefiltered map: own, or another tool's cube as file:PATH#PRESET (docs/bakes.md)",
+        about: "the prefiltered map: own, or another tool's cube as file:PATH#PRESET \
+                (docs/bakes.md)",
         plural: "prefiltered maps",
         symbol: Symbol::Before("map"),
         needs_memory: true,
@@ -52,23 +60,35 @@ pub(super) const TABLE_AXES: &[Axis] = &[
     Axis {
         name: "dfg",
         label: "DFG table",
-        about: "the DFG table: own, centres (at texel centres, as engines do), or another tool's as file:PATH#PRESET (docs/bakes.md)",
+        about: "the DFG table: own, centres (at texel centres, as engines do), or another tool's \
+                as file:PATH#PRESET (docs/bakes.md)",
         plural: "DFG tables",
         symbol: Symbol::Before("table"),
         needs_memory: true,
         feeds: &[DFG],
         used: Used::needs_dfg,
         apply: |s, v| s.dfg = v.text().to_owned(),
-        ..valued(Kind::NameOrFile { what: "table", names: || vec![OWN, CENTRES] }, || Value::from(OWN), TABLE)
+        ..valued(
+            Kind::NameOrFile {
+                what: "table",
+                names: || vec![OWN, CENTRES],
+            },
+            || Value::from(OWN),
+            TABLE,
+        )
     },
     Axis {
         name: "prefilter_size",
         label: "Map size (px)",
-        about: "face size of the first prefiltered level [default: 128x128 by layout cube, 320x320 octahedral, 448x224 equirect]",
+        about: "face size of the first prefiltered level [default: 128x128 by layout cube, 320x320 \
+                octahedral, 448x224 equirect]",
         needs_memory: true,
         feeds: &[PREFILTER],
         used: Used::makes_prefiltered,
-        kind: Kind::Pair { min: 8, max: SIDE_MAX },
+        kind: Kind::Pair {
+            min: 8,
+            max: SIDE_MAX,
+        },
         unset: Some(|layout| Value::Pair(layout.prefilter_size)),
         apply: |s, v| s.shading.precompute.prefilter_size = v.pair(),
         ..TABLE
@@ -92,7 +112,9 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         plural: "ways to prefilter",
         symbol: Symbol::After("prefilter", "prefilter"),
         feeds: &[PREFILTER, IRRADIANCE],
-        used: |u| u.method.prefilter.is_none() && (u.makes_prefiltered() || u.uses_irradiance_map()),
+        used: |u| {
+            u.method.prefilter.is_none() && (u.makes_prefiltered() || u.uses_irradiance_map())
+        },
         apply: |s, v| s.shading.precompute.prefilter = *PrefilterBy::listed(v.text()),
         ..one_of::<PrefilterBy>(TABLE)
     },
@@ -103,7 +125,10 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         symbol: Symbol::After("spp", "samples"),
         feeds: &[PREFILTER],
         used: |u| u.makes_prefiltered() && u.has_sampled_tables,
-        kind: Kind::Count { min: 1, max: PRECOMPUTE_SAMPLES_MAX },
+        kind: Kind::Count {
+            min: 1,
+            max: PRECOMPUTE_SAMPLES_MAX,
+        },
         default: || Value::Count(PrecomputeSettings::default().prefilter_sample_count),
         apply: |s, v| s.shading.precompute.prefilter_sample_count = v.count(),
         ..TABLE
@@ -135,7 +160,8 @@ pub(super) const TABLE_AXES: &[Axis] = &[
     Axis {
         name: "prefilter_lod_bias",
         label: "Map bias (levels)",
-        about: "added to the mip level of lookups in a sampled prefilter; `splitsum list level-biases`",
+        about: "added to the mip level of lookups in a sampled prefilter; `splitsum list \
+                level-biases`",
         plural: "prefilter level biases",
         symbol: Symbol::Before("prefilter bias"),
         feeds: &[PREFILTER],
@@ -143,7 +169,12 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         kind: Kind::NumberOrName {
             range: LEVELS,
             what: "level bias",
-            named: || LEVEL_BIASES.iter().map(|bias| (bias.name, bias.levels)).collect(),
+            named: || {
+                LEVEL_BIASES
+                    .iter()
+                    .map(|bias| (bias.name, bias.levels))
+                    .collect()
+            },
         },
         default: || Value::Number(0.0),
         apply: |s, v| s.shading.precompute.prefilter_lod_bias = v.number() as f32,
@@ -159,7 +190,14 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         feeds: &[DFG],
         used: Used::makes_dfg,
         apply: |s, v| s.shading.precompute.dfg_size = v.count(),
-        ..valued(Kind::Count { min: 2, max: SIDE_MAX }, || Value::Count(PrecomputeSettings::default().dfg_size), TABLE)
+        ..valued(
+            Kind::Count {
+                min: 2,
+                max: SIDE_MAX,
+            },
+            || Value::Count(PrecomputeSettings::default().dfg_size),
+            TABLE,
+        )
     },
     Axis {
         name: "dfg_sample_count",
@@ -169,7 +207,10 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         symbol: Symbol::After("DFG spp", "DFG samples"),
         feeds: &[DFG],
         used: Used::makes_dfg,
-        kind: Kind::Count { min: 1, max: PRECOMPUTE_SAMPLES_MAX },
+        kind: Kind::Count {
+            min: 1,
+            max: PRECOMPUTE_SAMPLES_MAX,
+        },
         default: || Value::Count(PrecomputeSettings::default().dfg_sample_count),
         apply: |s, v| s.shading.precompute.dfg_sample_count = v.count(),
         ..TABLE
@@ -177,12 +218,16 @@ pub(super) const TABLE_AXES: &[Axis] = &[
     Axis {
         name: "irradiance_size",
         label: "Irradiance (px)",
-        about: "face size of the irradiance map [default: 18x18 by layout cube, 45x45 octahedral, 64x32 equirect]",
+        about: "face size of the irradiance map [default: 18x18 by layout cube, 45x45 octahedral, \
+                64x32 equirect]",
         symbol: Symbol::Before("irradiance"),
         needs_memory: true,
         feeds: &[IRRADIANCE],
         used: Used::uses_irradiance_map,
-        kind: Kind::Pair { min: 2, max: SIDE_MAX },
+        kind: Kind::Pair {
+            min: 2,
+            max: SIDE_MAX,
+        },
         unset: Some(|layout| Value::Pair(layout.irradiance_size)),
         apply: |s, v| s.shading.precompute.irradiance_size = v.pair(),
         ..TABLE
@@ -194,7 +239,10 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         symbol: Symbol::After("irradiance spp", "irradiance samples"),
         feeds: &[IRRADIANCE],
         used: |u| u.uses_irradiance_map() && u.has_sampled_tables,
-        kind: Kind::Pair { min: 1, max: SIDE_MAX },
+        kind: Kind::Pair {
+            min: 1,
+            max: SIDE_MAX,
+        },
         default: || Value::Pair(PrecomputeSettings::default().irradiance_sample_count),
         apply: |s, v| s.shading.precompute.irradiance_sample_count = v.pair(),
         ..TABLE
@@ -202,12 +250,14 @@ pub(super) const TABLE_AXES: &[Axis] = &[
     Axis {
         name: "storage_format",
         label: "Number format",
-        about: "number format of the prefiltered map, DFG table and irradiance map; f16 ends at 65504",
+        about: "number format of the prefiltered map, DFG table and irradiance map; f16 ends at \
+                65504",
         frames_cost: true,
         is_compared: true,
         feeds: &[PREFILTER, DFG, IRRADIANCE],
         used: |u| {
-            u.method.storage.is_none() && (u.method.uses_prefiltered() || u.needs_dfg() || u.uses_irradiance_map())
+            u.method.storage.is_none()
+                && (u.method.uses_prefiltered() || u.needs_dfg() || u.uses_irradiance_map())
         },
         apply: |s, v| s.shading.precompute.storage = *StorageFormat::listed(v.text()),
         ..one_of::<StorageFormat>(TABLE)

@@ -31,7 +31,8 @@ pub enum Bind<'a> {
     /// Written only: earlier contents are lost.
     Write(&'a Buffer),
     ReadWrite(&'a Buffer),
-    /// A range of bytes of a buffer of [`crate::gpu::Gpu::uniform_from`], as large as the shader's block.
+    /// A range of bytes of a buffer of [`crate::gpu::Gpu::uniform_from`], as large as the shader's
+    /// block.
     Uniform(&'a Buffer, Range<u64>),
 }
 
@@ -51,11 +52,25 @@ impl<'a> Bind<'a> {
     fn parts(&self) -> (Kind, Access, Resource<'a>) {
         let whole = |buffer| Resource::Buffer(buffer, 0..vk::WHOLE_SIZE);
         let sampled = |image, mips, is_array, sampler| {
-            let resource = Resource::Image { image, mips, is_array, sampler: Some(sampler) };
+            let resource = Resource::Image {
+                image,
+                mips,
+                is_array,
+                sampler: Some(sampler),
+            };
             (Kind::COMBINED_IMAGE_SAMPLER, Access::SAMPLE, resource)
         };
         let stored = |image, mip: u32, is_array, access| {
-            (Kind::STORAGE_IMAGE, access, Resource::Image { image, mips: mip..mip + 1, is_array, sampler: None })
+            (
+                Kind::STORAGE_IMAGE,
+                access,
+                Resource::Image {
+                    image,
+                    mips: mip..mip + 1,
+                    is_array,
+                    sampler: None,
+                },
+            )
         };
         match *self {
             Self::Sample(image, sampler) => sampled(image, 0..image.mip_count(), false, sampler),
@@ -67,16 +82,21 @@ impl<'a> Bind<'a> {
             Self::Read(buffer) => (Kind::STORAGE_BUFFER, Access::LOAD, whole(buffer)),
             Self::Write(buffer) => (Kind::STORAGE_BUFFER, Access::STORE, whole(buffer)),
             Self::ReadWrite(buffer) => (Kind::STORAGE_BUFFER, Access::UPDATE, whole(buffer)),
-            Self::Uniform(buffer, ref bytes) => {
-                (Kind::UNIFORM_BUFFER, Access::UNIFORM, Resource::Buffer(buffer, bytes.clone()))
-            }
+            Self::Uniform(buffer, ref bytes) => (
+                Kind::UNIFORM_BUFFER,
+                Access::UNIFORM,
+                Resource::Buffer(buffer, bytes.clone()),
+            ),
         }
     }
 }
 
 /// Returns the interface of a shader with these binds and push constants.
 pub(super) fn interface(binds: &[Bind<'_>], push: &[u8]) -> Interface {
-    Interface { kinds: binds.iter().map(|bind| bind.parts().0).collect(), push_size: push.len() }
+    Interface {
+        kinds: binds.iter().map(|bind| bind.parts().0).collect(),
+        push_size: push.len(),
+    }
 }
 
 impl Recorder {
@@ -92,20 +112,38 @@ impl Recorder {
         // SAFETY: recording; the pipeline lives as long as the device.
         unsafe { device.cmd_bind_pipeline(self.commands, point, pipeline.raw) };
         // SAFETY: the set was made for this layout.
-        unsafe { device.cmd_bind_descriptor_sets(self.commands, point, pipeline.layout, 0, &[set], &[]) };
+        unsafe {
+            device.cmd_bind_descriptor_sets(self.commands, point, pipeline.layout, 0, &[set], &[])
+        };
         if !push.is_empty() {
             // SAFETY: the layout has a range of this size at offset 0.
-            unsafe { device.cmd_push_constants(self.commands, pipeline.layout, pipeline.stages, 0, push) };
+            unsafe {
+                device.cmd_push_constants(self.commands, pipeline.layout, pipeline.stages, 0, push)
+            };
         }
         Ok(())
     }
 
-    fn descriptor_set(&mut self, pipeline: &Pipeline, binds: &[Bind<'_>]) -> Result<vk::DescriptorSet, GpuError> {
+    fn descriptor_set(
+        &mut self,
+        pipeline: &Pipeline,
+        binds: &[Bind<'_>],
+    ) -> Result<vk::DescriptorSet, GpuError> {
         if self.sets_left == 0 {
             // Room for 16 bindings of each kind per set, more than any pass has.
-            let kinds = [Kind::COMBINED_IMAGE_SAMPLER, Kind::STORAGE_IMAGE, Kind::STORAGE_BUFFER, Kind::UNIFORM_BUFFER];
-            let sizes = kinds.map(|ty| vk::DescriptorPoolSize { ty, descriptor_count: 16 * SETS_PER_POOL });
-            let info = vk::DescriptorPoolCreateInfo::default().max_sets(SETS_PER_POOL).pool_sizes(&sizes);
+            let kinds = [
+                Kind::COMBINED_IMAGE_SAMPLER,
+                Kind::STORAGE_IMAGE,
+                Kind::STORAGE_BUFFER,
+                Kind::UNIFORM_BUFFER,
+            ];
+            let sizes = kinds.map(|ty| vk::DescriptorPoolSize {
+                ty,
+                descriptor_count: 16 * SETS_PER_POOL,
+            });
+            let info = vk::DescriptorPoolCreateInfo::default()
+                .max_sets(SETS_PER_POOL)
+                .pool_sizes(&sizes);
             // SAFETY: the device is alive.
             let pool = unsafe { self.device().create_descriptor_pool(&info, None) }
                 .map_err(GpuError::call("vkCreateDescriptorPool", &self.name))?;
@@ -113,9 +151,14 @@ impl Recorder {
             self.sets_left = SETS_PER_POOL;
         }
         self.sets_left -= 1;
-        let pool = *self.descriptor_pools.last().expect("a pool was just made if there was none");
+        let pool = *self
+            .descriptor_pools
+            .last()
+            .expect("a pool was just made if there was none");
         let layouts = [pipeline.set_layout];
-        let allocate = vk::DescriptorSetAllocateInfo::default().descriptor_pool(pool).set_layouts(&layouts);
+        let allocate = vk::DescriptorSetAllocateInfo::default()
+            .descriptor_pool(pool)
+            .set_layouts(&layouts);
         // SAFETY: the pool has room for this set.
         let set = unsafe { self.device().allocate_descriptor_sets(&allocate) }
             .map_err(GpuError::call("vkAllocateDescriptorSets", &self.name))?[0];
@@ -123,17 +166,36 @@ impl Recorder {
         // The kind of a bind decides which of the two is read.
         let mut images = vec![[vk::DescriptorImageInfo::default()]; binds.len()];
         let mut buffers = vec![[vk::DescriptorBufferInfo::default()]; binds.len()];
-        for ((bind, [image_info]), [buffer_info]) in binds.iter().zip(&mut images).zip(&mut buffers) {
+        for ((bind, [image_info]), [buffer_info]) in binds.iter().zip(&mut images).zip(&mut buffers)
+        {
             match bind.parts() {
-                (_, access, Resource::Image { image, mips, is_array, sampler }) => {
-                    let sampler = sampler.map(|sampler| self.gpu.shared.sampler(sampler)).transpose()?;
-                    let (image_view, image_layout) = (image.inner.view(mips, is_array)?, access.layout);
+                (
+                    _,
+                    access,
+                    Resource::Image {
+                        image,
+                        mips,
+                        is_array,
+                        sampler,
+                    },
+                ) => {
+                    let sampler = sampler
+                        .map(|sampler| self.gpu.shared.sampler(sampler))
+                        .transpose()?;
+                    let (image_view, image_layout) =
+                        (image.inner.view(mips, is_array)?, access.layout);
                     let sampler = sampler.unwrap_or_default();
-                    *image_info = vk::DescriptorImageInfo { sampler, image_view, image_layout };
+                    *image_info = vk::DescriptorImageInfo {
+                        sampler,
+                        image_view,
+                        image_layout,
+                    };
                 }
                 (_, _, Resource::Buffer(buffer, bytes)) => {
-                    *buffer_info =
-                        buffer_info.buffer(buffer.inner.raw).offset(bytes.start).range(bytes.end - bytes.start);
+                    *buffer_info = buffer_info
+                        .buffer(buffer.inner.raw)
+                        .offset(bytes.start)
+                        .range(bytes.end - bytes.start);
                 }
             }
         }
@@ -156,7 +218,9 @@ impl Recorder {
     pub(super) fn access_binds(&mut self, binds: &[Bind<'_>]) {
         for bind in binds {
             match bind.parts() {
-                (_, access, Resource::Image { image, mips, .. }) => self.access_image(image, mips, access),
+                (_, access, Resource::Image { image, mips, .. }) => {
+                    self.access_image(image, mips, access)
+                }
                 (_, access, Resource::Buffer(buffer, _)) => self.access_buffer(buffer, access),
             }
         }
@@ -166,7 +230,9 @@ impl Recorder {
     pub(super) fn access_image(&mut self, image: &Image, mips: Range<u32>, access: Access) {
         let mut states = lock(&image.inner.states);
         for mip in mips {
-            let Some(barrier) = states[mip as usize].advance(access, true) else { continue };
+            let Some(barrier) = states[mip as usize].advance(access, true) else {
+                continue;
+            };
             let range = vk::ImageSubresourceRange {
                 aspect_mask: image.inner.format.aspect(),
                 base_mip_level: mip,
@@ -207,11 +273,16 @@ impl Recorder {
 
     /// Records the barriers of all accesses since the last call.
     pub(super) fn emit(&mut self) {
-        let (images, buffers) = (take(&mut self.image_barriers), take(&mut self.buffer_barriers));
+        let (images, buffers) = (
+            take(&mut self.image_barriers),
+            take(&mut self.buffer_barriers),
+        );
         if images.is_empty() && buffers.is_empty() {
             return;
         }
-        let info = vk::DependencyInfo::default().image_memory_barriers(&images).buffer_memory_barriers(&buffers);
+        let info = vk::DependencyInfo::default()
+            .image_memory_barriers(&images)
+            .buffer_memory_barriers(&buffers);
         // SAFETY: recording; every handle is kept alive.
         unsafe { self.device().cmd_pipeline_barrier2(self.commands, &info) };
     }

@@ -27,7 +27,8 @@ pub struct Targets<'a> {
 }
 
 impl Recorder {
-    /// Dispatches a shader permutation with specialization constants 0, 1, ...; `push` are push constants' bytes.
+    /// Dispatches a shader permutation with specialization constants 0, 1, ...; `push` are push
+    /// constants' bytes.
     pub fn dispatch(
         &mut self,
         shader: &str,
@@ -39,17 +40,33 @@ impl Recorder {
         let shared = &self.gpu.shared;
         let pipeline = shared.compute_pipeline(shader, constants, interface(binds, push))?;
         let limits = shared.limits.max_compute_work_group_count;
-        let Groups { first: [x, y, z], count: [columns, rows, layers] } = groups.into();
+        let Groups {
+            first: [x, y, z],
+            count: [columns, rows, layers],
+        } = groups.into();
         let ends = [x + columns, y + rows, z + layers];
-        if let Some((needed, &limit)) = ends.into_iter().zip(&limits).find(|(end, limit)| end > *limit) {
+        if let Some((needed, &limit)) = ends
+            .into_iter()
+            .zip(&limits)
+            .find(|(end, limit)| end > *limit)
+        {
             let (name, needed, limit) = (shader.to_owned(), needed.into(), limit.into());
-            return Err(GpuError::Limit { what: "work groups of", name, needed, limit });
+            return Err(GpuError::Limit {
+                what: "work groups of",
+                name,
+                needed,
+                limit,
+            });
         }
         self.access_binds(binds);
         self.emit();
         self.bind(&pipeline, vk::PipelineBindPoint::COMPUTE, binds, push)?;
-        // SAFETY: recording; the pipeline with its set and constants is bound and takes a first group; the groups are within the limits.
-        unsafe { self.device().cmd_dispatch_base(self.commands, x, y, z, columns, rows, layers) };
+        // SAFETY: recording; the pipeline with its set and constants is bound and takes a first
+        // group; the groups are within the limits.
+        unsafe {
+            self.device()
+                .cmd_dispatch_base(self.commands, x, y, z, columns, rows, layers)
+        };
         self.shaders.insert(shader.to_owned());
         Ok(())
     }
@@ -62,8 +79,15 @@ impl Recorder {
         targets: Targets<'_>,
         call: DrawCall<'_>,
     ) -> Result<(), GpuError> {
-        let Targets { colors, depth, clear } = targets;
-        let pipeline = self.gpu.shared.graphics_pipeline(description, colors.len(), interface(binds, push))?;
+        let Targets {
+            colors,
+            depth,
+            clear,
+        } = targets;
+        let pipeline =
+            self.gpu
+                .shared
+                .graphics_pipeline(description, colors.len(), interface(binds, push))?;
         self.access_binds(binds);
         for image in colors {
             self.access_image(image, 0..1, Access::COLOR);
@@ -77,7 +101,11 @@ impl Recorder {
         }
         self.emit();
 
-        let load = if clear { vk::AttachmentLoadOp::CLEAR } else { vk::AttachmentLoadOp::LOAD };
+        let load = if clear {
+            vk::AttachmentLoadOp::CLEAR
+        } else {
+            vk::AttachmentLoadOp::LOAD
+        };
         let attachment = |view, layout, value| {
             vk::RenderingAttachmentInfo::default()
                 .image_view(view)
@@ -88,44 +116,97 @@ impl Recorder {
         };
         let mut color_infos = Vec::with_capacity(colors.len());
         for image in colors {
-            let value = vk::ClearValue { color: vk::ClearColorValue { float32: [0.0; 4] } };
-            color_infos.push(attachment(image.inner.view(0..1, false)?, Access::COLOR.layout, value));
+            let value = vk::ClearValue {
+                color: vk::ClearColorValue { float32: [0.0; 4] },
+            };
+            color_infos.push(attachment(
+                image.inner.view(0..1, false)?,
+                Access::COLOR.layout,
+                value,
+            ));
         }
-        let far = vk::ClearValue { depth_stencil: vk::ClearDepthStencilValue { depth: 1.0, stencil: 0 } };
+        let far = vk::ClearValue {
+            depth_stencil: vk::ClearDepthStencilValue {
+                depth: 1.0,
+                stencil: 0,
+            },
+        };
         let depth_info = attachment(depth.inner.view(0..1, false)?, Access::DEPTH.layout, far);
         let [width, height] = depth.inner.size;
-        let area = vk::Rect2D { offset: vk::Offset2D::default(), extent: vk::Extent2D { width, height } };
+        let area = vk::Rect2D {
+            offset: vk::Offset2D::default(),
+            extent: vk::Extent2D { width, height },
+        };
         let rendering = vk::RenderingInfo::default()
             .render_area(area)
             .layer_count(1)
             .color_attachments(&color_infos)
             .depth_attachment(&depth_info);
-        let viewport =
-            vk::Viewport { x: 0.0, y: 0.0, width: width as f32, height: height as f32, min_depth: 0.0, max_depth: 1.0 };
+        let viewport = vk::Viewport {
+            x: 0.0,
+            y: 0.0,
+            width: width as f32,
+            height: height as f32,
+            min_depth: 0.0,
+            max_depth: 1.0,
+        };
         // SAFETY: recording; attachments are in their layouts by the barriers above.
         unsafe { self.device().cmd_begin_rendering(self.commands, &rendering) };
         // SAFETY: recording; the pipeline's viewport is dynamic.
-        unsafe { self.device().cmd_set_viewport(self.commands, 0, &[viewport]) };
+        unsafe {
+            self.device()
+                .cmd_set_viewport(self.commands, 0, &[viewport])
+        };
         // SAFETY: likewise.
         unsafe { self.device().cmd_set_scissor(self.commands, 0, &[area]) };
-        let culled = if call.is_one_sided { vk::CullModeFlags::BACK } else { vk::CullModeFlags::NONE };
+        let culled = if call.is_one_sided {
+            vk::CullModeFlags::BACK
+        } else {
+            vk::CullModeFlags::NONE
+        };
         // SAFETY: likewise.
         unsafe { self.device().cmd_set_cull_mode(self.commands, culled) };
         self.bind(&pipeline, vk::PipelineBindPoint::GRAPHICS, binds, push)?;
-        let vertex_buffers: Vec<_> = call.vertex_buffers.iter().map(|buffer| buffer.inner.raw).collect();
+        let vertex_buffers: Vec<_> = call
+            .vertex_buffers
+            .iter()
+            .map(|buffer| buffer.inner.raw)
+            .collect();
         if !vertex_buffers.is_empty() {
             let offsets = vec![0; vertex_buffers.len()];
             // SAFETY: recording; the buffers are kept alive below.
-            unsafe { self.device().cmd_bind_vertex_buffers(self.commands, 0, &vertex_buffers, &offsets) };
+            unsafe {
+                self.device()
+                    .cmd_bind_vertex_buffers(self.commands, 0, &vertex_buffers, &offsets)
+            };
         }
         if let Some(buffer) = call.index_buffer {
             // SAFETY: likewise.
-            unsafe { self.device().cmd_bind_index_buffer(self.commands, buffer.inner.raw, 0, vk::IndexType::UINT32) };
+            unsafe {
+                self.device().cmd_bind_index_buffer(
+                    self.commands,
+                    buffer.inner.raw,
+                    0,
+                    vk::IndexType::UINT32,
+                )
+            };
             // SAFETY: inside rendering with everything bound.
-            unsafe { self.device().cmd_draw_indexed(self.commands, call.count, call.instance_count, 0, 0, 0) };
+            unsafe {
+                self.device().cmd_draw_indexed(
+                    self.commands,
+                    call.count,
+                    call.instance_count,
+                    0,
+                    0,
+                    0,
+                )
+            };
         } else {
             // SAFETY: inside rendering with everything bound.
-            unsafe { self.device().cmd_draw(self.commands, call.count, call.instance_count, 0, 0) };
+            unsafe {
+                self.device()
+                    .cmd_draw(self.commands, call.count, call.instance_count, 0, 0)
+            };
         }
         // SAFETY: rendering was begun above.
         unsafe { self.device().cmd_end_rendering(self.commands) };
@@ -137,18 +218,37 @@ impl Recorder {
         self.access_buffer(buffer, Access::FILL);
         self.emit();
         // SAFETY: recording; sizes are multiples of 4 and the buffer is kept alive.
-        unsafe { self.device().cmd_fill_buffer(self.commands, buffer.inner.raw, 0, buffer.size() & !3, word) };
+        unsafe {
+            self.device().cmd_fill_buffer(
+                self.commands,
+                buffer.inner.raw,
+                0,
+                buffer.size() & !3,
+                word,
+            )
+        };
     }
 
     /// Copies a whole buffer to another of the same size.
-    pub(in crate::gpu) fn copy_buffer(&mut self, from: &Buffer, to: &Buffer) -> Result<(), GpuError> {
+    pub(in crate::gpu) fn copy_buffer(
+        &mut self,
+        from: &Buffer,
+        to: &Buffer,
+    ) -> Result<(), GpuError> {
         assert_eq!(from.size(), to.size(), "'{}': sizes of a copy", self.name);
         self.access_buffer(from, Access::COPY_READ);
         self.access_buffer(to, Access::COPY_WRITE);
         self.emit();
-        let region = [vk::BufferCopy { src_offset: 0, dst_offset: 0, size: from.size() }];
+        let region = [vk::BufferCopy {
+            src_offset: 0,
+            dst_offset: 0,
+            size: from.size(),
+        }];
         // SAFETY: recording; both are kept alive and as large as the region.
-        unsafe { self.device().cmd_copy_buffer(self.commands, from.inner.raw, to.inner.raw, &region) };
+        unsafe {
+            self.device()
+                .cmd_copy_buffer(self.commands, from.inner.raw, to.inner.raw, &region)
+        };
         // The target may be mapped.
         self.access_buffer(to, Access::HOST_READ);
         self.emit();
@@ -174,14 +274,27 @@ impl Recorder {
                 layer_count: 1,
                 ..whole.image_subresource
             },
-            image_offset: vk::Offset3D { y: rows.start as i32, ..whole.image_offset },
-            image_extent: vk::Extent3D { height: rows.end - rows.start, ..whole.image_extent },
+            image_offset: vk::Offset3D {
+                y: rows.start as i32,
+                ..whole.image_offset
+            },
+            image_extent: vk::Extent3D {
+                height: rows.end - rows.start,
+                ..whole.image_extent
+            },
             ..whole
         }];
         let layout = Access::COPY_WRITE.layout;
-        // SAFETY: recording; both are kept alive, the image is in its layout, the buffer holds the rows.
+        // SAFETY: recording; both are kept alive, the image is in its layout, the buffer holds the
+        // rows.
         unsafe {
-            self.device().cmd_copy_buffer_to_image(self.commands, from.inner.raw, image.inner.raw, layout, &region)
+            self.device().cmd_copy_buffer_to_image(
+                self.commands,
+                from.inner.raw,
+                image.inner.raw,
+                layout,
+                &region,
+            )
         };
     }
 
@@ -191,9 +304,16 @@ impl Recorder {
         self.emit();
         let region = [image_region(image, mip)];
         let layout = Access::COPY_READ.layout;
-        // SAFETY: recording; both are kept alive, the image is in its layout, the buffer holds the level.
+        // SAFETY: recording; both are kept alive, the image is in its layout, the buffer holds the
+        // level.
         unsafe {
-            self.device().cmd_copy_image_to_buffer(self.commands, image.inner.raw, layout, to.inner.raw, &region)
+            self.device().cmd_copy_image_to_buffer(
+                self.commands,
+                image.inner.raw,
+                layout,
+                to.inner.raw,
+                &region,
+            )
         };
         // The target may be mapped.
         self.access_buffer(to, Access::HOST_READ);
@@ -210,7 +330,11 @@ fn image_region(image: &Image, mip: u32) -> vk::BufferImageCopy {
             base_array_layer: 0,
             layer_count: image.face_count(),
         },
-        image_extent: vk::Extent3D { width, height, depth: 1 },
+        image_extent: vk::Extent3D {
+            width,
+            height,
+            depth: 1,
+        },
         ..Default::default()
     }
 }

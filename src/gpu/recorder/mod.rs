@@ -68,12 +68,18 @@ pub struct Recorder {
 impl Gpu {
     /// Starts recording; `name` appears in the debugger and in errors.
     pub fn record(&self, name: &str) -> Result<Recorder, GpuError> {
-        if lock(&self.shared.interrupt).as_ref().is_some_and(|flag| flag.load(Ordering::Relaxed)) {
+        if lock(&self.shared.interrupt)
+            .as_ref()
+            .is_some_and(|flag| flag.load(Ordering::Relaxed))
+        {
             return Err(GpuError::Interrupted);
         }
         let device = &self.shared.raw;
         let free = lock(&self.shared.slots).pop();
-        let slot = free.map_or_else(|| Slot::new(device, self.shared.queue_family, name).map(Arc::new), Ok)?;
+        let slot = free.map_or_else(
+            || Slot::new(device, self.shared.queue_family, name).map(Arc::new),
+            Ok,
+        )?;
         let recorder = Recorder {
             gpu: self.clone(),
             name: name.into(),
@@ -89,10 +95,16 @@ impl Gpu {
             kept: Vec::new(),
         };
         // SAFETY: the slot is this recorder's alone, and the submission before has been waited for.
-        unsafe { device.reset_command_pool(recorder.slot.command_pool, vk::CommandPoolResetFlags::empty()) }
-            .map_err(GpuError::call("vkResetCommandPool", name))?;
+        unsafe {
+            device.reset_command_pool(
+                recorder.slot.command_pool,
+                vk::CommandPoolResetFlags::empty(),
+            )
+        }
+        .map_err(GpuError::call("vkResetCommandPool", name))?;
         self.shared.set_name(recorder.commands, name);
-        let begin = vk::CommandBufferBeginInfo::default().flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
+        let begin = vk::CommandBufferBeginInfo::default()
+            .flags(vk::CommandBufferUsageFlags::ONE_TIME_SUBMIT);
         // SAFETY: the command buffer is empty.
         unsafe { device.begin_command_buffer(recorder.commands, &begin) }
             .map_err(GpuError::call("vkBeginCommandBuffer", name))?;
@@ -107,17 +119,24 @@ impl Recorder {
 
     /// Records `body` as one timed pass.
     ///
-    /// Each timestamp has a full barrier on both sides: the one before keeps passes from overlapping; without the one
-    /// behind, lavapipe writes the timestamp into the wrong interval.
+    /// Each timestamp has a full barrier on both sides: the one before keeps passes from
+    /// overlapping; without the one behind, lavapipe writes the timestamp into the wrong interval.
     pub fn pass(
         &mut self,
         name: &'static str,
         body: impl FnOnce(&mut Self) -> Result<(), GpuError>,
     ) -> Result<(), GpuError> {
         let index = self.passes.len() as u32;
-        assert!(index < PASS_LIMIT, "'{}': more than {PASS_LIMIT} timed passes in one submission", self.name);
+        assert!(
+            index < PASS_LIMIT,
+            "'{}': more than {PASS_LIMIT} timed passes in one submission",
+            self.name
+        );
         // SAFETY: recording; the slot has this many queries.
-        unsafe { self.device().cmd_reset_query_pool(self.commands, self.slot.queries, 2 * index, 2) };
+        unsafe {
+            self.device()
+                .cmd_reset_query_pool(self.commands, self.slot.queries, 2 * index, 2)
+        };
         self.passes.push(name);
         self.begin_label(name);
         self.timestamp(2 * index);
@@ -133,8 +152,11 @@ impl Recorder {
         unsafe { self.device().end_command_buffer(self.commands) }
             .map_err(GpuError::call("vkEndCommandBuffer", &self.name))?;
         // SAFETY: the device is alive.
-        self.fence = unsafe { self.device().create_fence(&vk::FenceCreateInfo::default(), None) }
-            .map_err(GpuError::call("vkCreateFence", &self.name))?;
+        self.fence = unsafe {
+            self.device()
+                .create_fence(&vk::FenceCreateInfo::default(), None)
+        }
+        .map_err(GpuError::call("vkCreateFence", &self.name))?;
         let shared = &self.gpu.shared;
         let commands = [vk::CommandBufferSubmitInfo::default().command_buffer(self.commands)];
         let submit = [vk::SubmitInfo2::default().command_buffer_infos(&commands)];
@@ -144,15 +166,24 @@ impl Recorder {
             started = Instant::now();
             let call = || GpuError::call("vkQueueSubmit2", &self.name);
             shared.injector.reach(Site::Submit).map_err(call())?;
-            // SAFETY: the command buffer is complete and what it uses is kept alive until the fence is signalled.
-            unsafe { self.device().queue_submit2(shared.queue, &submit, self.fence) }.map_err(call())?;
+            // SAFETY: the command buffer is complete and what it uses is kept alive until the fence
+            // is signalled.
+            unsafe {
+                self.device()
+                    .queue_submit2(shared.queue, &submit, self.fence)
+            }
+            .map_err(call())?;
         }
         // SAFETY: the fence was just submitted.
         unsafe { self.device().wait_for_fences(&[self.fence], true, u64::MAX) }
             .map_err(GpuError::call("vkWaitForFences", &self.name))?;
         let waited = started.elapsed();
         let wall_ms = waited.as_secs_f64() * 1e3;
-        Ok(Report { passes: self.pass_times()?, wall_ms, shaders: self.shaders.clone() })
+        Ok(Report {
+            passes: self.pass_times()?,
+            wall_ms,
+            shaders: self.shaders.clone(),
+        })
     }
 
     fn pass_times(&self) -> Result<Vec<PassTime>, GpuError> {
@@ -162,14 +193,22 @@ impl Recorder {
         let mut ticks = vec![0u64; 2 * self.passes.len()];
         let flags = vk::QueryResultFlags::TYPE_64 | vk::QueryResultFlags::WAIT;
         // SAFETY: the queries were written by the submission that has completed.
-        unsafe { self.device().get_query_pool_results(self.slot.queries, 0, &mut ticks, flags) }
-            .map_err(GpuError::call("vkGetQueryPoolResults", &self.name))?;
+        unsafe {
+            self.device()
+                .get_query_pool_results(self.slot.queries, 0, &mut ticks, flags)
+        }
+        .map_err(GpuError::call("vkGetQueryPoolResults", &self.name))?;
         let shared = &self.gpu.shared;
         let ms = |pair: &[u64]| {
             let elapsed = pair[1].wrapping_sub(pair[0]) & shared.timestamp_mask;
             elapsed as f64 * f64::from(shared.info.timestamp_period_ns) * 1e-6
         };
-        Ok(self.passes.iter().zip(ticks.chunks_exact(2)).map(|(pass, pair)| PassTime { pass, ms: ms(pair) }).collect())
+        Ok(self
+            .passes
+            .iter()
+            .zip(ticks.chunks_exact(2))
+            .map(|(pass, pair)| PassTime { pass, ms: ms(pair) })
+            .collect())
     }
 
     fn timestamp(&mut self, query: u32) {

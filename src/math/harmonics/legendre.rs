@@ -1,4 +1,5 @@
-//! The associated Legendre functions of many rows at once: orthonormal, by recurrence in the degree.
+//! The associated Legendre functions of many rows at once: orthonormal, by recurrence in the
+//! degree.
 
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -20,34 +21,48 @@ pub(super) struct Block {
     sin: [f64; LANES],
 }
 
-/// Margin of the test `m > degree sin θ + margin`, beyond which functions of order m are below 1e-12.
+/// Margin of the test `m > degree sin θ + margin`, beyond which functions of order m are below
+/// 1e-12.
 pub fn margin(degree: usize) -> f64 {
     7.0 * (degree as f64).cbrt().max(4.0)
 }
 
 impl Block {
-    /// Makes blocks of the northern rows of `count` rows at `π (i + 1/2)/count`, to the equator; padded with the last.
+    /// Makes blocks of the northern rows of `count` rows at `π (i + 1/2)/count`, to the equator;
+    /// padded with the last.
     pub(super) fn all(count: usize) -> Vec<Self> {
         let pairs = count.div_ceil(2);
         let of = |first: usize| {
-            let theta: [f64; LANES] =
-                std::array::from_fn(|lane| PI * ((first + lane).min(pairs - 1) as f64 + 0.5) / count as f64);
-            Self { cos: theta.map(f64::cos), sin: theta.map(f64::sin) }
+            let theta: [f64; LANES] = std::array::from_fn(|lane| {
+                PI * ((first + lane).min(pairs - 1) as f64 + 0.5) / count as f64
+            });
+            Self {
+                cos: theta.map(f64::cos),
+                sin: theta.map(f64::sin),
+            }
         };
         (0..pairs).step_by(LANES).map(of).collect()
     }
 
     /// Makes a block of at most [`LANES`] unit directions; padded with the last.
     pub(super) fn at(directions: &[DVec3]) -> Self {
-        let own: [DVec3; LANES] = std::array::from_fn(|lane| directions[lane.min(directions.len() - 1)]);
-        Self { cos: own.map(|d| d.y), sin: own.map(|d| d.x.hypot(d.z).max(1e-12)) }
+        let own: [DVec3; LANES] =
+            std::array::from_fn(|lane| directions[lane.min(directions.len() - 1)]);
+        Self {
+            cos: own.map(|d| d.y),
+            sin: own.map(|d| d.x.hypot(d.z).max(1e-12)),
+        }
     }
 }
 
 impl Legendre {
     pub(super) fn new(degree: usize) -> Self {
         // P_mm = sqrt((2m + 1)/4π Π (2k - 1)/2k) sin^m θ.
-        let halves = |m: usize| -> f64 { (1..=m).map(|k| 0.5 * ((2 * k - 1) as f64 / (2 * k) as f64).ln()).sum() };
+        let halves = |m: usize| -> f64 {
+            (1..=m)
+                .map(|k| 0.5 * ((2 * k - 1) as f64 / (2 * k) as f64).ln())
+                .sum()
+        };
         let first = |m: usize| 0.5 * ((2 * m + 1) as f64 / (4.0 * PI)).ln() + halves(m);
         // P_l+1 = a_l+1 (cos θ P_l - P_l-1 / a_l), a_l² = (4 l² - 1)/(l² - m²).
         let of_order = |m: usize| {
@@ -61,16 +76,35 @@ impl Legendre {
             };
             (m..degree).map(step).collect()
         };
-        Self { first: (0..=degree).map(first).collect(), steps: (0..=degree).map(of_order).collect() }
+        Self {
+            first: (0..=degree).map(first).collect(),
+            steps: (0..=degree).map(of_order).collect(),
+        }
     }
 
-    /// Computes `P_lm` for l = m to `degree` at the rows of a block; false if all are practically 0.
-    pub(super) fn fill(&self, m: usize, degree: usize, block: &Block, found: &mut Vec<[f64; LANES]>) -> bool {
+    /// Computes `P_lm` for l = m to `degree` at the rows of a block; false if all are practically
+    /// 0.
+    pub(super) fn fill(
+        &self,
+        m: usize,
+        degree: usize,
+        block: &Block,
+        found: &mut Vec<[f64; LANES]>,
+    ) -> bool {
         let reach = degree as f64;
-        if block.sin.iter().all(|sin| m as f64 > reach * sin + margin(degree)) {
+        if block
+            .sin
+            .iter()
+            .all(|sin| m as f64 > reach * sin + margin(degree))
+        {
             return false;
         }
-        let (mut last, mut own) = ([0.0; LANES], block.sin.map(|sin| (self.first[m] + m as f64 * sin.ln()).exp()));
+        let (mut last, mut own) = (
+            [0.0; LANES],
+            block
+                .sin
+                .map(|sin| (self.first[m] + m as f64 * sin.ln()).exp()),
+        );
         let (cos, steps) = (block.cos, &self.steps[m][..degree - m]);
         found.resize(degree - m + 1, own);
         found[0] = own;

@@ -1,16 +1,21 @@
-//! Spherical harmonics of a bilinear equirectangular map, and synthesis of its convolution with a zonal kernel.
+//! Spherical harmonics of a bilinear equirectangular map, and synthesis of its convolution with a
+//! zonal kernel.
 //!
-//! A map with coefficients `L_lm`, convolved with a kernel of the angle γ alone, has coefficients `k_l L_lm` with
-//! `k_l = 2π ∫ K(γ) P_l(cos γ) sin γ dγ` (the theorem of Funk and Hecke): no samples and no noise.
+//! A map with coefficients `L_lm`, convolved with a kernel of the angle γ alone, has coefficients
+//! `k_l L_lm` with `k_l = 2π ∫ K(γ) P_l(cos γ) sin γ dγ` (the theorem of Funk and Hecke): no
+//! samples and no noise.
 //!
-//! Analysis is exact for the bilinear map. Columns: the real FFT of each row, times the tent's `sinc²(m/W)`. Rows:
-//! `L_lm = ∫ g P_lm sin θ dθ` with g linear between rows. On the whole circle of θ, `g |sin θ|` has a Fourier series in
-//! closed form, from the FFT of the rows, and `P_lm` is a polynomial of degree l: only orders up to the degree matter.
-//! The series cut there is summed on one row more than the degree, where the sum over rows equals the integral.
+//! Analysis is exact for the bilinear map. Columns: the real FFT of each row, times the tent's
+//! `sinc²(m/W)`. Rows: `L_lm = ∫ g P_lm sin θ dθ` with g linear between rows. On the whole circle
+//! of θ, `g |sin θ|` has a Fourier series in closed form, from the FFT of the rows, and `P_lm` is a
+//! polynomial of degree l: only orders up to the degree matter. The series cut there is summed on
+//! one row more than the degree, where the sum over rows equals the integral.
 //!
-//! Synthesis: Legendre sums on rows, the inverse FFT of each, and Lagrange interpolation of order 8 between rows.
+//! Synthesis: Legendre sums on rows, the inverse FFT of each, and Lagrange interpolation of order 8
+//! between rows.
 //!
-//! The functions are `P_lm(cos θ) exp(i m φ)`, orthonormal, with `φ = 2π u` and `θ = π v`; m < 0 are conjugates.
+//! The functions are `P_lm(cos θ) exp(i m φ)`, orthonormal, with `φ = 2π u` and `θ = π v`; m < 0
+//! are conjugates.
 
 mod legendre;
 mod smooth_map;
@@ -40,7 +45,12 @@ pub struct Harmonics {
 
 impl Harmonics {
     /// Computes the coefficients of a map of `width` x `height` texels (row 0 at v = 0).
-    pub fn new(width: usize, height: usize, degree: usize, texel: impl Fn(usize, usize) -> [f32; 3] + Sync) -> Self {
+    pub fn new(
+        width: usize,
+        height: usize,
+        degree: usize,
+        texel: impl Fn(usize, usize) -> [f32; 3] + Sync,
+    ) -> Self {
         let legendre = Legendre::new(degree);
         let spectra = spectra(width, height, degree, texel);
         let rows = Rows::new(height, degree);
@@ -54,10 +64,15 @@ impl Harmonics {
                 }
                 for parity in 0..2 {
                     let mut values = [[0.0; 6]; LANES];
-                    values.iter_mut().zip(halves).for_each(|(value, half)| *value = half[parity]);
+                    values
+                        .iter_mut()
+                        .zip(halves)
+                        .for_each(|(value, half)| *value = half[parity]);
                     let own = sums.iter_mut().skip(parity).step_by(2);
                     for (sum, p) in own.zip(p.iter().skip(parity).step_by(2)) {
-                        (0..LANES).for_each(|lane| (0..6).for_each(|i| sum[i] += p[lane] * values[lane][i]));
+                        (0..LANES).for_each(|lane| {
+                            (0..6).for_each(|i| sum[i] += p[lane] * values[lane][i])
+                        });
                     }
                 }
             }
@@ -71,8 +86,9 @@ impl Harmonics {
         self.orders.len() - 1
     }
 
-    /// Returns the part of each degree up to `degree` at unit directions: `Σ_m L_lm Y_lm(d)` for l = 0 on. A
-    /// convolution by a zonal kernel is `Σ k_l` times these, so many kernels at few directions cost little.
+    /// Returns the part of each degree up to `degree` at unit directions: `Σ_m L_lm Y_lm(d)` for l
+    /// = 0 on. A convolution by a zonal kernel is `Σ k_l` times these, so many kernels at few
+    /// directions cost little.
     pub fn bands(&self, degree: usize, directions: &[DVec3]) -> Vec<Vec<DVec3>> {
         let degree = degree.min(self.degree());
         let of_block = |own: &[DVec3]| {
@@ -94,25 +110,38 @@ impl Harmonics {
             }
             bands
         };
-        directions.par_chunks(LANES).flat_map_iter(of_block).collect()
+        directions
+            .par_chunks(LANES)
+            .flat_map_iter(of_block)
+            .collect()
     }
 
     /// Convolves the map with a kernel of these `k_l`, one per degree from 0 on.
     pub fn convolved(&self, factors: &[f64]) -> SmoothMap {
         // One and a half times the rate of the highest degree, which the kernel has almost removed.
         let height = smooth_even((3 * factors.len().min(self.orders.len()) / 2).max(16));
-        SmoothMap::new(2 * height, height, &self.synthesized(factors, 2 * height, height))
+        SmoothMap::new(
+            2 * height,
+            height,
+            &self.synthesized(factors, 2 * height, height),
+        )
     }
 
     /// As [`Self::convolved`], at the texel centres of an equirectangular map.
     pub fn synthesized(&self, factors: &[f64], width: usize, height: usize) -> Vec<DVec3> {
         let degree = self.degree().min(factors.len() - 1);
         let scaled = |m: usize| -> Vec<Sextet> {
-            self.orders[m].iter().zip(&factors[m..]).map(|(value, factor)| value.map(|x| factor * x)).collect()
+            self.orders[m]
+                .iter()
+                .zip(&factors[m..])
+                .map(|(value, factor)| value.map(|x| factor * x))
+                .collect()
         };
         let scaled: Vec<_> = (0..=degree).map(scaled).collect();
         // Column centres lie half a column on.
-        let turns: Vec<_> = (0..=degree).map(|m| Complex::from_polar(1.0, PI * m as f64 / width as f64)).collect();
+        let turns: Vec<_> = (0..=degree)
+            .map(|m| Complex::from_polar(1.0, PI * m as f64 / width as f64))
+            .collect();
         let inverse = RealFftPlanner::<f64>::new().plan_fft_inverse(width);
         let of_block = |block: &Block| {
             // By order: sums over even and over odd l + m, by lane.
@@ -125,7 +154,9 @@ impl Harmonics {
                     let mut own = [[0.0; LANES]; 6];
                     let values = scaled[m].iter().skip(parity).step_by(2);
                     for (value, p) in values.zip(p.iter().skip(parity).step_by(2)) {
-                        (0..6).for_each(|i| (0..LANES).for_each(|lane| own[i][lane] += value[i] * p[lane]));
+                        (0..6).for_each(|i| {
+                            (0..LANES).for_each(|lane| own[i][lane] += value[i] * p[lane])
+                        });
                     }
                     *sums = own;
                 }
@@ -143,7 +174,9 @@ impl Harmonics {
                         let bin = m % width;
                         match () {
                             () if m == 0 => spectrum[0].re += value.re,
-                            () if bin == 0 || 2 * bin == width => spectrum[bin].re += 2.0 * value.re,
+                            () if bin == 0 || 2 * bin == width => {
+                                spectrum[bin].re += 2.0 * value.re
+                            }
                             () if 2 * bin < width => spectrum[bin] += value,
                             () => spectrum[width - bin] += value.conj(),
                         }
@@ -151,17 +184,29 @@ impl Harmonics {
                     inverse
                         .process_with_scratch(&mut spectrum, &mut line, &mut scratch)
                         .expect("buffers of the plan's own size");
-                    texels.iter_mut().zip(&line).for_each(|(texel, value)| texel[channel] = *value);
+                    texels
+                        .iter_mut()
+                        .zip(&line)
+                        .for_each(|(texel, value)| texel[channel] = *value);
                 }
                 texels
             };
-            (0..LANES).map(|lane| [row(lane, 1.0), row(lane, -1.0)]).collect::<Vec<_>>()
+            (0..LANES)
+                .map(|lane| [row(lane, 1.0), row(lane, -1.0)])
+                .collect::<Vec<_>>()
         };
-        let rows: Vec<_> = Block::all(height).par_iter().flat_map_iter(of_block).collect();
+        let rows: Vec<_> = Block::all(height)
+            .par_iter()
+            .flat_map_iter(of_block)
+            .collect();
         let pairs = height.div_ceil(2);
         let north = rows[..pairs].iter().map(|[north, _]| north);
         // The middle row of an odd number mirrors itself.
-        north.chain(rows[..height / 2].iter().rev().map(|[_, south]| south)).flatten().copied().collect()
+        north
+            .chain(rows[..height / 2].iter().rev().map(|[_, south]| south))
+            .flatten()
+            .copied()
+            .collect()
     }
 }
 
@@ -176,7 +221,10 @@ fn smooth_even(least: usize) -> usize {
         }
         rest == 1
     };
-    (least.next_multiple_of(2)..).step_by(2).find(is_smooth).expect("a power of two at the latest")
+    (least.next_multiple_of(2)..)
+        .step_by(2)
+        .find(is_smooth)
+        .expect("a power of two at the latest")
 }
 
 /// Integrates each row over φ against `exp(-i m φ)`, with the map linear between columns.
@@ -196,12 +244,20 @@ fn spectra(
         let mut found = vec![[0.0; 6]; degree + 1];
         let (mut line, mut spectrum) = (forward.make_input_vec(), forward.make_output_vec());
         for channel in 0..3 {
-            line.iter_mut().enumerate().for_each(|(x, value)| *value = texel(x, y)[channel].into());
-            forward.process(&mut line, &mut spectrum).expect("buffers of the plan's own size");
+            line.iter_mut()
+                .enumerate()
+                .for_each(|(x, value)| *value = texel(x, y)[channel].into());
+            forward
+                .process(&mut line, &mut spectrum)
+                .expect("buffers of the plan's own size");
             for (m, (found, factor)) in found.iter_mut().zip(&factors).enumerate() {
                 // The spectrum of samples repeats, mirrored.
                 let bin = m % width;
-                let value = if bin <= width / 2 { spectrum[bin] } else { spectrum[width - bin].conj() } * factor;
+                let value = if bin <= width / 2 {
+                    spectrum[bin]
+                } else {
+                    spectrum[width - bin].conj()
+                } * factor;
                 (found[channel], found[channel + 3]) = (value.re, value.im);
             }
         }
@@ -221,9 +277,11 @@ struct Rows {
     count: usize,
     forward: std::sync::Arc<dyn rustfft::Fft<f64>>,
     inverse: std::sync::Arc<dyn rustfft::Fft<f64>>,
-    /// By order k up to degree + 1: factor from the FFT to Fourier coefficients of the function linear between rows.
+    /// By order k up to degree + 1: factor from the FFT to Fourier coefficients of the function
+    /// linear between rows.
     linear: Vec<Complex<f64>>,
-    /// Coefficient of the step at the pole that is constant up to the first row, beyond the linear ramp there.
+    /// Coefficient of the step at the pole that is constant up to the first row, beyond the linear
+    /// ramp there.
     step: Vec<Complex<f64>>,
     /// Shift by half a row of the quadrature.
     turn: Vec<Complex<f64>>,
@@ -234,8 +292,18 @@ impl Rows {
         let (count, mut planner) = (smooth_even(degree + 1), FftPlanner::new());
         let orders = || (0..=degree + 1).map(|k| k as f64);
         let half = 0.5 * PI / height as f64;
-        let linear = |k: f64| Complex::from_polar(0.5 / height as f64 * sinc(k * half).powi(2), -k * half);
-        let step = |k: f64| Complex::new(0.0, if k == 0.0 { 0.0 } else { (sinc(k * half) - 1.0) / (PI * k) });
+        let linear =
+            |k: f64| Complex::from_polar(0.5 / height as f64 * sinc(k * half).powi(2), -k * half);
+        let step = |k: f64| {
+            Complex::new(
+                0.0,
+                if k == 0.0 {
+                    0.0
+                } else {
+                    (sinc(k * half) - 1.0) / (PI * k)
+                },
+            )
+        };
         Self {
             height,
             count,
@@ -243,11 +311,14 @@ impl Rows {
             inverse: planner.plan_fft_inverse(2 * count),
             linear: orders().map(linear).collect(),
             step: orders().map(step).collect(),
-            turn: orders().map(|k| Complex::from_polar(PI / count as f64, 0.5 * PI * k / count as f64)).collect(),
+            turn: orders()
+                .map(|k| Complex::from_polar(PI / count as f64, 0.5 * PI * k / count as f64))
+                .collect(),
         }
     }
 
-    /// Returns the weighted sum and difference of `g |sin θ|` of each row pair, its series cut at the degree.
+    /// Returns the weighted sum and difference of `g |sin θ|` of each row pair, its series cut at
+    /// the degree.
     fn halves(&self, m: usize, spectra: &[Vec<Sextet>]) -> Vec<[Sextet; 2]> {
         let (height, count) = (self.height, self.count);
         let value = |row: usize, channel: usize| {
@@ -272,7 +343,11 @@ impl Rows {
             let series = |k: usize| {
                 let linear = line[k % (2 * height)] * self.linear[k];
                 let south = if k % 2 == 1 { poles[1] } else { -poles[1] };
-                if is_odd { linear } else { linear + self.step[k] * (poles[0] + south) }
+                if is_odd {
+                    linear
+                } else {
+                    linear + self.step[k] * (poles[0] + south)
+                }
             };
             // W_k = (S_k-1 - S_k+1)/2i, W_-k = -sign W_k.
             let out = &mut found[2 * count * channel..][..2 * count];
@@ -297,7 +372,10 @@ impl Rows {
                 })
             };
             let (north, south) = (part(row), part(count - 1 - row));
-            [std::array::from_fn(|i| north[i] + south[i]), std::array::from_fn(|i| north[i] - south[i])]
+            [
+                std::array::from_fn(|i| north[i] + south[i]),
+                std::array::from_fn(|i| north[i] - south[i]),
+            ]
         };
         (0..count / 2).map(pair).collect()
     }

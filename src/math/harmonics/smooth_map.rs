@@ -1,4 +1,5 @@
-//! A smooth function between equirectangular texels, by Lagrange interpolation across seam and poles.
+//! A smooth function between equirectangular texels, by Lagrange interpolation across seam and
+//! poles.
 
 use crate::math::equirect::uv_from_direction;
 use glam::{DVec2, DVec3, DVec4};
@@ -29,8 +30,14 @@ impl SmoothMap {
             texels[row * width + (x + width - PAD + turn) % width].extend(0.0)
         };
         let across = width + STENCIL;
-        let texels = (0..height + STENCIL).flat_map(|y| (0..across).map(move |x| texel(y, x))).collect();
-        Self { width, height, texels }
+        let texels = (0..height + STENCIL)
+            .flat_map(|y| (0..across).map(move |x| texel(y, x)))
+            .collect();
+        Self {
+            width,
+            height,
+            texels,
+        }
     }
 
     pub fn value(&self, direction: DVec3) -> DVec3 {
@@ -50,7 +57,8 @@ impl SmoothMap {
     }
 }
 
-/// Returns first point (counted with the margin) and weights of the Lagrange interpolation at a position.
+/// Returns first point (counted with the margin) and weights of the Lagrange interpolation at a
+/// position.
 fn stencil(place: f64) -> (usize, [f64; STENCIL]) {
     /// `1 / Π (i - j)` over the other points.
     const SCALES: [f64; STENCIL] = {

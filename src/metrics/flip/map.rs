@@ -15,11 +15,18 @@ const FEATURE_EXPONENT: f32 = 0.5;
 /// Computes FLIP at every pixel, section 4.3: `ΔE = ΔE_c^(1 - ΔE_f)`.
 pub fn flip_map(test: &View, reference: &View) -> GrayImage {
     let error = |pixel: usize| {
-        let feature = test.feature_difference(reference, pixel).powf(FEATURE_EXPONENT);
-        spread(hyab(test.lab(pixel), reference.lab(pixel)).powf(COLOUR_EXPONENT)).powf(1.0 - feature)
+        let feature = test
+            .feature_difference(reference, pixel)
+            .powf(FEATURE_EXPONENT);
+        spread(hyab(test.lab(pixel), reference.lab(pixel)).powf(COLOUR_EXPONENT))
+            .powf(1.0 - feature)
     };
     let [width, height] = test.size();
-    GrayImage::new(width, height, (0..width as usize * height as usize).map(error).collect())
+    GrayImage::new(
+        width,
+        height,
+        (0..width as usize * height as usize).map(error).collect(),
+    )
 }
 
 /// HyAB distance in Hunt-adjusted L*a*b*: city block in lightness, Euclidean in chroma.

@@ -1,7 +1,8 @@
 //! LDR-FLIP [Andersson20]: visible difference of two alternating images.
 //!
-//! Reads the display values as sRGB, at the authors' default distance: a 0.7 m wide monitor of 3840 pixels seen from
-//! 0.7 m. A sweep computes [`view::View`] of each reference once, which crates around the authors' program cannot; tests compare with it.
+//! Reads the display values as sRGB, at the authors' default distance: a 0.7 m wide monitor of 3840
+//! pixels seen from 0.7 m. A sweep computes [`view::View`] of each reference once, which crates
+//! around the authors' program cannot; tests compare with it.
 
 pub(super) mod map;
 pub(super) mod view;
@@ -19,7 +20,8 @@ pub static FLIP: Metric = Metric {
     parameters: &[("pixels_per_degree", PIXELS_PER_DEGREE as f64)],
     ..Metric::linear(
         "flip",
-        "mean of the LDR-FLIP error map (Andersson et al. 2020) of the 8-bit display values at 67 pixels per degree, 0 to 1",
+        "mean of the LDR-FLIP error map (Andersson et al. 2020) of the 8-bit display values at 67 \
+         pixels per degree, 0 to 1",
         |comparison, pixels| {
             let map = comparison.flip();
             pixel_mean(pixels, |pixel| f64::from(map.data[pixel]))

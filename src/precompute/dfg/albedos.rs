@@ -9,7 +9,8 @@ use rayon::prelude::*;
 /// The part of constant radiance that a lobe reflects, by n·v.
 #[derive(Clone, Debug)]
 pub struct Albedos {
-    /// `[A, B, ∫ K (1 - Fc), ∫ K Fc]`, K with approximated masking, at n·v = s², s from [`Albedos::S_MIN`] to 1.
+    /// `[A, B, ∫ K (1 - Fc), ∫ K Fc]`, K with approximated masking, at n·v = s², s from
+    /// [`Albedos::S_MIN`] to 1.
     nodes: Vec<DVec4>,
 }
 
@@ -29,7 +30,9 @@ impl Albedos {
             );
             DVec4::new(exact.f0_scale, exact.f90_scale, below, grazing)
         };
-        Self { nodes: (0..Self::COUNT).into_par_iter().map(node).collect() }
+        Self {
+            nodes: (0..Self::COUNT).into_par_iter().map(node).collect(),
+        }
     }
 
     /// Interpolates cubically between nodes.
@@ -38,9 +41,15 @@ impl Albedos {
         let place = ((n_dot_v.sqrt() - Self::S_MIN) / (1.0 - Self::S_MIN) * last).clamp(0.0, last);
         let first = (place.floor() - 1.0).clamp(0.0, last - 3.0);
         let t = place - first;
-        let weight =
-            |i: usize| -> f64 { (0..4).filter(|j| *j != i).map(|j| (t - j as f64) / (i as f64 - j as f64)).product() };
-        (0..4).map(|i| weight(i) * self.nodes[first as usize + i]).sum()
+        let weight = |i: usize| -> f64 {
+            (0..4)
+                .filter(|j| *j != i)
+                .map(|j| (t - j as f64) / (i as f64 - j as f64))
+                .product()
+        };
+        (0..4)
+            .map(|i| weight(i) * self.nodes[first as usize + i])
+            .sum()
     }
 
     /// Returns (A, B).

@@ -6,5 +6,7 @@ use glam::DVec3;
 
 /// Integrates `E(n)` for the unit vector `n`, not divided by π.
 pub fn irradiance(environment: &EquirectQuadrature, n: DVec3, tolerance: Tolerance) -> Bounded {
-    environment.integrate(|l| [n.dot(l).max(0.0)], None, tolerance).combine([DVec3::ONE])
+    environment
+        .integrate(|l| [n.dot(l).max(0.0)], None, tolerance)
+        .combine([DVec3::ONE])
 }

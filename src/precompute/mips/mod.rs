@@ -1,8 +1,9 @@
 //! The environment's mip chain: each texel is the mean of radiance over its solid angle.
 //!
-//! A texel of a level covers a rectangle of the level above. Its value is `Σ w L / Σ w`, with w the solid angle of the
-//! overlap with each source texel: overlap in u times the difference of cos θ over the overlap in θ. Unlike a box
-//! filter this keeps the integral over the sphere at every size; a box filter overrates the texels at the poles.
+//! A texel of a level covers a rectangle of the level above. Its value is `Σ w L / Σ w`, with w the
+//! solid angle of the overlap with each source texel: overlap in u times the difference of cos θ
+//! over the overlap in θ. Unlike a box filter this keeps the integral over the sphere at every
+//! size; a box filter overrates the texels at the poles.
 
 #[cfg(feature = "gpu")]
 pub mod pass;

@@ -9,9 +9,19 @@ pub const SHADER: &str = "precompute/mips.comp";
 pub fn run(gpu: &Gpu, image: &Image) -> Result<Report, GpuError> {
     gpu.submit_pass("mips", |recorder| {
         (1..image.mip_count()).try_for_each(|mip| {
-            let ([source_width, source_height], [width, height]) = (image.mip_size(mip - 1), image.mip_size(mip));
-            let push = MipsParams { source_width, source_height, width, height }.to_bytes();
-            let binds = [Bind::SampleMip(image, Sampler::TEXELS, mip - 1), Bind::StoreMip(image, mip)];
+            let ([source_width, source_height], [width, height]) =
+                (image.mip_size(mip - 1), image.mip_size(mip));
+            let push = MipsParams {
+                source_width,
+                source_height,
+                width,
+                height,
+            }
+            .to_bytes();
+            let binds = [
+                Bind::SampleMip(image, Sampler::TEXELS, mip - 1),
+                Bind::StoreMip(image, mip),
+            ];
             recorder.dispatch(SHADER, &[], &binds, &push, image_groups(width, height))
         })
     })

@@ -1,7 +1,8 @@
-//! The perceptual roughness of each level of a prefiltered map. The twin of `shaders/lib/prefilter_mapping.glsl`.
+//! The perceptual roughness of each level of a prefiltered map. The twin of
+//! `shaders/lib/prefilter_mapping.glsl`.
 //!
-//! Level k of n holds the roughness r with `m(r) = k / (n - 1)`, alpha = r², and a lookup reads level `(n - 1) m(r)`.
-//! Every mapping is the parabola through 0 and 1 with bend b in [0, 1],
+//! Level k of n holds the roughness r with `m(r) = k / (n - 1)`, alpha = r², and a lookup reads
+//! level `(n - 1) m(r)`. Every mapping is the parabola through 0 and 1 with bend b in [0, 1],
 //!
 //! `m(r) = r (1 + b (1 - r))`, with inverse `r = 2 u / (1 + b + sqrt((1 - b)² + 4 b (1 - u)))`:
 //!
@@ -51,10 +52,13 @@ impl PartialEq for LevelMapping {
 }
 
 impl LevelMapping {
-    /// Returns the microfacet width of level `mip`, which may be fractional. Inverse: [`Self::mip_from_alpha`].
+    /// Returns the microfacet width of level `mip`, which may be fractional. Inverse:
+    /// [`Self::mip_from_alpha`].
     pub fn alpha_from_mip(&self, mip: f64, level_count: u32) -> f64 {
         let (b, u) = (self.bend, mip / last_mip(level_count));
-        alpha_from_perceptual_roughness(2.0 * u / (1.0 + b + ((1.0 - b).powi(2) + 4.0 * b * (1.0 - u)).sqrt()))
+        alpha_from_perceptual_roughness(
+            2.0 * u / (1.0 + b + ((1.0 - b).powi(2) + 4.0 * b * (1.0 - u)).sqrt()),
+        )
     }
 
     /// Returns the fractional level that a lookup for `alpha` reads.
@@ -66,6 +70,9 @@ impl LevelMapping {
 
 /// Index of the last level. A chain of one level has no rough end.
 fn last_mip(level_count: u32) -> f64 {
-    assert!(level_count >= 2, "a prefiltered map needs at least 2 levels, not {level_count}");
+    assert!(
+        level_count >= 2,
+        "a prefiltered map needs at least 2 levels, not {level_count}"
+    );
     f64::from(level_count - 1)
 }

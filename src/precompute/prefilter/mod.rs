@@ -1,11 +1,13 @@
-//! The prefiltered environment: the first factor of the split sum, by direction and perceptual roughness.
+//! The prefiltered environment: the first factor of the split sum, by direction and perceptual
+//! roughness.
 //!
 //! With `n = v = r` and a weight w, by default `n_dot_l` \[Karis13\]:
 //!
 //! `P(r, alpha) = ∫ L(l) D(h) w(l) dl / ∫ D(h) w(l) dl`, `h = normalize(r + l)`,
 //!
-//! since half vectors of density `D n_dot_h` give l of density `D n_dot_h / (4 v·h) = D/4` at `v = n`. Each model has a
-//! map. Its [`LevelMapping`] gives the roughness of a level; level 0 is the mirror, the environment itself.
+//! since half vectors of density `D n_dot_h` give l of density `D n_dot_h / (4 v·h) = D/4` at `v =
+//! n`. Each model has a map. Its [`LevelMapping`] gives the roughness of a level; level 0 is the
+//! mirror, the environment itself.
 
 pub mod harmonic;
 pub mod level_bias;

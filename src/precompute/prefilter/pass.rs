@@ -13,18 +13,42 @@ use std::time::Instant;
 
 /// Pass names of the levels. Levels halve a side of at most 4096 texels, so there are no more.
 const PASSES: [&str; 12] = [
-    "prefilter mip 0", "prefilter mip 1", "prefilter mip 2", "prefilter mip 3", "prefilter mip 4", "prefilter mip 5",
-    "prefilter mip 6", "prefilter mip 7", "prefilter mip 8", "prefilter mip 9", "prefilter mip 10", "prefilter mip 11",
+    "prefilter mip 0",
+    "prefilter mip 1",
+    "prefilter mip 2",
+    "prefilter mip 3",
+    "prefilter mip 4",
+    "prefilter mip 5",
+    "prefilter mip 6",
+    "prefilter mip 7",
+    "prefilter mip 8",
+    "prefilter mip 9",
+    "prefilter mip 10",
+    "prefilter mip 11",
 ];
 
-/// Names the shader of a model. The map of a sheen lobe takes its mirror from another, and is exact beyond.
+/// Names the shader of a model. The map of a sheen lobe takes its mirror from another, and is exact
+/// beyond.
 pub fn shader(brdf: &dyn Brdf, layout: &MapLayout) -> String {
     let name = |model: &str| format!("precompute/prefilter.comp:{model}:{}", layout.name);
-    Some(name(brdf.name())).filter(|name| has_shader(name)).unwrap_or_else(|| name(MODELS[0].name()))
+    Some(name(brdf.name()))
+        .filter(|name| has_shader(name))
+        .unwrap_or_else(|| name(MODELS[0].name()))
 }
 
-pub fn map(gpu: &Gpu, layout: &MapLayout, size: [u32; 2], level_count: u32) -> Result<Image, GpuError> {
-    gpu.faced_image("prefiltered map", size, layout.face_count, level_count, Format::Rgba32Float)
+pub fn map(
+    gpu: &Gpu,
+    layout: &MapLayout,
+    size: [u32; 2],
+    level_count: u32,
+) -> Result<Image, GpuError> {
+    gpu.faced_image(
+        "prefiltered map",
+        size,
+        layout.face_count,
+        level_count,
+        Format::Rgba32Float,
+    )
 }
 
 /// Contents of the levels of a map.
@@ -37,13 +61,22 @@ pub struct Recipe {
 }
 
 impl Recipe {
-    pub fn of(brdf: &'static dyn Brdf, masking: MaskingShadowing, settings: &PrecomputeSettings) -> Self {
+    pub fn of(
+        brdf: &'static dyn Brdf,
+        masking: MaskingShadowing,
+        settings: &PrecomputeSettings,
+    ) -> Self {
         let kernel = Kernel::new(brdf, settings.prefilter_weight, masking);
-        Self { kernel, mapping: settings.level_mapping, lod_bias: settings.prefilter_lod_bias }
+        Self {
+            kernel,
+            mapping: settings.level_mapping,
+            lod_bias: settings.prefilter_lod_bias,
+        }
     }
 }
 
-/// Fills every level of `map` from `points` and the environment's filtered levels of the same layout.
+/// Fills every level of `map` from `points` and the environment's filtered levels of the same
+/// layout.
 pub fn run(
     gpu: &Gpu,
     recipe: Recipe,
@@ -54,7 +87,15 @@ pub fn run(
 ) -> Result<Report, GpuError> {
     let mut total = Report::default();
     for level in 0..map.mip_count() {
-        total.add(sample(gpu, recipe, layout, environment, points, map, level)?);
+        total.add(sample(
+            gpu,
+            recipe,
+            layout,
+            environment,
+            points,
+            map,
+            level,
+        )?);
     }
     Ok(total)
 }
@@ -71,12 +112,21 @@ pub fn run_harmonic(
     let mut total = sample(gpu, recipe, layout, environment, points, map, 0)?;
     for level in 1..map.mip_count() {
         let start = Instant::now();
-        let alpha = recipe.mapping.alpha_from_mip(f64::from(level), map.mip_count());
+        let alpha = recipe
+            .mapping
+            .alpha_from_mip(f64::from(level), map.mip_count());
         let texels = harmonic::level(harmonics, recipe.kernel, alpha, layout, map.mip_size(level));
         gpu.write_image(map, level, &texels)?;
         let ms = 1e3 * start.elapsed().as_secs_f64();
-        let passes = vec![PassTime { pass: PASSES[(level as usize).min(PASSES.len() - 1)], ms }];
-        total.add(Report { passes, wall_ms: ms, ..Report::default() });
+        let passes = vec![PassTime {
+            pass: PASSES[(level as usize).min(PASSES.len() - 1)],
+            ms,
+        }];
+        total.add(Report {
+            passes,
+            wall_ms: ms,
+            ..Report::default()
+        });
     }
     Ok(total)
 }
@@ -92,13 +142,21 @@ fn sample(
     level: u32,
 ) -> Result<Report, GpuError> {
     let [source_width, source_height] = environment.mip_size(0);
-    let Recipe { kernel, mapping, lod_bias } = recipe;
+    let Recipe {
+        kernel,
+        mapping,
+        lod_bias,
+    } = recipe;
     let (shader, sample_count) = (shader(kernel.brdf, layout), points.count());
     let constants = [kernel.masking as u32, 0, 0, kernel.weight.code];
     let [width, height] = map.mip_size(level);
     let alpha = mapping.alpha_from_mip(f64::from(level), map.mip_count()) as f32;
     let is_mirror = alpha == 0.0;
-    let points_per_texel = if is_mirror { 1 } else { sample_count.min(POINTS_PER_DISPATCH) };
+    let points_per_texel = if is_mirror {
+        1
+    } else {
+        sample_count.min(POINTS_PER_DISPATCH)
+    };
     let mut total = Report::default();
     for part in gpu.parts([width, height], map.face_count(), points_per_texel.into()) {
         for range in points.ranges().take(if is_mirror { 1 } else { usize::MAX }) {
@@ -114,10 +172,16 @@ fn sample(
                 first_point: range.first,
                 point_count: range.count,
             };
-            let binds = [Bind::Sample(environment, Sampler::MAP), Bind::UpdateFaces(map, level), range.bind()];
+            let binds = [
+                Bind::Sample(environment, Sampler::MAP),
+                Bind::UpdateFaces(map, level),
+                range.bind(),
+            ];
             let name = PASSES[(level as usize).min(PASSES.len() - 1)];
             let push = params.to_bytes();
-            total.add(gpu.submit_pass(name, |r| r.dispatch(&shader, &constants, &binds, &push, part.groups))?);
+            total.add(gpu.submit_pass(name, |r| {
+                r.dispatch(&shader, &constants, &binds, &push, part.groups)
+            })?);
         }
     }
     Ok(total)

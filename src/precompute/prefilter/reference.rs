@@ -15,7 +15,9 @@ pub fn prefilter(
     tolerance: Tolerance,
 ) -> Bounded {
     let frame = Frame::from_normal(r);
-    let norm = harmonic::integrals(kernel.brdf, alpha, 1, |n_dot_l| kernel.weight(alpha, n_dot_l))[0];
+    let norm = harmonic::integrals(kernel.brdf, alpha, 1, |n_dot_l| {
+        kernel.weight(alpha, n_dot_l)
+    })[0];
     let density = |l: DVec3| {
         let l = frame.to_local(l);
         match kernel.weight(alpha, l.z) {
@@ -24,6 +26,14 @@ pub fn prefilter(
         }
     };
     environment
-        .integrate(density, Some(Focus { direction: r, radius: alpha, place: None }), tolerance)
+        .integrate(
+            density,
+            Some(Focus {
+                direction: r,
+                radius: alpha,
+                place: None,
+            }),
+            tolerance,
+        )
         .combine([DVec3::splat(1.0 / norm)])
 }

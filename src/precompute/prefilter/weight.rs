@@ -1,7 +1,10 @@
-//! The weight of a direction in the mean radiance of a lobe. The twin of `shaders/lib/prefilter_weight.glsl`.
+//! The weight of a direction in the mean radiance of a lobe. The twin of
+//! `shaders/lib/prefilter_weight.glsl`.
 
 use crate::brdf::{Brdf, MaskingShadowing, g1};
-use crate::glsl::constants::{PREFILTER_WEIGHT_COSINE, PREFILTER_WEIGHT_MASKING, PREFILTER_WEIGHT_NONE};
+use crate::glsl::constants::{
+    PREFILTER_WEIGHT_COSINE, PREFILTER_WEIGHT_MASKING, PREFILTER_WEIGHT_NONE,
+};
 use crate::spelling::listed;
 
 #[derive(Debug)]
@@ -57,8 +60,20 @@ pub struct Kernel {
 }
 
 impl Kernel {
-    pub fn new(brdf: &'static dyn Brdf, weight: &'static Weight, masking: MaskingShadowing) -> Self {
-        Self { brdf, weight, masking: if weight.uses_masking { masking } else { MaskingShadowing::default() } }
+    pub fn new(
+        brdf: &'static dyn Brdf,
+        weight: &'static Weight,
+        masking: MaskingShadowing,
+    ) -> Self {
+        Self {
+            brdf,
+            weight,
+            masking: if weight.uses_masking {
+                masking
+            } else {
+                MaskingShadowing::default()
+            },
+        }
     }
 
     pub fn cosine(brdf: &'static dyn Brdf) -> Self {
@@ -67,6 +82,10 @@ impl Kernel {
 
     /// Returns the weight of a direction by its cosine to n; 0 below the horizon.
     pub fn weight(&self, alpha: f64, n_dot_l: f64) -> f64 {
-        if n_dot_l > 0.0 { (self.weight.value)(self, alpha, n_dot_l) } else { 0.0 }
+        if n_dot_l > 0.0 {
+            (self.weight.value)(self, alpha, n_dot_l)
+        } else {
+            0.0
+        }
     }
 }

@@ -8,12 +8,20 @@ use glam::DVec3;
 /// Nine coefficients of radiance, linear RGB.
 pub type Sh9 = [DVec3; COUNT];
 
-/// Integrates the bilinear map of lookups. The kernels are smooth, so the bound of 1e-9 is soon met.
+/// Integrates the bilinear map of lookups. The kernels are smooth, so the bound of 1e-9 is soon
+/// met.
 pub fn project_bilinear(environment: &EquirectQuadrature) -> Sh9 {
     project_bilinear_bounded(environment).value
 }
 
 /// [`project_bilinear`] with its error bounds.
 pub fn project_bilinear_bounded(environment: &EquirectQuadrature) -> Estimate<COUNT> {
-    environment.integrate(basis, None, Tolerance { relative: 1e-9, max_part_count: 100_000 })
+    environment.integrate(
+        basis,
+        None,
+        Tolerance {
+            relative: 1e-9,
+            max_part_count: 100_000,
+        },
+    )
 }

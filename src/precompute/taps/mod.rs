@@ -1,16 +1,18 @@
-//! Where, how wide and with which weights to look up a prefiltered map: one, two or four taps in the plane of incidence.
+//! Where, how wide and with which weights to look up a prefiltered map: one, two or four taps in
+//! the plane of incidence.
 //!
-//! A tap reads the map along a direction between the normal n and the mirror direction r, at a real level, and counts with a weight; the
-//! weights add up to 1. docs/estimators.md ("Split sums by other lookups") has what the taps minimise, with `b =` [`AMBIENT`]`/4π`. No
-//! environment enters.
+//! A tap reads the map along a direction between the normal n and the mirror direction r, at a real
+//! level, and counts with a weight; the weights add up to 1. docs/estimators.md ("Split sums by
+//! other lookups") has what the taps minimise, with `b =` [`AMBIENT`]`/4π`. No environment enters.
 //!
-//! There is a table for each model, masking and chain of levels. Its axes are `√n_dot_v` and perceptual roughness, with
-//! nodes at both ends of each. It has square parts below each other: for f0 = 1 a part for each two taps (place and
-//! level of one, then of the other) and, except for one tap, a part with all weights, then the same for f0 = 0.04.
-//! Other f0 lie between by the share that every f0 reflects ([`dielectric_share`]).
+//! There is a table for each model, masking and chain of levels. Its axes are `√n_dot_v` and
+//! perceptual roughness, with nodes at both ends of each. It has square parts below each other: for
+//! f0 = 1 a part for each two taps (place and level of one, then of the other) and, except for one
+//! tap, a part with all weights, then the same for f0 = 0.04. Other f0 lie between by the share
+//! that every f0 reflects ([`dielectric_share`]).
 //!
-//! The smoothest rows are not fitted. They use the taps of the first fitted one, drawn together as the lobe is: for a
-//! mirror all taps read level 0 along r.
+//! The smoothest rows are not fitted. They use the taps of the first fitted one, drawn together as
+//! the lobe is: for a mirror all taps read level 0 along r.
 
 mod chain;
 mod fit;
@@ -62,7 +64,8 @@ pub struct Tap {
 }
 
 impl Tap {
-    /// Returns s such that the direction is along `(1 - s) n + s r`, for a view at the angle `theta` in (0, π/2).
+    /// Returns s such that the direction is along `(1 - s) n + s r`, for a view at the angle
+    /// `theta` in (0, π/2).
     pub fn place(&self, theta: f64) -> f64 {
         let (of_n, of_r) = ((theta - self.angle).sin(), self.angle.sin());
         of_r / (of_n + of_r)

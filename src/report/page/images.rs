@@ -1,4 +1,5 @@
-//! Chooses the images of the page: as many as fit the budget. Images are never reduced: averaging texels would hide noise.
+//! Chooses the images of the page: as many as fit the budget. Images are never reduced: averaging
+//! texels would hide noise.
 
 use super::page_run::PageRun;
 use crate::experiment::axis::SCENE;
@@ -59,7 +60,9 @@ pub fn collect(runs: &[PageRun], choice: Choice, budget: usize) -> ImageSet {
     let mut set = ImageSet::list(runs);
     match choice {
         Choice::None => {
-            set.notes.push("Images are omitted (--no-images); the linear EXR files are linked.".to_owned());
+            set.notes.push(
+                "Images are omitted (--no-images); the linear EXR files are linked.".to_owned(),
+            );
         }
         Choice::Automatic => {
             let first = set.of_first_point_set(runs);
@@ -72,7 +75,9 @@ pub fn collect(runs: &[PageRun], choice: Choice, budget: usize) -> ImageSet {
     if set.images.is_empty() && choice != Choice::None {
         let why = match designs(runs).is_empty() {
             true => "The run has no images.csv, so there are no images.".to_owned(),
-            false => format!("The run has only the scene design, of which there are no pictures: {DESIGN}."),
+            false => format!(
+                "The run has only the scene design, of which there are no pictures: {DESIGN}."
+            ),
         };
         set.notes.push(why);
     }
@@ -80,9 +85,16 @@ pub fn collect(runs: &[PageRun], choice: Choice, budget: usize) -> ImageSet {
 }
 
 fn designs(runs: &[PageRun]) -> HashSet<Value> {
-    let scenes: HashSet<&Value> =
-        runs.iter().flat_map(|run| &run.finished.cells).map(|cell| &cell.point[SCENE]).collect();
-    scenes.into_iter().filter(|scene| is_design(&scene.to_string())).cloned().collect()
+    let scenes: HashSet<&Value> = runs
+        .iter()
+        .flat_map(|run| &run.finished.cells)
+        .map(|cell| &cell.point[SCENE])
+        .collect();
+    scenes
+        .into_iter()
+        .filter(|scene| is_design(&scene.to_string()))
+        .cloned()
+        .collect()
 }
 
 /// An image, its encoded texels and its mask.
@@ -96,7 +108,10 @@ impl ImageSet {
         for (run, page_run) in runs.iter().enumerate() {
             let is_picture = |cell: &&FinishedCell| !designs.contains(&cell.point[SCENE]);
             for cell in page_run.finished.cells.iter().filter(is_picture) {
-                let (Some(files), light) = (&cell.images, page_run.finished.epsilon(&cell.point)) else { continue };
+                let (Some(files), light) = (&cell.images, page_run.finished.epsilon(&cell.point))
+                else {
+                    continue;
+                };
                 let reference = set.add(run, &files.reference, None, light);
                 set.add(run, &files.radiance, Some(reference), light);
             }
@@ -130,8 +145,14 @@ impl ImageSet {
         for (run, page_run) in runs.iter().enumerate() {
             let cells = &page_run.finished.cells;
             let set = |cell: &FinishedCell| cell.point.get("point_set").clone();
-            let first = cells.iter().map(set).find(|value| *value != Value::Unset).unwrap_or(Value::Unset);
-            let own = cells.iter().filter(|cell| [&first, &Value::Unset].contains(&&set(cell)));
+            let first = cells
+                .iter()
+                .map(set)
+                .find(|value| *value != Value::Unset)
+                .unwrap_or(Value::Unset);
+            let own = cells
+                .iter()
+                .filter(|cell| [&first, &Value::Unset].contains(&&set(cell)));
             let files = own.filter_map(|cell| cell.images.as_ref());
             found.extend(files.filter_map(|files| self.index.get(&(run, files.radiance.clone()))));
         }
@@ -142,8 +163,10 @@ impl ImageSet {
     fn embed(&mut self, runs: &[PageRun], order: &[usize], budget: usize) {
         let (mut bytes, mut done) = (0, 0);
         for chunk in order.chunks(CHUNK) {
-            let prepared: Vec<Result<Prepared, String>> =
-                chunk.into_par_iter().map(|index| self.prepare(runs, *index)).collect();
+            let prepared: Vec<Result<Prepared, String>> = chunk
+                .into_par_iter()
+                .map(|index| self.prepare(runs, *index))
+                .collect();
             for (index, prepared) in chunk.iter().zip(prepared) {
                 match prepared {
                     Err(note) => self.notes.push(note),
@@ -151,15 +174,21 @@ impl ImageSet {
                         bytes += text.len() + mask.as_ref().map_or(0, String::len);
                         if bytes > budget {
                             self.notes.push(format!(
-                                "{} of {} images exceed the {} MB for images; their EXR files are linked.",
+                                "{} of {} images exceed the {} MB for images; their EXR files are \
+                                 linked.",
                                 order.len() - done,
                                 order.len(),
                                 budget / 1_000_000
                             ));
                             return;
                         }
-                        let (payload, mask) = (Some(self.store(text)), mask.map(|mask| self.store(mask)));
-                        self.images[*index] = EmbeddedImage { payload, mask, ..image };
+                        let (payload, mask) =
+                            (Some(self.store(text)), mask.map(|mask| self.store(mask)));
+                        self.images[*index] = EmbeddedImage {
+                            payload,
+                            mask,
+                            ..image
+                        };
                     }
                 }
                 done += 1;
@@ -172,13 +201,19 @@ impl ImageSet {
         let decoded = read(&runs[image.run].finished.dir, &image.file)?;
         let encoded = packed::texels(&decoded.rgb);
         let mask = (image.reference == index).then(|| packed::mask(&mask_of(&decoded)));
-        (image.size, image.clamped_count) = ([decoded.rgb.width, decoded.rgb.height], encoded.clamped_count);
+        (image.size, image.clamped_count) = (
+            [decoded.rgb.width, decoded.rgb.height],
+            encoded.clamped_count,
+        );
         Ok((image, encoded.base64, mask))
     }
 
     /// The index of a payload; equal small ones, such as masks, are stored once.
     fn store(&mut self, text: String) -> usize {
-        let known = self.payloads.iter().position(|known| text.len() < 4096 && *known == text);
+        let known = self
+            .payloads
+            .iter()
+            .position(|known| text.len() < 4096 && *known == text);
         known.unwrap_or_else(|| {
             self.payloads.push(text);
             self.payloads.len() - 1
@@ -191,12 +226,18 @@ pub fn read(dir: &Path, file: &str) -> Result<Decoded, String> {
     let images = dir.join("images");
     // A foreign folder may name any file of this computer.
     if Path::new(file).file_name() != Some(file.as_ref()) {
-        return Err(format!("{file:?} in images.csv is not the name of a file in {}", images.display()));
+        return Err(format!(
+            "{file:?} in images.csv is not the name of a file in {}",
+            images.display()
+        ));
     }
     exr::read(&images.join(file)).map_err(|error| error.to_string())
 }
 
 /// The mask of an image; everywhere 1 without alpha.
 pub fn mask_of(image: &Decoded) -> GrayImage {
-    image.alpha.clone().unwrap_or_else(|| GrayImage::filled(image.rgb.width, image.rgb.height, 1.0))
+    image
+        .alpha
+        .clone()
+        .unwrap_or_else(|| GrayImage::filled(image.rgb.width, image.rgb.height, 1.0))
 }

@@ -1,4 +1,5 @@
-//! The data of the Live view: the tables of [`LIVE_FILE`], as far as they fit, and other inputs of its shaders.
+//! The data of the Live view: the tables of [`LIVE_FILE`], as far as they fit, and other inputs of
+//! its shaders.
 
 use super::page_run::PageRun;
 use crate::brdf::MaskingShadowing;
@@ -58,26 +59,42 @@ pub struct LiveMethod {
 
 impl LiveMethod {
     fn new(name: &str, is_sampled: bool) -> Self {
-        Self { name: name.to_owned(), title: Method::listed(name).title.to_owned(), is_sampled }
+        Self {
+            name: name.to_owned(),
+            title: Method::listed(name).title.to_owned(),
+            is_sampled,
+        }
     }
 
-    /// Split sums with tables in a record, and methods that filter samples, in the order of the list.
+    /// Split sums with tables in a record, and methods that filter samples, in the order of the
+    /// list.
     fn all(record: Option<&LiveRecord>) -> [Vec<Self>; 2] {
         let has = |count: TapCount| {
-            record.is_some_and(|record| record.lobes.iter().all(|lobe| lobe.tap_tables.contains_key(count.sampler())))
+            record.is_some_and(|record| {
+                record
+                    .lobes
+                    .iter()
+                    .all(|lobe| lobe.tap_tables.contains_key(count.sampler()))
+            })
         };
-        let is_served =
-            |method: &&Method| method.uses_prefiltered() && method.uses_dfg && method.tap_table.is_none_or(has);
+        let is_served = |method: &&Method| {
+            method.uses_prefiltered() && method.uses_dfg && method.tap_table.is_none_or(has)
+        };
         let split_sums = METHODS.iter().filter(is_served);
-        let sampled = METHODS.iter().filter(|method| method.uses_samples && method.uses_lod_bias);
+        let sampled = METHODS
+            .iter()
+            .filter(|method| method.uses_samples && method.uses_lod_bias);
         let of = |method: &Method| Self::new(method.name, method.uses_samples);
         [split_sums.map(of).collect(), sampled.map(of).collect()]
     }
 }
 
-/// The name of a shader in the page: `specular:cube:sampled:ggx`. All but meshes have only fragment shaders.
+/// The name of a shader in the page: `specular:cube:sampled:ggx`. All but meshes have only fragment
+/// shaders.
 pub fn page_name(permutation: &str) -> String {
-    permutation.trim_start_matches(PAGE_FOLDER).replace(".frag", "")
+    permutation
+        .trim_start_matches(PAGE_FOLDER)
+        .replace(".frag", "")
 }
 
 /// The page's shaders of a method in a file, by name; the error is the compiler's.
@@ -89,9 +106,16 @@ fn own_shaders(method: &LiveShader) -> Result<BTreeMap<String, String>, String> 
     let expanded = |(permutation, choice): (String, Choice)| {
         let text = sources.expand(&entry, &choice, Language::Es)?;
         parse(&entry, &text, Language::Es)?;
-        Ok((page_name(&own::shader_name(&permutation, &method.name)), text))
+        Ok((
+            page_name(&own::shader_name(&permutation, &method.name)),
+            text,
+        ))
     };
-    sources.permutations(&entry, &choice)?.into_iter().map(expanded).collect()
+    sources
+        .permutations(&entry, &choice)?
+        .into_iter()
+        .map(expanded)
+        .collect()
 }
 
 /// An `environment_orientation` and the columns of its rotation matrix.
@@ -109,23 +133,49 @@ impl Orientation {
             _ => None,
         });
         let all: BTreeSet<u32> = of_cells.collect();
-        let all = if all.is_empty() { BTreeSet::from([0]) } else { all };
-        all.into_iter().map(|k| Self { k, columns: orientation(k).to_cols_array_2d() }).collect()
+        let all = if all.is_empty() {
+            BTreeSet::from([0])
+        } else {
+            all
+        };
+        all.into_iter()
+            .map(|k| Self {
+                k,
+                columns: orientation(k).to_cols_array_2d(),
+            })
+            .collect()
     }
 }
 
-/// The constants of anisotropy and layers: of each the first among the runs' cells that is not the default.
+/// The constants of anisotropy and layers: of each the first among the runs' cells that is not the
+/// default.
 fn codes(runs: &[PageRun]) -> BTreeMap<&'static str, u32> {
-    let cells = || runs.iter().flat_map(|run| &run.finished.cells).map(|cell| cell.point.settings().shading);
+    let cells = || {
+        runs.iter()
+            .flat_map(|run| &run.finished.cells)
+            .map(|cell| cell.point.settings().shading)
+    };
     let first = |code: fn(&Shading) -> u32| {
         let default = code(&Shading::default());
-        cells().map(|shading| code(&shading)).find(|own| *own != default).unwrap_or(default)
+        cells()
+            .map(|shading| code(&shading))
+            .find(|own| *own != default)
+            .unwrap_or(default)
     };
     BTreeMap::from([
         ("ANISOTROPY", first(|shading| shading.widths as u32)),
-        ("SHEEN_LOOKUP", first(|shading| shading.sheen_lookup.plain().code())),
-        ("SHEEN_VISIBILITY", first(|shading| shading.sheen_visibility as u32)),
-        ("coat_layering", first(|shading| shading.coat_layering as u32)),
+        (
+            "SHEEN_LOOKUP",
+            first(|shading| shading.sheen_lookup.plain().code()),
+        ),
+        (
+            "SHEEN_VISIBILITY",
+            first(|shading| shading.sheen_visibility as u32),
+        ),
+        (
+            "coat_layering",
+            first(|shading| shading.coat_layering as u32),
+        ),
     ])
 }
 
@@ -136,7 +186,10 @@ impl Light {
         let record = runs.iter().find_map(|run| match read(run) {
             Ok(record) => {
                 if record.is_some() && runs.len() > 1 {
-                    notes.push(format!("Light and tables come from {}.", run.finished.dir.display()));
+                    notes.push(format!(
+                        "Light and tables come from {}.",
+                        run.finished.dir.display()
+                    ));
                 }
                 record
             }
@@ -153,7 +206,11 @@ impl Light {
                     methods.push(LiveMethod::new(&own.name, own.is_sampled));
                     shaders.extend(texts);
                 }
-                Err(log) => notes.push(format!("{} does not compile for a browser: {}", own.name, log.trim())),
+                Err(log) => notes.push(format!(
+                    "{} does not compile for a browser: {}",
+                    own.name,
+                    log.trim()
+                )),
             }
         }
         // The reference is the last method that takes samples.
@@ -175,16 +232,24 @@ impl Light {
         match record {
             Some(record) => light.fit(record, budget),
             None => light.notes.push(format!(
-                "The folder of the run has no {LIVE_FILE}: the run was stopped early, or made by an older version."
+                "The folder of the run has no {LIVE_FILE}: the run was stopped early, or made by \
+                 an older version."
             )),
         }
         light
     }
 
-    /// Takes the tables; drops the finest levels of the largest environments, then whole environments, until all fits.
+    /// Takes the tables; drops the finest levels of the largest environments, then whole
+    /// environments, until all fits.
     fn fit(&mut self, record: LiveRecord, budget: usize) {
-        (self.environments, self.lobes, self.models) = (record.environments, record.lobes, record.models);
-        self.notes.extend(self.models.iter().map(|model| model.note.clone()).filter(|note| !note.is_empty()));
+        (self.environments, self.lobes, self.models) =
+            (record.environments, record.lobes, record.models);
+        self.notes.extend(
+            self.models
+                .iter()
+                .map(|model| model.note.clone())
+                .filter(|note| !note.is_empty()),
+        );
         let mut left_out = record.left_out;
         while self.bytes() > budget {
             let reducible = self
@@ -201,16 +266,22 @@ impl Light {
             }
         }
         if left_out > 0 {
-            self.notes.push(format!("{left_out} more environments of the run are not in this view."));
+            self.notes.push(format!(
+                "{left_out} more environments of the run are not in this view."
+            ));
         }
     }
 
     fn bytes(&self) -> usize {
-        let maps = self
-            .environments
+        let maps = self.environments.iter().flat_map(|e| {
+            e.levels
+                .iter()
+                .chain(e.prefiltered.iter().flat_map(|map| &map.levels))
+        });
+        let of_lobes = self
+            .lobes
             .iter()
-            .flat_map(|e| e.levels.iter().chain(e.prefiltered.iter().flat_map(|map| &map.levels)));
-        let of_lobes = self.lobes.iter().flat_map(|lobe| lobe.tap_tables.values().chain([&lobe.dfg]));
+            .flat_map(|lobe| lobe.tap_tables.values().chain([&lobe.dfg]));
         maps.chain(of_lobes).map(|image| image.base64.len()).sum()
     }
 }
@@ -223,15 +294,22 @@ fn read(run: &PageRun) -> Result<Option<LiveRecord>, String> {
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => return Ok(None),
         Err(error) => return Err(format!("{}: {error}", path.display())),
     };
-    let record: LiveRecord = serde_json::from_slice(&text)
-        .map_err(|error| format!("{}: {error}; delete it and run the experiment again", path.display()))?;
+    let record: LiveRecord = serde_json::from_slice(&text).map_err(|error| {
+        format!(
+            "{}: {error}; delete it and run the experiment again",
+            path.display()
+        )
+    })?;
     let is_whole = |e: &LiveEnvironment| !e.levels.is_empty() && !e.prefiltered.is_empty();
     if record.lobes.is_empty()
         || record.environments.is_empty()
         || record.models.is_empty()
         || !record.environments.iter().all(is_whole)
     {
-        return Err(format!("{}: lacks tables or models; delete it and run the experiment again", path.display()));
+        return Err(format!(
+            "{}: lacks tables or models; delete it and run the experiment again",
+            path.display()
+        ));
     }
     Ok(Some(record))
 }

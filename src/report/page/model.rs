@@ -11,7 +11,9 @@ use crate::shade::{METHODS, Method};
 use crate::spelling::Listed;
 use crate::study::finished::FinishedCell;
 use crate::study::names::Names;
-use crate::table::colormap::{NAN_COLOR, OFF_MASK_COLOR, Palette, RELATIVE_ERROR, Range, SIGNED_ERROR};
+use crate::table::colormap::{
+    NAN_COLOR, OFF_MASK_COLOR, Palette, RELATIVE_ERROR, Range, SIGNED_ERROR,
+};
 use crate::table::csv::Cell;
 use indexmap::IndexMap;
 use serde::ser::{Serialize, SerializeMap, Serializer};
@@ -61,28 +63,48 @@ impl PageAxis {
 
     /// A cell's value, as in [`Self::values`].
     pub fn text(&self, cell: &FinishedCell) -> Option<String> {
-        self.named.map(|named| named.shown(&cell.point[named.axis]).to_string())
+        self.named
+            .map(|named| named.shown(&cell.point[named.axis]).to_string())
     }
 }
 
 /// The axis of runs, then the axes that some cell uses.
 pub fn axes(runs: &[PageRun]) -> Vec<PageAxis> {
     let labels: Vec<String> = runs.iter().map(|run| run.label.clone()).collect();
-    let role = if runs.len() > 1 { Role::Variant } else { Role::Fixed };
+    let role = if runs.len() > 1 {
+        Role::Variant
+    } else {
+        Role::Fixed
+    };
     let (values, words) = (labels.clone(), labels.clone());
-    let of_runs = PageAxis { name: RUN_AXIS, role, values, labels, words, named: None, is_constant: true };
+    let of_runs = PageAxis {
+        name: RUN_AXIS,
+        role,
+        values,
+        labels,
+        words,
+        named: None,
+        is_constant: true,
+    };
     let names = runs.first().map(|run| Names::of(run.finished));
-    let axes = names.iter().flat_map(|names| (0..AXES.len()).filter_map(|index| page_axis(runs, names, index)));
+    let axes = names
+        .iter()
+        .flat_map(|names| (0..AXES.len()).filter_map(|index| page_axis(runs, names, index)));
     std::iter::once(of_runs).chain(axes).collect()
 }
 
 fn page_axis(runs: &[PageRun], names: &Names, index: usize) -> Option<PageAxis> {
     let cells = runs.iter().flat_map(|run| &run.finished.cells);
-    let found = cells.clone().map(|cell| &cell.point.0[index]).filter(|value| **value != Value::Unset);
+    let found = cells
+        .clone()
+        .map(|cell| &cell.point.0[index])
+        .filter(|value| **value != Value::Unset);
     // Distinct by text, by which a cell's value is looked up.
     let mut distinct: IndexMap<String, &Value> = IndexMap::new();
     for value in found {
-        distinct.entry(names.shown(index, value).to_string()).or_insert(value);
+        distinct
+            .entry(names.shown(index, value).to_string())
+            .or_insert(value);
     }
     let (seen, distinct): (Vec<String>, Vec<&Value>) = distinct.into_iter().unzip();
     let role = match (distinct.len(), AXES[index].part) {
@@ -93,64 +115,126 @@ fn page_axis(runs: &[PageRun], names: &Names, index: usize) -> Option<PageAxis> 
         _ => Role::Variant,
     };
     let labels = match index {
-        METHOD => {
-            seen.iter().map(|name| Method::by_name(name).map_or(name.as_str(), |own| own.title).to_owned()).collect()
-        }
+        METHOD => seen
+            .iter()
+            .map(|name| {
+                Method::by_name(name)
+                    .map_or(name.as_str(), |own| own.title)
+                    .to_owned()
+            })
+            .collect(),
         _ => labels(names, index, &distinct),
     };
     let words = match index {
         METHOD => labels.clone(),
-        _ => distinct.iter().zip(&labels).map(|(value, label)| word(names, index, value, label)).collect(),
+        _ => distinct
+            .iter()
+            .zip(&labels)
+            .map(|(value, label)| word(names, index, value, label))
+            .collect(),
     };
-    let is_constant = role == Role::Fixed && cells.clone().all(|cell| cell.point.0[index] != Value::Unset);
+    let is_constant = role == Role::Fixed
+        && cells
+            .clone()
+            .all(|cell| cell.point.0[index] != Value::Unset);
     let (name, named) = (names.name(index), Some(names.named(index)));
-    Some(PageAxis { name, role, values: seen, labels, words, named, is_constant })
+    Some(PageAxis {
+        name,
+        role,
+        values: seen,
+        labels,
+        words,
+        named,
+        is_constant,
+    })
 }
 
 /// Short texts, whole if two would be equal.
 fn labels(names: &Names, index: usize, values: &[&Value]) -> Vec<String> {
-    let labels: Vec<String> = values.iter().map(|value| names.short(index, value)).collect();
+    let labels: Vec<String> = values
+        .iter()
+        .map(|value| names.short(index, value))
+        .collect();
     let is_double = |label: &String| labels.iter().filter(|other| *other == label).count() > 1;
-    let whole = |(value, label): (&&Value, &String)| if is_double(label) { value.to_string() } else { label.clone() };
+    let whole = |(value, label): (&&Value, &String)| {
+        if is_double(label) {
+            value.to_string()
+        } else {
+            label.clone()
+        }
+    };
     values.iter().zip(&labels).map(whole).collect()
 }
 
 /// A value with its name: "5 lv", "alpha 0.25 (roughness 0.5)", "bias 1 (filament)".
 fn word(names: &Names, index: usize, value: &Value, short: &str) -> String {
-    let word = names.heading(index, value).replace(&names.short(index, value), short);
+    let word = names
+        .heading(index, value)
+        .replace(&names.short(index, value), short);
     number_name(index, value).map_or_else(|| word.clone(), |name| format!("{word} ({name})"))
 }
 
 /// The name of a number, such as the engine of a level bias; 0 has none.
 fn number_name(index: usize, value: &Value) -> Option<String> {
-    let (Kind::NumberOrName { named, .. }, Value::Number(number)) = (&AXES[index].kind, value) else { return None };
-    let known = named().into_iter().find(|(_, known)| known == number && *known != 0.0)?;
+    let (Kind::NumberOrName { named, .. }, Value::Number(number)) = (&AXES[index].kind, value)
+    else {
+        return None;
+    };
+    let known = named()
+        .into_iter()
+        .find(|(_, known)| known == number && *known != 0.0)?;
     Some(known.0.to_owned())
 }
 
 /// The scenes that are not pictures.
 fn designs(axes: &[PageAxis]) -> Vec<&String> {
-    let scenes = axes.iter().filter(|axis| axis.index() == Some(SCENE)).flat_map(|axis| &axis.values);
+    let scenes = axes
+        .iter()
+        .filter(|axis| axis.index() == Some(SCENE))
+        .flat_map(|axis| &axis.values);
     scenes.filter(|name| is_design(name)).collect()
 }
 
 /// The common values that are not defaults: "size 128x128, diffuse none".
 pub fn shared(axes: &[PageAxis]) -> String {
     let says = |axis: &&PageAxis| {
-        let Some(index) = axis.index().filter(|_| axis.role == Role::Fixed) else { return false };
+        let Some(index) = axis.index().filter(|_| axis.role == Role::Fixed) else {
+            return false;
+        };
         index == SIZE || (AXES[index].default)().to_string() != axis.values[0]
     };
     let word = |axis: &PageAxis| {
         let word = format!("{} {}", axis.name.replace('_', " "), axis.labels[0]);
-        if !designs(std::slice::from_ref(axis)).is_empty() { format!("{word} ({DESIGN})") } else { word }
+        if !designs(std::slice::from_ref(axis)).is_empty() {
+            format!("{word} ({DESIGN})")
+        } else {
+            word
+        }
     };
-    axes.iter().filter(says).map(word).collect::<Vec<_>>().join(", ")
+    axes.iter()
+        .filter(says)
+        .map(word)
+        .collect::<Vec<_>>()
+        .join(", ")
 }
 
 pub fn columns(axes: &[PageAxis], metrics: &[&'static Metric]) -> Vec<&'static str> {
-    let own = ["run", "cell", "image", "reference", "verdict", "noise_floor"];
-    let axes = axes.iter().filter(|axis| !axis.is_constant).map(|axis| axis.name);
-    own.into_iter().chain(axes).chain(metrics.iter().map(|metric| metric.name)).collect()
+    let own = [
+        "run",
+        "cell",
+        "image",
+        "reference",
+        "verdict",
+        "noise_floor",
+    ];
+    let axes = axes
+        .iter()
+        .filter(|axis| !axis.is_constant)
+        .map(|axis| axis.name);
+    own.into_iter()
+        .chain(axes)
+        .chain(metrics.iter().map(|metric| metric.name))
+        .collect()
 }
 
 /// Rows are made while they are written, to save memory.
@@ -171,7 +255,10 @@ impl Serialize for Model<'_> {
         map.serialize_entry("headline", self.headline.name)?;
         map.serialize_entry("runs", &self.runs)?;
         map.serialize_entry("axes", self.axes)?;
-        map.serialize_entry("metrics", &self.metrics.iter().map(metric).collect::<Vec<_>>())?;
+        map.serialize_entry(
+            "metrics",
+            &self.metrics.iter().map(metric).collect::<Vec<_>>(),
+        )?;
         map.serialize_entry("columns", &columns(self.axes, self.metrics))?;
         map.serialize_entry("rows", &Rows(self))?;
         map.serialize_entry("answers", &self.answers)?;
@@ -180,7 +267,10 @@ impl Serialize for Model<'_> {
         map.serialize_entry("designs", &designs(self.axes))?;
         map.serialize_entry(
             "roles",
-            &METHODS.iter().map(|method| (method.name, method.role())).collect::<BTreeMap<_, _>>(),
+            &METHODS
+                .iter()
+                .map(|method| (method.name, method.role()))
+                .collect::<BTreeMap<_, _>>(),
         )?;
         map.serialize_entry("colors", &colors())?;
         map.end()
@@ -193,24 +283,42 @@ struct Rows<'a>(&'a Model<'a>);
 impl Serialize for Rows<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let all = self.0.cells_of.iter().enumerate();
-        let cells = all.flat_map(|(run, page_run)| page_run.finished.cells.iter().map(move |cell| (run, cell)));
+        let cells = all.flat_map(|(run, page_run)| {
+            page_run.finished.cells.iter().map(move |cell| (run, cell))
+        });
         serializer.collect_seq(cells.map(|(run, cell)| self.0.row(run, cell)))
     }
 }
 
 impl Model<'_> {
     fn row(&self, run: usize, cell: &FinishedCell) -> Vec<Json> {
-        let Self { axes, metrics, headline, images, .. } = *self;
+        let Self {
+            axes,
+            metrics,
+            headline,
+            images,
+            ..
+        } = *self;
         let image = |file: &String| images.index.get(&(run, file.clone())).copied();
-        let [own, reference] =
-            [0, 1].map(|i| cell.images.as_ref().and_then(|files| image([&files.radiance, &files.reference][i])));
+        let [own, reference] = [0, 1].map(|i| {
+            cell.images
+                .as_ref()
+                .and_then(|files| image([&files.radiance, &files.reference][i]))
+        });
         let floor = cell.noise_floors.get(headline.name);
         let verdict = match (score(cell, headline), floor) {
             _ if cell.scores.is_none() => FAILED,
             (Some(score), Some(floor)) => verdict(headline, score, floor).name(),
             _ => NO_FLOOR,
         };
-        let own = [json!(run), json!(cell.id), json!(own), json!(reference), json!(verdict), number(floor)];
+        let own = [
+            json!(run),
+            json!(cell.id),
+            json!(own),
+            json!(reference),
+            json!(verdict),
+            number(floor),
+        ];
         let place = |axis: &PageAxis| {
             let text = axis.text(cell).filter(|_| !axis.is_constant)?;
             Some(axis.values.iter().position(|value| *value == text))
@@ -242,11 +350,19 @@ pub fn field(cell: &Cell) -> Json {
 /// Metrics with a score of some cell.
 pub fn metrics(runs: &[PageRun]) -> Vec<&'static Metric> {
     let cells = runs.iter().flat_map(|run| &run.finished.cells);
-    METRICS.iter().copied().filter(|metric| cells.clone().any(|cell| score(cell, metric).is_some())).collect()
+    METRICS
+        .iter()
+        .copied()
+        .filter(|metric| cells.clone().any(|cell| score(cell, metric).is_some()))
+        .collect()
 }
 
 pub fn colors() -> Json {
-    let table = |palette: Palette| (0..256).map(|i| palette.color(f64::from(i) / 255.0)).collect::<Vec<_>>();
+    let table = |palette: Palette| {
+        (0..256)
+            .map(|i| palette.color(f64::from(i) / 255.0))
+            .collect::<Vec<_>>()
+    };
     let range = |range: Range| match range {
         Range::Linear { lo, hi } | Range::Log { lo, hi } => [lo, hi],
     };

@@ -26,11 +26,20 @@ impl<'a> PageRun<'a> {
     pub fn of_runs(runs: &'a [(Finished, Vec<Answer>)]) -> Vec<Self> {
         let name = |run: &Finished| {
             let path = std::fs::canonicalize(&run.dir).unwrap_or_else(|_| run.dir.clone());
-            path.file_name().map_or_else(|| run.text("/name"), |name| name.to_string_lossy().into_owned())
+            path.file_name().map_or_else(
+                || run.text("/name"),
+                |name| name.to_string_lossy().into_owned(),
+            )
         };
         let names: Vec<String> = runs.iter().map(|(run, _)| name(run)).collect();
         let is_double = |name: &String| names.iter().filter(|other| *other == name).count() > 1;
-        let label = |i: usize| if is_double(&names[i]) { format!("{} #{}", names[i], i + 1) } else { names[i].clone() };
+        let label = |i: usize| {
+            if is_double(&names[i]) {
+                format!("{} #{}", names[i], i + 1)
+            } else {
+                names[i].clone()
+            }
+        };
         let page_run = |(i, (finished, answers)): (usize, &'a (Finished, Vec<Answer>))| Self {
             label: label(i),
             finished,
@@ -41,7 +50,8 @@ impl<'a> PageRun<'a> {
 
     /// A text of the last session.
     pub fn session(&self, pointer: &str) -> String {
-        self.finished.text(&format!("{}{pointer}", self.finished.last_session()))
+        self.finished
+            .text(&format!("{}{pointer}", self.finished.last_session()))
     }
 
     /// The question of the experiment, else its name.
@@ -52,19 +62,29 @@ impl<'a> PageRun<'a> {
     }
 
     pub fn device(&self) -> String {
-        format!("{} · {}", self.session("/device/name"), self.session("/device/driver"))
+        format!(
+            "{} · {}",
+            self.session("/device/name"),
+            self.session("/device/driver")
+        )
     }
 
     /// `2026-11-21 18:07 UTC` for `2026-11-21T18:07:34Z`.
     pub fn date(&self) -> String {
         let date = self.session("/date_utc");
-        let parts = date.split_once('T').and_then(|(day, time)| Some((day, time.strip_suffix('Z')?.get(..5)?)));
+        let parts = date
+            .split_once('T')
+            .and_then(|(day, time)| Some((day, time.strip_suffix('Z')?.get(..5)?)));
         parts.map_or_else(|| date.clone(), |(day, time)| format!("{day} {time} UTC"))
     }
 
     /// The commit of the program, marked if files were changed.
     pub fn commit(&self) -> String {
-        let changed = if self.session("/commit/dirty") == "true" { " (changed)" } else { "" };
+        let changed = if self.session("/commit/dirty") == "true" {
+            " (changed)"
+        } else {
+            ""
+        };
         format!("{}{changed}", self.session("/commit/hash"))
     }
 
@@ -73,32 +93,53 @@ impl<'a> PageRun<'a> {
         let mut warnings = Vec::new();
         match run.failed_count() {
             0 => {}
-            1 => warnings.push("1 cell failed and is missing from every figure; see Run.".to_owned()),
-            n => warnings.push(format!("{n} cells failed and are missing from every figure; see Run.")),
+            1 => {
+                warnings.push("1 cell failed and is missing from every figure; see Run.".to_owned())
+            }
+            n => warnings.push(format!(
+                "{n} cells failed and are missing from every figure; see Run."
+            )),
         }
-        let (done, planned) = (run.cells.len() as u64, run.provenance["cell_count"].as_u64().unwrap_or(0));
+        let (done, planned) = (
+            run.cells.len() as u64,
+            run.provenance["cell_count"].as_u64().unwrap_or(0),
+        );
         if done < planned {
-            warnings.push(format!("{done} of {planned} cells are done: the run was stopped."));
+            warnings.push(format!(
+                "{done} of {planned} cells are done: the run was stopped."
+            ));
         }
         warnings
     }
 
     pub fn cpu_warning(&self) -> Option<String> {
-        let own = self.finished.timings.iter().filter(|record| record.device_type == "cpu");
+        let own = self
+            .finished
+            .timings
+            .iter()
+            .filter(|record| record.device_type == "cpu");
         let devices: BTreeSet<&str> = own.map(|record| record.device.as_str()).collect();
         let devices: Vec<&str> = devices.into_iter().collect();
         (!devices.is_empty()).then(|| {
-            format!("The times of {} come from a CPU driver: they say nothing about a GPU.", devices.join(", "))
+            format!(
+                "The times of {} come from a CPU driver: they say nothing about a GPU.",
+                devices.join(", ")
+            )
         })
     }
 
     /// Title and link (from the folder `here`) of the contact sheets.
     pub fn sheets(&self, here: &Path) -> Vec<[String; 2]> {
         let sheet = |path: &Path| {
-            let title = path.file_stem().map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
+            let title = path
+                .file_stem()
+                .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
             [title, link(here, path)]
         };
-        sheet_files(&self.finished.dir).iter().map(|path| sheet(path)).collect()
+        sheet_files(&self.finished.dir)
+            .iter()
+            .map(|path| sheet(path))
+            .collect()
     }
 }
 
@@ -139,7 +180,9 @@ pub fn link(from: &Path, to: &Path) -> String {
 /// The facts of a run in its provenance by title, with the hashes of its inputs last.
 pub fn provenance(page_run: &PageRun) -> Vec<(&'static str, Vec<(String, String)>)> {
     let all = &page_run.finished.provenance;
-    let session = all.pointer(&page_run.finished.last_session()).unwrap_or(&Json::Null);
+    let session = all
+        .pointer(&page_run.finished.last_session())
+        .unwrap_or(&Json::Null);
     let groups = [
         ("Device", &session["device"]),
         ("Host", &session["host"]),
@@ -150,7 +193,12 @@ pub fn provenance(page_run: &PageRun) -> Vec<(&'static str, Vec<(String, String)
     ];
     let words = |value: &Json| match value {
         Json::String(text) => Some(text.clone()),
-        Json::Array(all) => Some(all.iter().map(Json::as_str).collect::<Option<Vec<_>>>()?.join(" ")),
+        Json::Array(all) => Some(
+            all.iter()
+                .map(Json::as_str)
+                .collect::<Option<Vec<_>>>()?
+                .join(" "),
+        ),
         Json::Number(_) | Json::Bool(_) => Some(value.to_string()),
         Json::Null | Json::Object(_) => None,
     };
@@ -159,5 +207,9 @@ pub fn provenance(page_run: &PageRun) -> Vec<(&'static str, Vec<(String, String)
         let facts = facts.filter_map(|(name, value)| Some((name.clone(), words(value)?)));
         facts.filter(|(_, text)| !text.is_empty()).collect()
     };
-    groups.map(|(title, value)| (title, facts(value))).into_iter().filter(|(_, facts)| !facts.is_empty()).collect()
+    groups
+        .map(|(title, value)| (title, facts(value)))
+        .into_iter()
+        .filter(|(_, facts)| !facts.is_empty())
+        .collect()
 }

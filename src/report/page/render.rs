@@ -1,7 +1,8 @@
 //! Writes the page: the template with styles, modules and data.
 //!
-//! The template engine escapes text in markup, figures escape their own; all other data is in JSON script elements whose `<` is written as
-//! `\u003c`, so that no name can end the element. A content security policy forbids every request.
+//! The template engine escapes text in markup, figures escape their own; all other data is in JSON
+//! script elements whose `<` is written as `\u003c`, so that no name can end the element. A content
+//! security policy forbids every request.
 
 use super::live::{Light, page_name};
 use crate::glsl::source::{Choice, Language, PAGE_FOLDER};
@@ -21,9 +22,21 @@ const STYLE: &str = include_str!("../../../assets/report/report.css");
 const TEMPLATE: &str = include_str!("../../../assets/report/report.html");
 /// Family, weight and file of the fonts: subsets under the SIL Open Font License.
 const FONTS: [(&str, u32, &[u8]); 3] = [
-    ("Sans", 400, include_bytes!("../../../assets/report/fonts/text-regular.woff2")),
-    ("Sans", 500, include_bytes!("../../../assets/report/fonts/text-medium.woff2")),
-    ("Mono", 400, include_bytes!("../../../assets/report/fonts/code-regular.woff2")),
+    (
+        "Sans",
+        400,
+        include_bytes!("../../../assets/report/fonts/text-regular.woff2"),
+    ),
+    (
+        "Sans",
+        500,
+        include_bytes!("../../../assets/report/fonts/text-medium.woff2"),
+    ),
+    (
+        "Mono",
+        400,
+        include_bytes!("../../../assets/report/fonts/code-regular.woff2"),
+    ),
 ];
 /// The part of views with a canvas.
 const STAGE: &str = include_str!("../../../assets/report/stage.html");
@@ -36,14 +49,30 @@ macro_rules! modules {
 }
 
 const MODULES: &[(&str, &str)] = modules![
-    "main", "data", "state", "dom", "answer", "tables", "program", "stage", "surface", "legend", "viewer-input",
-    "viewer", "live", "live-render", "live-scene", "place", "grid",
+    "main",
+    "data",
+    "state",
+    "dom",
+    "answer",
+    "tables",
+    "program",
+    "stage",
+    "surface",
+    "legend",
+    "viewer-input",
+    "viewer",
+    "live",
+    "live-render",
+    "live-scene",
+    "place",
+    "grid",
 ];
 
 /// The place of the model in the template, which is written directly to save memory.
 const MODEL: &str = "{{ model }}";
 
-/// Writes the page. `page` is for the template, `model` for the scripts, `payloads` are texels, `light` is for the Live view.
+/// Writes the page. `page` is for the template, `model` for the scripts, `payloads` are texels,
+/// `light` is for the Live view.
 pub fn render(
     writer: &mut impl Write,
     page: &Json,
@@ -55,11 +84,24 @@ pub fn render(
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
     environment.add_filter("whole_units", whole_units);
     environment.add_filter("pieces", pieces);
-    let (before, behind) = TEMPLATE.split_once(MODEL).expect("the template holds the model");
+    let (before, behind) = TEMPLATE
+        .split_once(MODEL)
+        .expect("the template holds the model");
     let parts = [("before", before), ("behind", behind), ("stage", STAGE)];
-    parts.into_iter().try_for_each(|(name, text)| environment.add_template(name, text)).map_err(Error::other)?;
-    let import = |text: &str| format!("data:text/javascript;base64,{}", BASE64_STANDARD.encode(text));
-    let imports: BTreeMap<&str, String> = MODULES.iter().map(|(name, text)| (*name, import(text))).collect();
+    parts
+        .into_iter()
+        .try_for_each(|(name, text)| environment.add_template(name, text))
+        .map_err(Error::other)?;
+    let import = |text: &str| {
+        format!(
+            "data:text/javascript;base64,{}",
+            BASE64_STANDARD.encode(text)
+        )
+    };
+    let imports: BTreeMap<&str, String> = MODULES
+        .iter()
+        .map(|(name, text)| (*name, import(text)))
+        .collect();
     let context = context! {
         page => Serde(page),
         style => safe(style()),
@@ -70,29 +112,47 @@ pub fn render(
     };
     let part = |name: &str, writer: &mut dyn Write| {
         let template = environment.get_template(name);
-        template.and_then(|template| template.render_captured_to(&context, writer).map(drop)).map_err(Error::other)
+        template
+            .and_then(|template| template.render_captured_to(&context, writer).map(drop))
+            .map_err(Error::other)
     };
     part("before", writer)?;
     serde_json::to_writer(Script(&mut *writer), model)?;
     part("behind", writer)
 }
 
-/// The page's shaders (GLSL ES 3.00) by name, such as `specular:cube:sampled:ggx`, as far as `light` needs them.
+/// The page's shaders (GLSL ES 3.00) by name, such as `specular:cube:sampled:ggx`, as far as
+/// `light` needs them.
 pub fn shaders(light: &Light) -> BTreeMap<String, String> {
     let sources = shader_sources();
-    let layouts = light.environments.iter().map(|environment| environment.layout.as_str());
+    let layouts = light
+        .environments
+        .iter()
+        .map(|environment| environment.layout.as_str());
     let models = light.lobes.iter().map(|lobe| lobe.brdf.as_str());
-    let methods = light.methods.iter().map(|method| method.name.as_str()).chain([Method::SHEEN_LOOKUP.name]);
+    let methods = light
+        .methods
+        .iter()
+        .map(|method| method.name.as_str())
+        .chain([Method::SHEEN_LOOKUP.name]);
     let wanted: BTreeSet<&str> = layouts.chain(models).chain(methods).collect();
-    let entries = sources.entries().filter(|entry| entry.starts_with(PAGE_FOLDER));
+    let entries = sources
+        .entries()
+        .filter(|entry| entry.starts_with(PAGE_FOLDER));
     let all = entries.flat_map(|entry| {
-        let named = sources.permutations(entry, &Choice::new()).expect("every file that a shader includes is there");
-        named.into_iter().map(move |(name, choice)| (entry, name, choice))
+        let named = sources
+            .permutations(entry, &Choice::new())
+            .expect("every file that a shader includes is there");
+        named
+            .into_iter()
+            .map(move |(name, choice)| (entry, name, choice))
     });
     let is_wanted = |name: &str| name.split(':').skip(1).all(|part| wanted.contains(part));
     all.filter(|(_, name, _)| is_wanted(name))
         .map(|(entry, name, choice)| {
-            let text = sources.expand(entry, &choice, Language::Es).expect("its permutation was found");
+            let text = sources
+                .expand(entry, &choice, Language::Es)
+                .expect("its permutation was found");
             (page_name(&name), text)
         })
         .chain(light.shaders.clone())
@@ -107,22 +167,37 @@ pub fn style() -> String {
 fn font((family, weight, bytes): (&str, u32, &[u8])) -> String {
     let base64 = BASE64_STANDARD.encode(bytes);
     format!(
-        "@font-face{{font-family:\"Splitsum {family}\";font-weight:{weight};src:url(data:font/woff2;base64,{base64})}}\n"
+        "@font-face{{font-family:\"Splitsum \
+         {family}\";font-weight:{weight};src:url(data:font/woff2;base64,{base64})}}\n"
     )
 }
 
-/// Splits a sentence into parts: strong between `**`, code between backticks. Methods are in words, with their code.
+/// Splits a sentence into parts: strong between `**`, code between backticks. Methods are in words,
+/// with their code.
 fn pieces(text: String) -> Vec<Value> {
     let strong = text.split("**").enumerate();
-    let parts = strong.flat_map(|(i, part)| part.split('`').enumerate().map(move |(j, text)| (text, i % 2, j % 2)));
+    let parts = strong.flat_map(|(i, part)| {
+        part.split('`')
+            .enumerate()
+            .map(move |(j, text)| (text, i % 2, j % 2))
+    });
     let piece = |(place, (text, strong, code)): (usize, (&str, usize, usize))| {
-        let words = Method::by_name(text).map_or_else(|| words_in(text), |method| method.title.to_owned());
+        let words =
+            Method::by_name(text).map_or_else(|| words_in(text), |method| method.title.to_owned());
         let is_method = code == 1 && words != text;
-        let words = if is_method && place > 0 { words[..1].to_lowercase() + &words[1..] } else { words };
+        let words = if is_method && place > 0 {
+            words[..1].to_lowercase() + &words[1..]
+        } else {
+            words
+        };
         let code = (code == 1).then_some(text);
         context! { text => if is_method { &words } else { text }, is_strong => strong == 1, is_method, code }
     };
-    parts.filter(|(text, ..)| !text.is_empty()).enumerate().map(piece).collect()
+    parts
+        .filter(|(text, ..)| !text.is_empty())
+        .enumerate()
+        .map(piece)
+        .collect()
 }
 
 /// Prevents line breaks between a number and its sign.

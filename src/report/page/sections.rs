@@ -16,19 +16,27 @@ const DIGEST_ROWS: usize = 24;
 /// Most columns of a digest that fits next to its figure.
 const COLUMNS_BESIDE: usize = 6;
 
-/// The answers of a run as sections for the template; `first` is the index of the first among all runs.
+/// The answers of a run as sections for the template; `first` is the index of the first among all
+/// runs.
 pub fn sections(page_run: &PageRun, run: usize, first: usize, here: &Path) -> Vec<Json> {
     let section = |(i, answer): (usize, &Answer)| {
         let (key, finding) = (answer.question.name, &answer.finding);
         // For a desktop and for a phone.
-        let figure =
-            finding.figure.as_ref().map(|figure| WIDTHS.map(|width| drawing(figure, width).trim_end().to_owned()));
+        let figure = finding
+            .figure
+            .as_ref()
+            .map(|figure| WIDTHS.map(|width| drawing(figure, width).trim_end().to_owned()));
         let small = Some(&finding.table).filter(|table| table.rows.len() <= DIGEST_ROWS);
         let digest = finding.digest.as_ref().or(small).map(digest);
-        let is_narrow = digest
-            .as_ref()
-            .is_some_and(|digest| digest["columns"].as_array().is_some_and(|all| all.len() <= COLUMNS_BESIDE));
-        let (headline, scope) = finding.sentence.split_once(". ").unwrap_or((&finding.sentence, ""));
+        let is_narrow = digest.as_ref().is_some_and(|digest| {
+            digest["columns"]
+                .as_array()
+                .is_some_and(|all| all.len() <= COLUMNS_BESIDE)
+        });
+        let (headline, scope) = finding
+            .sentence
+            .split_once(". ")
+            .unwrap_or((&finding.sentence, ""));
         json!({
             // Numbered from the second run.
             "id": if run == 0 { key.to_owned() } else { format!("{key}-{}", run + 1) },
@@ -65,10 +73,15 @@ pub fn model(page_run: &PageRun, run: usize) -> Vec<Json> {
 
 /// A small table in words: heads with their alignment, and rows of texts.
 fn digest(table: &Table) -> Json {
-    let rows: Vec<Vec<String>> =
-        table.rows.iter().map(|row| row.iter().map(|cell| words_in(&shown(cell))).collect()).collect();
-    let starts_with_digit = |text: &String| text.starts_with(|c: char| c.is_ascii_digit() || c == '-');
-    let is_number = |column: usize| column > 0 && rows.iter().any(|row| starts_with_digit(&row[column]));
+    let rows: Vec<Vec<String>> = table
+        .rows
+        .iter()
+        .map(|row| row.iter().map(|cell| words_in(&shown(cell))).collect())
+        .collect();
+    let starts_with_digit =
+        |text: &String| text.starts_with(|c: char| c.is_ascii_digit() || c == '-');
+    let is_number =
+        |column: usize| column > 0 && rows.iter().any(|row| starts_with_digit(&row[column]));
     let head = |(column, name): (usize, &String)| json!({ "text": words_in(&name.replace('_', " ")), "is_number": is_number(column) });
     json!({ "columns": table.columns.iter().enumerate().map(head).collect::<Vec<Json>>(), "rows": rows })
 }

@@ -1,6 +1,7 @@
 //! Renders each reference and each image once and scores every cell.
 //!
-//! The device belongs to this thread. Other threads make scores and files, in any order; the record of a cell is written after its files.
+//! The device belongs to this thread. Other threads make scores and files, in any order; the record
+//! of a cell is written after its files.
 
 use super::{Progress, Run, RunError, of_cell};
 use crate::experiment::axis::Point;
@@ -41,13 +42,23 @@ struct Made {
 type ReferencePictures = Vec<(ToneCurve, Arc<Rgb8Image>)>;
 
 impl<'p> Run<'p> {
-    pub(super) fn cells(&mut self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {
+    pub(super) fn cells(
+        &mut self,
+        renderer: &mut dyn Renderer,
+        progress: &mut dyn Progress,
+    ) -> Result<(), RunError> {
         let (plan, store, device) = (self.plan, self.store.clone(), renderer.device());
         let is_over = AtomicBool::new(false);
         let (jobs, queue) = sync_channel(queue_length(plan));
         let queue = Mutex::new(queue);
-        let worker =
-            Worker { queue: &queue, plan, store: &store, device: &device, stop: self.options.stop, is_over: &is_over };
+        let worker = Worker {
+            queue: &queue,
+            plan,
+            store: &store,
+            device: &device,
+            stop: self.options.stop,
+            is_over: &is_over,
+        };
         std::thread::scope(|scope| {
             let (results, answers) = channel();
             for _ in 0..std::thread::available_parallelism().map_or(1, usize::from) {
@@ -55,10 +66,20 @@ impl<'p> Run<'p> {
                 scope.spawn(move || worker.work_off(&results));
             }
             drop(results);
-            let mut desk = Desk { jobs: Some(jobs), answers };
-            let result = plan.groups().iter().try_for_each(|group| self.group(group, renderer, &mut desk, progress));
-            is_over.store(self.is_stopped() || matches!(result, Err(RunError::Store(_))), Ordering::Relaxed);
-            // Without the sender the workers end. Rendered cells are kept even if the device was lost.
+            let mut desk = Desk {
+                jobs: Some(jobs),
+                answers,
+            };
+            let result = plan
+                .groups()
+                .iter()
+                .try_for_each(|group| self.group(group, renderer, &mut desk, progress));
+            is_over.store(
+                self.is_stopped() || matches!(result, Err(RunError::Store(_))),
+                Ordering::Relaxed,
+            );
+            // Without the sender the workers end. Rendered cells are kept even if the device was
+            // lost.
             desk.jobs = None;
             let rest = self.collect(&mut desk, true, progress);
             result.and(rest)
@@ -73,22 +94,42 @@ impl<'p> Run<'p> {
         desk: &mut Desk<'p>,
         progress: &mut dyn Progress,
     ) -> Result<(), RunError> {
-        let todo = group.radiances.iter().flat_map(|(_, cells)| cells).find(|cell| !self.is_done(cell));
-        let (Some(first), false) = (todo.copied(), self.is_stopped()) else { return Ok(()) };
+        let todo = group
+            .radiances
+            .iter()
+            .flat_map(|(_, cells)| cells)
+            .find(|cell| !self.is_done(cell));
+        let (Some(first), false) = (todo.copied(), self.is_stopped()) else {
+            return Ok(());
+        };
         let point = self.plan.reference_point(&first.point);
         let reference = match of_cell(self.reference(group.id, &point, renderer))? {
             Ok(reference) => Arc::new(reference),
             Err(reason) => {
-                let cells: Vec<&Cell> = group.radiances.iter().flat_map(|(_, cells)| cells).copied().collect();
+                let cells: Vec<&Cell> = group
+                    .radiances
+                    .iter()
+                    .flat_map(|(_, cells)| cells)
+                    .copied()
+                    .collect();
                 return self.fail(&cells, &format!("its reference: {reason}"), progress);
             }
         };
         let mut reference_pictures = ReferencePictures::new();
         for (id, cells) in &group.radiances {
-            let todo: Vec<&Cell> = cells.iter().copied().filter(|cell| !self.is_done(cell)).collect();
-            let (Some(first), false) = (todo.first(), self.is_stopped()) else { continue };
+            let todo: Vec<&Cell> = cells
+                .iter()
+                .copied()
+                .filter(|cell| !self.is_done(cell))
+                .collect();
+            let (Some(first), false) = (todo.first(), self.is_stopped()) else {
+                continue;
+            };
             let rendered = match reference.rendered.as_ref().filter(|_| *id == group.id) {
-                Some(frame) => Ok(Made { frame: frame.clone(), steps: Arc::default() }),
+                Some(frame) => Ok(Made {
+                    frame: frame.clone(),
+                    steps: Arc::default(),
+                }),
                 None => of_cell(self.radiance(&first.point, renderer))?,
             };
             let linear = Arc::default();
@@ -103,7 +144,8 @@ impl<'p> Run<'p> {
                         continue;
                     }
                 };
-                let pictures = self.displays(cell, frame, &reference, &mut reference_pictures, renderer);
+                let pictures =
+                    self.displays(cell, frame, &reference, &mut reference_pictures, renderer);
                 match of_cell(pictures)? {
                     Ok(pictures) => desk.hand_in(Rendered {
                         cell,
@@ -125,7 +167,10 @@ impl<'p> Run<'p> {
     fn radiance(&self, point: &Point, renderer: &mut dyn Renderer) -> Result<Made, CellFault> {
         let request = self.plan.request(point);
         let frame = Arc::new(renderer.render(&request)?);
-        let mut made = Made { frame, steps: Arc::default() };
+        let mut made = Made {
+            frame,
+            steps: Arc::default(),
+        };
         if let Some(samples) = self.plan.ladder_of(point) {
             let steps = renderer.attributions(&request, samples, &BANDS)?;
             made.steps = Arc::new(StepRecord::of(&steps));
@@ -133,11 +178,20 @@ impl<'p> Run<'p> {
         Ok(made)
     }
 
-    /// Whether the image of a reference is the one that a finished cell was compared with, byte for byte. Without such a cell it is rendered
-    /// again.
+    /// Whether the image of a reference is the one that a finished cell was compared with, byte for
+    /// byte. Without such a cell it is rendered again.
     fn is_as_recorded(&self, reference: &str, name: &str, path: &Path) -> Result<bool, StoreError> {
-        for cell in self.plan.cells.iter().filter(|cell| cell.reference == reference) {
-            if let Some(hash) = self.store.cell(&cell.id)?.and_then(|record| record.files.get(name).cloned()) {
+        for cell in self
+            .plan
+            .cells
+            .iter()
+            .filter(|cell| cell.reference == reference)
+        {
+            if let Some(hash) = self
+                .store
+                .cell(&cell.id)?
+                .and_then(|record| record.files.get(name).cloned())
+            {
                 return Ok(content_hash(path).is_ok_and(|found| found == hash));
             }
         }
@@ -145,7 +199,12 @@ impl<'p> Run<'p> {
     }
 
     /// Reads the reference of a group back, or renders it.
-    fn reference(&mut self, id: &str, point: &Point, renderer: &mut dyn Renderer) -> Result<ReferenceImage, CellFault> {
+    fn reference(
+        &mut self,
+        id: &str,
+        point: &Point,
+        renderer: &mut dyn Renderer,
+    ) -> Result<ReferenceImage, CellFault> {
         let name = images::radiance_name(point, id);
         let path = self.store.image_path(&name);
         let request = self.plan.reference_request(point);
@@ -182,10 +241,21 @@ impl<'p> Run<'p> {
     }
 
     /// Stores scored cells; `to_the_end` waits until the workers end.
-    fn collect(&mut self, desk: &mut Desk<'p>, to_the_end: bool, progress: &mut dyn Progress) -> Result<(), RunError> {
+    fn collect(
+        &mut self,
+        desk: &mut Desk<'p>,
+        to_the_end: bool,
+        progress: &mut dyn Progress,
+    ) -> Result<(), RunError> {
         loop {
-            let answer = if to_the_end { desk.answers.recv().ok() } else { desk.answers.try_recv().ok() };
-            let Some((cell, scored)) = answer else { return Ok(()) };
+            let answer = if to_the_end {
+                desk.answers.recv().ok()
+            } else {
+                desk.answers.try_recv().ok()
+            };
+            let Some((cell, scored)) = answer else {
+                return Ok(());
+            };
             let scored = of_cell(scored)?;
             // Dropped after a stop: the user waits for the current cell only.
             if self.is_stopped() {
@@ -213,7 +283,12 @@ impl<'p> Desk<'p> {
 }
 
 fn queue_length(plan: &Plan) -> usize {
-    let pixels = |cell: &Cell| plan.size_of(cell).iter().map(|&side| u64::from(side)).product::<u64>();
+    let pixels = |cell: &Cell| {
+        plan.size_of(cell)
+            .iter()
+            .map(|&side| u64::from(side))
+            .product::<u64>()
+    };
     let largest = plan.cells.iter().map(pixels).max().unwrap_or(1);
     (QUEUE_PIXELS / largest).clamp(*QUEUE_LENGTHS.start(), *QUEUE_LENGTHS.end()) as usize
 }
@@ -233,7 +308,11 @@ struct Worker<'w, 'p> {
 impl<'p> Worker<'_, 'p> {
     fn work_off(&self, answers: &Sender<Scored<'p>>) {
         loop {
-            let rendered = self.queue.lock().unwrap_or_else(PoisonError::into_inner).recv();
+            let rendered = self
+                .queue
+                .lock()
+                .unwrap_or_else(PoisonError::into_inner)
+                .recv();
             let Ok(rendered) = rendered else { return };
             if self.stop.load(Ordering::Relaxed) || self.is_over.load(Ordering::Relaxed) {
                 continue;

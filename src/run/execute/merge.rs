@@ -33,7 +33,11 @@ pub struct Missing {
 pub fn merge(plan: &Plan, options: &RunOptions) -> Result<Merged, RunError> {
     let Some(found) = provenance::read(&options.dir)? else {
         let why = "contains no run; expected the --out of `splitsum run --shard`".to_owned();
-        return Err(StoreError::Refused { dir: options.dir.clone(), why }.into());
+        return Err(StoreError::Refused {
+            dir: options.dir.clone(),
+            why,
+        }
+        .into());
     };
     let store = Store::open(&options.dir, plan)?;
     store.check_nothing_is_lost(&found, plan)?;
@@ -45,19 +49,38 @@ pub fn merge(plan: &Plan, options: &RunOptions) -> Result<Merged, RunError> {
     let cell_note = mixed("cells", &run.devices);
     let missing = run.missing()?;
     run.write_own()?;
-    let outcome = Outcome { is_stopped: missing != Missing::default(), ..run.finish(true)? };
+    let outcome = Outcome {
+        is_stopped: missing != Missing::default(),
+        ..run.finish(true)?
+    };
     let mut timed = BTreeMap::new();
     for TimingRecord { device, driver, .. } in &outcome.timings {
         *timed.entry(device_words(device, driver)).or_default() += 1;
     }
-    let notes = cell_note.into_iter().chain(mixed("timed configurations", &timed)).collect();
-    Ok(Merged { outcome, missing, notes })
+    let notes = cell_note
+        .into_iter()
+        .chain(mixed("timed configurations", &timed))
+        .collect();
+    Ok(Merged {
+        outcome,
+        missing,
+        notes,
+    })
 }
 
 /// A sentence if records come from several devices.
 fn mixed(what: &str, counts: &BTreeMap<String, usize>) -> Option<String> {
-    let list: Vec<String> = counts.iter().map(|(device, count)| format!("{count} from {device}")).collect();
-    (counts.len() > 1).then(|| format!("the {what} come from {} devices: {}", counts.len(), list.join(", ")))
+    let list: Vec<String> = counts
+        .iter()
+        .map(|(device, count)| format!("{count} from {device}"))
+        .collect();
+    (counts.len() > 1).then(|| {
+        format!(
+            "the {what} come from {} devices: {}",
+            counts.len(),
+            list.join(", ")
+        )
+    })
 }
 
 impl Run<'_> {
@@ -65,35 +88,66 @@ impl Run<'_> {
     fn damage(&mut self) -> Result<Vec<String>, StoreError> {
         let (plan, store) = (self.plan, &self.store);
         let mut damage: Vec<String> = std::mem::take(&mut self.unusable);
-        let references: BTreeSet<&str> = plan.cells.iter().map(|cell| cell.reference.as_str()).collect();
-        let references = references.into_iter().map(|id| store.record::<Value>(REFERENCES_FOLDER, id).map(drop));
-        let timings = self.jobs.iter().map(|job| store.record::<Value>(TIMINGS_FOLDER, &job.id).map(drop));
+        let references: BTreeSet<&str> = plan
+            .cells
+            .iter()
+            .map(|cell| cell.reference.as_str())
+            .collect();
+        let references = references
+            .into_iter()
+            .map(|id| store.record::<Value>(REFERENCES_FOLDER, id).map(drop));
+        let timings = self
+            .jobs
+            .iter()
+            .map(|job| store.record::<Value>(TIMINGS_FOLDER, &job.id).map(drop));
         for read in references.chain(timings) {
             match read {
                 Err(error) if error.is_unusable_record() => damage.push(error.to_string()),
                 read => read?,
             }
         }
-        damage.extend(images::damaged(store, std::mem::take(&mut self.recorded)).iter().map(|name| {
-            let path = store.image_path(name);
-            let what = if path.exists() { "differs from its record" } else { "is missing" };
-            format!("{}: {what}", path.display())
-        }));
+        damage.extend(
+            images::damaged(store, std::mem::take(&mut self.recorded))
+                .iter()
+                .map(|name| {
+                    let path = store.image_path(name);
+                    let what = if path.exists() {
+                        "differs from its record"
+                    } else {
+                        "is missing"
+                    };
+                    format!("{}: {what}", path.display())
+                }),
+        );
         Ok(damage)
     }
 
     /// Work that has neither a record nor a failure.
     fn missing(&self) -> Result<Missing, StoreError> {
         let mut cells: Vec<&Cell> = Vec::new();
-        for cell in self.plan.cells.iter().filter(|cell| !self.results.contains_key(&cell.id)) {
+        for cell in self
+            .plan
+            .cells
+            .iter()
+            .filter(|cell| !self.results.contains_key(&cell.id))
+        {
             if self.store.failure(&cell.id)?.is_none() {
                 cells.push(cell);
             }
         }
         let open = self.open_jobs();
         let mut shards = Vec::new();
-        let known = self.store.ids(SHARDS_FOLDER).iter().filter_map(|stem| Shard::by_stem(stem)).collect::<Vec<_>>();
-        for count in known.iter().map(|shard| shard.count).collect::<BTreeSet<_>>() {
+        let known = self
+            .store
+            .ids(SHARDS_FOLDER)
+            .iter()
+            .filter_map(|stem| Shard::by_stem(stem))
+            .collect::<Vec<_>>();
+        for count in known
+            .iter()
+            .map(|shard| shard.count)
+            .collect::<BTreeSet<_>>()
+        {
             for (index, share) in (1..).zip(split(self.plan, count)) {
                 let has_cell = cells.iter().any(|cell| share.cells.contains(&cell.id));
                 if has_cell || open.iter().any(|job| share.timings.contains(&job.id)) {
@@ -102,17 +156,40 @@ impl Run<'_> {
                 }
             }
         }
-        let cells = cells.into_iter().map(|cell| self.plan.label(cell)).collect();
-        Ok(Missing { cells, timings: open.len(), shards })
+        let cells = cells
+            .into_iter()
+            .map(|cell| self.plan.label(cell))
+            .collect();
+        Ok(Missing {
+            cells,
+            timings: open.len(),
+            shards,
+        })
     }
 
     /// How the last process of a shard ended, in words.
     fn end_of(&self, shard: Shard) -> Result<String, StoreError> {
         let value = provenance::read_file(&self.store.shard_path(shard))?;
-        let sessions = value.as_ref().and_then(|value| value["sessions"].as_array());
-        let Some(last) = sessions.and_then(|sessions| sessions.last()) else { return Ok("never started".to_owned()) };
-        let text = |pointer: &str| last.pointer(pointer).and_then(Value::as_str).unwrap_or_default();
-        let ended = if last["wall_s"].is_number() { "ended early" } else { "killed" };
-        Ok(format!("started on {} at {}, {ended}", text("/host/name"), text("/date_utc")))
+        let sessions = value
+            .as_ref()
+            .and_then(|value| value["sessions"].as_array());
+        let Some(last) = sessions.and_then(|sessions| sessions.last()) else {
+            return Ok("never started".to_owned());
+        };
+        let text = |pointer: &str| {
+            last.pointer(pointer)
+                .and_then(Value::as_str)
+                .unwrap_or_default()
+        };
+        let ended = if last["wall_s"].is_number() {
+            "ended early"
+        } else {
+            "killed"
+        };
+        Ok(format!(
+            "started on {} at {}, {ended}",
+            text("/host/name"),
+            text("/date_utc")
+        ))
     }
 }

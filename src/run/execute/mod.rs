@@ -1,4 +1,5 @@
-//! Runs a plan: renders each reference and each image once, scores every cell, writes records and tables.
+//! Runs a plan: renders each reference and each image once, scores every cell, writes records and
+//! tables.
 
 mod cells;
 mod merge;
@@ -32,7 +33,8 @@ use std::time::Instant;
 /// Makes the renderer when it is needed: a finished run needs no device.
 pub type MakeRenderer<'a> = dyn FnMut() -> Result<Box<dyn Renderer>, RenderFault> + 'a;
 
-/// Runs the open part of `plan` in the folder of `options`, then writes tables and contact sheets. A shard leaves these to [`merge`].
+/// Runs the open part of `plan` in the folder of `options`, then writes tables and contact sheets.
+/// A shard leaves these to [`merge`].
 pub fn run(
     plan: &Plan,
     make_renderer: &mut MakeRenderer,
@@ -42,7 +44,11 @@ pub fn run(
     let started = Instant::now();
     let is_begun = Store::at(&options.dir).check_identity(plan)?;
     // A new run without a device, or with a cell that cannot be rendered, leaves no folder.
-    let mut renderer = if is_begun { None } else { Some(opened(plan, make_renderer)?) };
+    let mut renderer = if is_begun {
+        None
+    } else {
+        Some(opened(plan, make_renderer)?)
+    };
     let store = match options.shard {
         Some(shard) => Store::open_shard(&options.dir, plan, shard)?,
         None => Store::open(&options.dir, plan)?,
@@ -67,7 +73,14 @@ pub fn run(
         run.end_session(started)?;
         result?;
     } else {
-        progress.start(steps, steps, Ahead { share: 1.0, seconds: 0.0 });
+        progress.start(
+            steps,
+            steps,
+            Ahead {
+                share: 1.0,
+                seconds: 0.0,
+            },
+        );
     }
     run.finish(left > 0 || is_adopted)
 }
@@ -114,13 +127,25 @@ impl<'p> Run<'p> {
         for cell in plan.cells.iter().filter(|cell| is_own(&share, cell)) {
             match store.record::<CellRecord>(CELLS_FOLDER, &cell.id) {
                 // Of another program.
-                Ok(Some(record)) if !METRICS.iter().all(|metric| record.scores.contains_key(metric.name)) => {
-                    unusable.push(format!("{}: lacks a score of some metric", store.cell_path(&cell.id).display()));
+                Ok(Some(record))
+                    if !METRICS
+                        .iter()
+                        .all(|metric| record.scores.contains_key(metric.name)) =>
+                {
+                    unusable.push(format!(
+                        "{}: lacks a score of some metric",
+                        store.cell_path(&cell.id).display()
+                    ));
                 }
                 Ok(Some(record)) => {
                     images::note(&mut recorded, plan, cell, &record.files);
-                    results.insert(cell.id.clone(), CellResult::Done(Box::new(KeptCell::of(&record))));
-                    *devices.entry(device_words(&record.device, &record.driver)).or_default() += 1;
+                    results.insert(
+                        cell.id.clone(),
+                        CellResult::Done(Box::new(KeptCell::of(&record))),
+                    );
+                    *devices
+                        .entry(device_words(&record.device, &record.driver))
+                        .or_default() += 1;
                 }
                 Ok(None) => {}
                 Err(error) if error.is_unusable_record() => unusable.push(error.to_string()),
@@ -128,7 +153,11 @@ impl<'p> Run<'p> {
             }
         }
         let mut jobs = timing::jobs(plan);
-        jobs.retain(|job| share.as_ref().is_none_or(|share| share.timings.contains(&job.id)));
+        jobs.retain(|job| {
+            share
+                .as_ref()
+                .is_none_or(|share| share.timings.contains(&job.id))
+        });
         Ok(Self {
             plan,
             store,
@@ -151,20 +180,31 @@ impl<'p> Run<'p> {
         let plan = self.plan;
         if let Some(first) = self.unusable.first() {
             progress.note(&format!(
-                "{} unusable records of finished cells; rendering these cells again; the first: {first}",
+                "{} unusable records of finished cells; rendering these cells again; the first: \
+                 {first}",
                 self.unusable.len()
             ));
         }
         let damaged = images::damaged(&self.store, std::mem::take(&mut self.recorded));
-        let Some(name) = damaged.first() else { return Ok(()) };
+        let Some(name) = damaged.first() else {
+            return Ok(());
+        };
         progress.note(&format!(
-            "{} missing or changed images of finished cells; rendering these cells again; the first: images/{name}",
+            "{} missing or changed images of finished cells; rendering these cells again; the \
+             first: images/{name}",
             damaged.len()
         ));
         // A folder in place of a file stays: only its cells fail.
         let is_file = |name: &&String| !self.store.image_path(name).is_dir();
-        damaged.iter().filter(is_file).try_for_each(|name| self.store.remove("images", name))?;
-        let is_hit = |cell: &&Cell| images::files(plan, cell).iter().any(|name| damaged.contains(name));
+        damaged
+            .iter()
+            .filter(is_file)
+            .try_for_each(|name| self.store.remove("images", name))?;
+        let is_hit = |cell: &&Cell| {
+            images::files(plan, cell)
+                .iter()
+                .any(|name| damaged.contains(name))
+        };
         for cell in plan.cells.iter().filter(is_hit) {
             self.results.remove(&cell.id);
         }
@@ -172,12 +212,16 @@ impl<'p> Run<'p> {
     }
 
     fn own_cells(&self) -> impl Iterator<Item = &'p Cell> {
-        self.plan.cells.iter().filter(|cell| is_own(&self.share, cell))
+        self.plan
+            .cells
+            .iter()
+            .filter(|cell| is_own(&self.share, cell))
     }
 
     /// Whether a cell has its record, or belongs to another process.
     fn is_done(&self, cell: &Cell) -> bool {
-        !is_own(&self.share, cell) || matches!(self.results.get(&cell.id), Some(CellResult::Done(_)))
+        !is_own(&self.share, cell)
+            || matches!(self.results.get(&cell.id), Some(CellResult::Done(_)))
     }
 
     fn is_stopped(&self) -> bool {
@@ -185,24 +229,38 @@ impl<'p> Run<'p> {
     }
 
     fn steps_left(&self) -> usize {
-        self.plan.cells.iter().filter(|cell| !self.is_done(cell)).count() + self.open_jobs().len()
+        self.plan
+            .cells
+            .iter()
+            .filter(|cell| !self.is_done(cell))
+            .count()
+            + self.open_jobs().len()
     }
 
     /// Configurations to time: whole blocks that lack a record.
     fn open_jobs(&self) -> Vec<TimingJob<'p>> {
         let blocks = self.jobs.chunk_by(|a, b| a.block == b.block);
-        blocks.filter(|block| !block.iter().all(|job| self.store.has_timing(&job.id))).flatten().cloned().collect()
+        blocks
+            .filter(|block| !block.iter().all(|job| self.store.has_timing(&job.id)))
+            .flatten()
+            .cloned()
+            .collect()
     }
 
     /// Predicts the open work. References in the cache or the folder are free.
     fn forecast(&self, renderer: &dyn Renderer) -> Forecast {
         let groups = self.plan.groups();
-        let cells = groups.iter().flat_map(|group| group.radiances.iter().flat_map(|(_, cells)| cells));
+        let cells = groups
+            .iter()
+            .flat_map(|group| group.radiances.iter().flat_map(|(_, cells)| cells));
         let open: Vec<&Cell> = cells.copied().filter(|cell| !self.is_done(cell)).collect();
         let is_kept = |group: &ReferenceGroup| {
             let mut cells = group.radiances.iter().flat_map(|(_, cells)| cells).copied();
             let first = cells.clone().find(|cell| !self.is_done(cell))?;
-            let request = || self.plan.reference_request(&self.plan.reference_point(&first.point));
+            let request = || {
+                self.plan
+                    .reference_request(&self.plan.reference_point(&first.point))
+            };
             (cells.any(|cell| self.results.contains_key(&cell.id)) || renderer.has_kept(&request()))
                 .then(|| group.id.to_owned())
         };
@@ -213,18 +271,34 @@ impl<'p> Run<'p> {
     fn ahead(&self) -> Ahead {
         self.forecast
             .as_ref()
-            .map_or_else(Ahead::default, |forecast| forecast.ahead(self.clock.elapsed().as_secs_f64()))
+            .map_or_else(Ahead::default, |forecast| {
+                forecast.ahead(self.clock.elapsed().as_secs_f64())
+            })
     }
 
-    fn work(&mut self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {
+    fn work(
+        &mut self,
+        renderer: &mut dyn Renderer,
+        progress: &mut dyn Progress,
+    ) -> Result<(), RunError> {
         let result = self.live(renderer, progress);
-        let result = result.and_then(|()| self.cells(renderer, progress)).and_then(|()| self.time(renderer, progress));
-        renderer.take_warnings().iter().for_each(|warning| progress.note(&format!("warning: {warning}")));
+        let result = result
+            .and_then(|()| self.cells(renderer, progress))
+            .and_then(|()| self.time(renderer, progress));
+        renderer
+            .take_warnings()
+            .iter()
+            .for_each(|warning| progress.note(&format!("warning: {warning}")));
         result
     }
 
-    /// Writes `live.json`, unless it exists. It comes first, since a run whose cells are all done makes nothing more.
-    fn live(&self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {
+    /// Writes `live.json`, unless it exists. It comes first, since a run whose cells are all done
+    /// makes nothing more.
+    fn live(
+        &self,
+        renderer: &mut dyn Renderer,
+        progress: &mut dyn Progress,
+    ) -> Result<(), RunError> {
         let path = self.store.dir().join(LIVE_FILE);
         if !self.makes_live() || self.is_stopped() || path.exists() {
             return Ok(());
@@ -244,15 +318,33 @@ impl<'p> Run<'p> {
         if let Some(forecast) = &mut self.forecast {
             forecast.finish(&cell.id);
         }
-        self.results.insert(record.cell.clone(), CellResult::Done(Box::new(KeptCell::of(record))));
+        self.results.insert(
+            record.cell.clone(),
+            CellResult::Done(Box::new(KeptCell::of(record))),
+        );
     }
 
-    fn fail(&mut self, cells: &[&Cell], reason: &str, progress: &mut dyn Progress) -> Result<(), RunError> {
-        for cell in cells.iter().filter(|cell| !self.is_done(cell)).copied().collect::<Vec<_>>() {
+    fn fail(
+        &mut self,
+        cells: &[&Cell],
+        reason: &str,
+        progress: &mut dyn Progress,
+    ) -> Result<(), RunError> {
+        for cell in cells
+            .iter()
+            .filter(|cell| !self.is_done(cell))
+            .copied()
+            .collect::<Vec<_>>()
+        {
             let label = self.plan.label(cell);
-            let record = FailureRecord { cell: cell.id.clone(), label: label.clone(), reason: reason.to_owned() };
+            let record = FailureRecord {
+                cell: cell.id.clone(),
+                label: label.clone(),
+                reason: reason.to_owned(),
+            };
             self.store.write_failure(&record)?;
-            self.results.insert(cell.id.clone(), CellResult::Failed(record));
+            self.results
+                .insert(cell.id.clone(), CellResult::Failed(record));
             if let Some(forecast) = &mut self.forecast {
                 forecast.finish(&cell.id);
             }
@@ -274,7 +366,8 @@ impl<'p> Run<'p> {
         let (columns, rows) = tables::errors(self.plan, &self.results);
         self.store.write_table("errors.csv", &columns, rows)?;
         let (columns, rows) = tables::errors_by_n_dot_v(self.plan, &self.results, &self.store);
-        self.store.write_table("errors_by_n_dot_v.csv", &columns, rows)?;
+        self.store
+            .write_table("errors_by_n_dot_v.csv", &columns, rows)?;
         if self.plan.config.ladder.is_some() {
             let (columns, rows) = tables::steps(self.plan, &self.results, &self.store);
             self.store.write_table("steps.csv", &columns, rows)?;
@@ -289,27 +382,34 @@ impl<'p> Run<'p> {
         }
         self.gather_sessions()?;
         for job in &self.jobs {
-            self.timings.extend(self.store.timing::<TimingRecord>(&job.id)?);
+            self.timings
+                .extend(self.store.timing::<TimingRecord>(&job.id)?);
         }
         for cell in &self.plan.cells {
-            if let (None, Some(failure)) = (self.results.get(&cell.id), self.store.failure(&cell.id)?) {
-                self.results.insert(cell.id.clone(), CellResult::Failed(failure));
+            if let (None, Some(failure)) =
+                (self.results.get(&cell.id), self.store.failure(&cell.id)?)
+            {
+                self.results
+                    .insert(cell.id.clone(), CellResult::Failed(failure));
             }
         }
         self.write_tables()?;
         if self.plan.config.timing.is_some() {
             let (columns, rows) = tables::timings(&self.timings);
-            self.store.write_table("timings.csv", &columns, rows.into_iter().map(Ok))?;
+            self.store
+                .write_table("timings.csv", &columns, rows.into_iter().map(Ok))?;
         }
         let (columns, rows) = environments::environments(self.plan);
-        self.store.write_table("environments.csv", &columns, rows.into_iter().map(Ok))?;
+        self.store
+            .write_table("environments.csv", &columns, rows.into_iter().map(Ok))?;
         let (columns, rows) = images::index(self.plan, &self.results);
         let index = csv::to_text(&columns, rows.iter().map(Vec::as_slice));
         let path = self.store.dir().join("images.csv");
         // Written last: if it is up to date, so are the sheets.
         if has_worked || !holds(&path, &index) {
             sheets::write_sheets(&self.store, self.plan, &self.results)?;
-            self.store.write_text(&path, &String::from_utf8_lossy(&index))?;
+            self.store
+                .write_text(&path, &String::from_utf8_lossy(&index))?;
         }
         Ok(self.outcome())
     }
@@ -326,7 +426,9 @@ impl<'p> Run<'p> {
 }
 
 fn is_own(share: &Option<Share>, cell: &Cell) -> bool {
-    share.as_ref().is_none_or(|share| share.cells.contains(&cell.id))
+    share
+        .as_ref()
+        .is_none_or(|share| share.cells.contains(&cell.id))
 }
 
 /// The outer error ends the run, the inner one fails the cell.

@@ -15,7 +15,8 @@ pub struct RunOptions<'a> {
     /// Set from outside: stops after the current cell.
     pub stop: &'a AtomicBool,
     pub command_line: Vec<String>,
-    /// The part of the plan to do, if several processes share the folder. [`merge`](super::merge) then writes the tables.
+    /// The part of the plan to do, if several processes share the folder. [`merge`](super::merge)
+    /// then writes the tables.
     pub shard: Option<Shard>,
     /// Ends the run at the first cell that fails.
     pub fail_fast: bool,
@@ -25,7 +26,13 @@ impl<'a> RunOptions<'a> {
     /// A whole run in `dir` with defaults.
     pub fn new(dir: &Path, stop: &'a AtomicBool) -> Self {
         let command_line = Vec::new();
-        Self { dir: dir.to_owned(), stop, command_line, shard: None, fail_fast: false }
+        Self {
+            dir: dir.to_owned(),
+            stop,
+            command_line,
+            shard: None,
+            fail_fast: false,
+        }
     }
 }
 
@@ -43,10 +50,13 @@ pub trait Progress {
 pub enum RunError {
     #[error(transparent)]
     Store(#[from] StoreError),
-    #[error("the device was lost: {0}; finished cells are kept: run the same command again to continue")]
+    #[error(
+        "the device was lost: {0}; finished cells are kept: run the same command again to continue"
+    )]
     DeviceLost(String),
     #[error(
-        "nothing was merged: records or images are damaged or missing; run their shards again, then merge:\n{}",
+        "nothing was merged: records or images are damaged or missing; run their shards again, \
+         then merge:\n{}",
         .0.join("\n")
     )]
     Damaged(Vec<String>),
@@ -62,7 +72,11 @@ impl From<ProvenanceError> for RunError {
 
 impl From<RenderFault> for RunError {
     fn from(fault: RenderFault) -> Self {
-        if fault.device_lost { Self::DeviceLost(fault.message) } else { Self::NoRenderer(fault.message) }
+        if fault.device_lost {
+            Self::DeviceLost(fault.message)
+        } else {
+            Self::NoRenderer(fault.message)
+        }
     }
 }
 

@@ -1,7 +1,8 @@
 //! Times the configurations of a run.
 //!
-//! Compared configurations form a block. Each round of a block times every configuration once, in a new random order, so that drift and
-//! disturbances affect all of them alike (a randomised complete block design).
+//! Compared configurations form a block. Each round of a block times every configuration once, in a
+//! new random order, so that drift and disturbances affect all of them alike (a randomised complete
+//! block design).
 
 use super::{Progress, Run, RunError, of_cell};
 use crate::experiment::config::Timing;
@@ -14,7 +15,8 @@ use crate::spelling::short_number;
 use fastrand::Rng;
 use std::time::Instant;
 
-/// An idle GPU lowers its clock. So it renders for so long, in ms, before the first round and before each frame that counts.
+/// An idle GPU lowers its clock. So it renders for so long, in ms, before the first round and
+/// before each frame that counts.
 const RAMP_MS: f64 = 1000.0;
 const KEEP_MS: f64 = 100.0;
 
@@ -27,14 +29,21 @@ struct Timed<'p> {
 
 impl<'p> Run<'p> {
     /// Times every open block. A failure is only reported: the scores do not depend on it.
-    pub(super) fn time(&mut self, renderer: &mut dyn Renderer, progress: &mut dyn Progress) -> Result<(), RunError> {
-        let Some(timing) = self.plan.config.timing else { return Ok(()) };
+    pub(super) fn time(
+        &mut self,
+        renderer: &mut dyn Renderer,
+        progress: &mut dyn Progress,
+    ) -> Result<(), RunError> {
+        let Some(timing) = self.plan.config.timing else {
+            return Ok(());
+        };
         let jobs = self.jobs.clone();
         for block in jobs.chunk_by(|a, b| a.block == b.block) {
             if self.is_stopped() {
                 return Ok(());
             }
-            // The samples of a block belong together: a block that lacks a record is timed again as a whole.
+            // The samples of a block belong together: a block that lacks a record is timed again as
+            // a whole.
             if block.iter().all(|job| self.store.has_timing(&job.id)) {
                 continue;
             }
@@ -43,18 +52,27 @@ impl<'p> Run<'p> {
                 Ok(timed) => {
                     let device = renderer.device();
                     // A process killed while writing must not leave a mix of old and new records.
-                    block.iter().try_for_each(|job| self.store.remove_record(TIMINGS_FOLDER, &job.id))?;
+                    block
+                        .iter()
+                        .try_for_each(|job| self.store.remove_record(TIMINGS_FOLDER, &job.id))?;
                     for configuration in timed {
-                        let (job, label) = (configuration.job.clone(), format!("timing {}", configuration.words()));
+                        let (job, label) = (
+                            configuration.job.clone(),
+                            format!("timing {}", configuration.words()),
+                        );
                         let record = configuration.into_record(timing.warmup, &device);
                         self.store.write_timing(&job.id, &record)?;
-                        self.forecast.iter_mut().for_each(|forecast| forecast.finish(&job.id));
+                        self.forecast
+                            .iter_mut()
+                            .for_each(|forecast| forecast.finish(&job.id));
                         progress.step(&label, None, self.ahead());
                     }
                 }
                 Err(reason) => {
                     for job in block {
-                        self.forecast.iter_mut().for_each(|forecast| forecast.finish(&job.id));
+                        self.forecast
+                            .iter_mut()
+                            .for_each(|forecast| forecast.finish(&job.id));
                         let label = format!("timing {} {}", job.phase, self.plan.label(job.cell));
                         progress.step(&label, Some(&reason), self.ahead());
                     }
@@ -83,7 +101,9 @@ impl<'p> Run<'p> {
         // Frames that keep a GPU busy for [`KEEP_MS`], by configuration.
         let mut frames = Vec::new();
         for configuration in &timed {
-            let wall_ms = configuration.sample(timing.warmup - 1, 1, renderer)?.wall_ms;
+            let wall_ms = configuration
+                .sample(timing.warmup - 1, 1, renderer)?
+                .wall_ms;
             let lasting = |ms: f64| (ms / wall_ms[0].max(0.01)).ceil() as u32;
             if !is_cpu {
                 configuration.sample(lasting(RAMP_MS / block.len() as f64), 0, renderer)?;
@@ -109,18 +129,42 @@ impl<'p> Run<'p> {
 }
 
 impl Timed<'_> {
-    fn sample(&self, warmup: u32, rounds: u32, renderer: &mut dyn Renderer) -> Served<TimingSamples> {
-        renderer.time(&self.request, self.job.phase == timing::PRECOMPUTE, [warmup, rounds])
+    fn sample(
+        &self,
+        warmup: u32,
+        rounds: u32,
+        renderer: &mut dyn Renderer,
+    ) -> Served<TimingSamples> {
+        renderer.time(
+            &self.request,
+            self.job.phase == timing::PRECOMPUTE,
+            [warmup, rounds],
+        )
     }
 
     /// Phase and axes, for people.
     fn words(&self) -> String {
-        let values = self.job.axes.values().filter(|value| !value.is_empty()).map(|value| short_number(value));
-        std::iter::once(self.job.phase.into()).chain(values).collect::<Vec<_>>().join(" ")
+        let values = self
+            .job
+            .axes
+            .values()
+            .filter(|value| !value.is_empty())
+            .map(|value| short_number(value));
+        std::iter::once(self.job.phase.into())
+            .chain(values)
+            .collect::<Vec<_>>()
+            .join(" ")
     }
 
     fn into_record(self, warmup: u32, device: &DeviceInfo) -> TimingRecord {
-        let passes = self.samples.passes.into_iter().map(|(pass, ms)| PassSamples { pass: pass.to_owned(), ms });
+        let passes = self
+            .samples
+            .passes
+            .into_iter()
+            .map(|(pass, ms)| PassSamples {
+                pass: pass.to_owned(),
+                ms,
+            });
         TimingRecord {
             cell: self.job.cell.id.clone(),
             phase: self.job.phase.to_owned(),

@@ -1,6 +1,8 @@
-//! `done.json`: the state of the folder at the end of a run, so that repeating the command exits immediately.
+//! `done.json`: the state of the folder at the end of a run, so that repeating the command exits
+//! immediately.
 //!
-//! Files are compared by size and modification time. If any differs, as in a copy of the folder, the run checks every record and image.
+//! Files are compared by size and modification time. If any differs, as in a copy of the folder,
+//! the run checks every record and image.
 
 use super::lock::LOCK_FILE;
 use super::{ANSWERS_FOLDER, SUBFOLDERS, Store, StoreError};
@@ -23,7 +25,10 @@ struct Done {
 impl Store {
     /// Marks the run as finished; `printed` is the summary that it printed.
     pub fn mark_done(&self, plan: &Plan, printed: &str) -> Result<(), StoreError> {
-        let done = Done { state: self.state(plan), printed: printed.to_owned() };
+        let done = Done {
+            state: self.state(plan),
+            printed: printed.to_owned(),
+        };
         self.write_json(&self.dir().join(DONE_FILE), &done)
     }
 
@@ -37,18 +42,32 @@ impl Store {
         let config = &plan.config;
         let mut hasher = blake3::Hasher::new();
         // The plan's hash covers the contents of its inputs; provenance and answers use the rest.
-        let file = (&config.path, &config.text, &config.overrides, &config.file_dir, &config.set_dir);
+        let file = (
+            &config.path,
+            &config.text,
+            &config.overrides,
+            &config.file_dir,
+            &config.set_dir,
+        );
         hasher.update(format!("{} {file:?} {:?}", plan.hash, plan.inputs.warnings()).as_bytes());
         let mut add = |path: &Path| {
             let metadata = std::fs::metadata(path).ok();
-            let changed = metadata.as_ref().and_then(|known| known.modified().ok()?.duration_since(UNIX_EPOCH).ok());
-            let facts = (path.file_name(), metadata.map(|known| (known.is_dir(), known.len())), changed);
+            let changed = metadata
+                .as_ref()
+                .and_then(|known| known.modified().ok()?.duration_since(UNIX_EPOCH).ok());
+            let facts = (
+                path.file_name(),
+                metadata.map(|known| (known.is_dir(), known.len())),
+                changed,
+            );
             hasher.update(format!("{facts:?}\n").as_bytes());
         };
         add(&std::env::current_exe().unwrap_or_default());
         for folder in SUBFOLDERS.iter().chain(&[ANSWERS_FOLDER, ""]) {
             let dir = self.dir().join(folder);
-            let names = names_in(&dir).into_iter().filter(|name| !folder.is_empty() || is_of_run(name, &dir));
+            let names = names_in(&dir)
+                .into_iter()
+                .filter(|name| !folder.is_empty() || is_of_run(name, &dir));
             names.for_each(|name| add(&dir.join(name)));
         }
         hasher.finalize().to_hex().to_string()

@@ -1,7 +1,7 @@
 //! Checks whether a plan may run in a folder.
 //!
-//! Cells are named by their content, so a larger plan continues a smaller one. A plan that lacks a finished cell is refused: the cell would
-//! drop out of the tables.
+//! Cells are named by their content, so a larger plan continues a smaller one. A plan that lacks a
+//! finished cell is refused: the cell would drop out of the tables.
 
 use super::lock::LOCK_FILE;
 use super::{CELLS_FOLDER, SHARDS_FOLDER, SUBFOLDERS, Store, StoreError, TIMINGS_FOLDER, is_part};
@@ -16,15 +16,19 @@ use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
 impl Store {
-    /// Checks that the folder holds no run, or one whose finished work `plan` includes. Returns whether it is a run of exactly this plan.
+    /// Checks that the folder holds no run, or one whose finished work `plan` includes. Returns
+    /// whether it is a run of exactly this plan.
     pub fn check_identity(&self, plan: &Plan) -> Result<bool, StoreError> {
         if self.dir.is_file() {
             return Err(self.refused("is a file; expected a folder, or the name of a new one"));
         }
-        let Some(found) = provenance::read(&self.dir)? else { return self.check_empty().map(|()| false) };
+        let Some(found) = provenance::read(&self.dir)? else {
+            return self.check_empty().map(|()| false);
+        };
         if let Some(metric) = other_metric(&found) {
-            return Err(self
-                .refused(format!("contains scores of another version of the metric {metric}; choose another --out")));
+            return Err(self.refused(format!(
+                "contains scores of another version of the metric {metric}; choose another --out"
+            )));
         }
         if found["plan_hash"] == plan.hash {
             return Ok(true);
@@ -33,10 +37,14 @@ impl Store {
     }
 
     fn refused(&self, why: impl Into<String>) -> StoreError {
-        StoreError::Refused { dir: self.dir.clone(), why: why.into() }
+        StoreError::Refused {
+            dir: self.dir.clone(),
+            why: why.into(),
+        }
     }
 
-    /// Fails if a folder without provenance holds files. A run stopped before its first file leaves only empty folders.
+    /// Fails if a folder without provenance holds files. A run stopped before its first file leaves
+    /// only empty folders.
     fn check_empty(&self) -> Result<(), StoreError> {
         let is_own = |name: &str, is_dir: bool| match is_dir {
             true => name == SHARDS_FOLDER || SUBFOLDERS.contains(&name),
@@ -45,36 +53,54 @@ impl Store {
         let is_own = |name: &String| is_own(name, self.dir.join(name).is_dir());
         match names_in(&self.dir).iter().all(is_own) {
             true => Ok(()),
-            false => Err(self.refused("is not empty and not a run (it has no provenance.json); choose another --out")),
+            false => Err(self.refused(
+                "is not empty and not a run (it has no provenance.json); choose another --out",
+            )),
         }
     }
 
-    /// Fails if the folder holds finished work that `plan` lacks; `found` is the folder's provenance.
-    pub(in crate::run) fn check_nothing_is_lost(&self, found: &Value, plan: &Plan) -> Result<(), StoreError> {
+    /// Fails if the folder holds finished work that `plan` lacks; `found` is the folder's
+    /// provenance.
+    pub(in crate::run) fn check_nothing_is_lost(
+        &self,
+        found: &Value,
+        plan: &Plan,
+    ) -> Result<(), StoreError> {
         let lost = self.lost_cells(plan)?.len();
         if lost > 0 {
             let cause = cause(found, &provenance::provenance(plan, &self.dir));
             let path = plan.config.path.display();
             return Err(self.refused(format!(
-                "holds another run; choose another --out ({lost} finished cells are not in {path}{cause})"
+                "holds another run; choose another --out ({lost} finished cells are not in \
+                 {path}{cause})"
             )));
         }
         let jobs: BTreeSet<String> = timing::jobs(plan).into_iter().map(|job| job.id).collect();
-        let lost = self.ids(TIMINGS_FOLDER).into_iter().filter(|id| !jobs.contains(id) && self.has_timing(id)).count();
+        let lost = self
+            .ids(TIMINGS_FOLDER)
+            .into_iter()
+            .filter(|id| !jobs.contains(id) && self.has_timing(id))
+            .count();
         match lost {
             0 => Ok(()),
             lost => Err(self.refused(format!(
-                "holds another run; choose another --out ({lost} timed configurations are not in {})",
+                "holds another run; choose another --out ({lost} timed configurations are not in \
+                 {})",
                 plan.config.path.display()
             ))),
         }
     }
 
-    /// Ids of finished cells that `plan` lacks, from usable records and, in a published folder, from the table.
+    /// Ids of finished cells that `plan` lacks, from usable records and, in a published folder,
+    /// from the table.
     fn lost_cells(&self, plan: &Plan) -> Result<BTreeSet<String>, StoreError> {
         let planned: BTreeSet<&str> = plan.cells.iter().map(|cell| cell.id.as_str()).collect();
         let mut lost = BTreeSet::new();
-        for id in self.ids(CELLS_FOLDER).into_iter().filter(|id| !planned.contains(id.as_str())) {
+        for id in self
+            .ids(CELLS_FOLDER)
+            .into_iter()
+            .filter(|id| !planned.contains(id.as_str()))
+        {
             if self.cell(&id)?.is_some() {
                 lost.insert(id);
             }
@@ -83,8 +109,16 @@ impl Store {
         if path.is_file() {
             let table = Table::read(&path)?;
             let [cell, verdict] = [table.column("cell")?, table.column("verdict")?];
-            let is_lost = |row: &&Vec<String>| row[verdict] != FAILED && !planned.contains(row[cell].as_str());
-            lost.extend(table.rows.iter().filter(is_lost).map(|row| row[cell].clone()));
+            let is_lost = |row: &&Vec<String>| {
+                row[verdict] != FAILED && !planned.contains(row[cell].as_str())
+            };
+            lost.extend(
+                table
+                    .rows
+                    .iter()
+                    .filter(is_lost)
+                    .map(|row| row[cell].clone()),
+            );
         }
         Ok(lost)
     }
@@ -92,29 +126,48 @@ impl Store {
     /// Ids of the records in a folder, in order.
     pub fn ids(&self, folder: &str) -> Vec<String> {
         let names = names_in(&self.dir.join(folder));
-        names.iter().filter_map(|name| Some(name.strip_suffix(".json")?.to_owned())).collect()
+        names
+            .iter()
+            .filter_map(|name| Some(name.strip_suffix(".json")?.to_owned()))
+            .collect()
     }
 }
 
 /// The first metric with another version than in this program.
 fn other_metric(provenance: &Value) -> Option<String> {
     let then = provenance["metrics"].as_array().into_iter().flatten();
-    let then: BTreeMap<&str, u64> =
-        then.filter_map(|metric| Some((metric["name"].as_str()?, metric["version"].as_u64()?))).collect();
-    let differs = |name: &str, version: u32| then.get(name).is_some_and(|then| *then != u64::from(version));
-    METRICS.iter().find(|metric| differs(metric.name, metric.version)).map(|metric| metric.name.to_owned())
+    let then: BTreeMap<&str, u64> = then
+        .filter_map(|metric| Some((metric["name"].as_str()?, metric["version"].as_u64()?)))
+        .collect();
+    let differs = |name: &str, version: u32| {
+        then.get(name)
+            .is_some_and(|then| *then != u64::from(version))
+    };
+    METRICS
+        .iter()
+        .find(|metric| differs(metric.name, metric.version))
+        .map(|metric| metric.name.to_owned())
 }
 
-/// The reason why all cells differ, by both provenances: " (seed is 1 there and 2 here)"; else empty.
+/// The reason why all cells differ, by both provenances: " (seed is 1 there and 2 here)"; else
+/// empty.
 fn cause(there: &Value, here: &Value) -> String {
     if there["shader_hash"] != here["shader_hash"] {
         return ": they were rendered by other shaders".to_owned();
     }
     let inputs = there["inputs"].as_object().into_iter().flatten();
-    let changed = |(name, hash): &(&String, &Value)| here["inputs"].get(name.as_str()).is_some_and(|now| now != *hash);
+    let changed = |(name, hash): &(&String, &Value)| {
+        here["inputs"]
+            .get(name.as_str())
+            .is_some_and(|now| now != *hash)
+    };
     if let Some((name, _)) = { inputs }.find(changed) {
         return format!(": {name} has changed since");
     }
-    let key = ["seed", "reference"].into_iter().find(|key| there[key] != here[key]);
-    key.map_or_else(String::new, |key| format!(": {key} is {} there and {} here", there[key], here[key]))
+    let key = ["seed", "reference"]
+        .into_iter()
+        .find(|key| there[key] != here[key]);
+    key.map_or_else(String::new, |key| {
+        format!(": {key} is {} there and {} here", there[key], here[key])
+    })
 }

@@ -6,7 +6,8 @@ mod identity;
 mod lock;
 
 pub use super::record::{
-    BinRecord, CellRecord, Exact, FailureRecord, KeptCell, ReferenceStop, Scores, StepRecord, StopReason,
+    BinRecord, CellRecord, Exact, FailureRecord, KeptCell, ReferenceStop, Scores, StepRecord,
+    StopReason,
 };
 pub use fault::StoreError;
 
@@ -48,12 +49,23 @@ pub const CELLS_FOLDER: &str = "cells";
 pub const FAILED_FOLDER: &str = "failed";
 pub const REFERENCES_FOLDER: &str = "references";
 
-const SUBFOLDERS: &[&str] = &[CELLS_FOLDER, FAILED_FOLDER, "images", REFERENCES_FOLDER, "tables", TIMINGS_FOLDER];
+const SUBFOLDERS: &[&str] = &[
+    CELLS_FOLDER,
+    FAILED_FOLDER,
+    "images",
+    REFERENCES_FOLDER,
+    "tables",
+    TIMINGS_FOLDER,
+];
 
 impl Store {
     /// Opens a folder for reading.
     pub fn at(dir: &Path) -> Self {
-        Self { dir: dir.to_owned(), shard: None, _locks: Arc::default() }
+        Self {
+            dir: dir.to_owned(),
+            shard: None,
+            _locks: Arc::default(),
+        }
     }
 
     /// Creates the folder or checks that the plan may run in it, and locks it.
@@ -67,7 +79,11 @@ impl Store {
 
     /// As [`Store::open`], for one of several processes that share the folder.
     pub fn open_shard(dir: &Path, plan: &Plan, shard: Shard) -> Result<Self, StoreError> {
-        Self { shard: Some(shard), ..Self::at(dir) }.begin(plan)
+        Self {
+            shard: Some(shard),
+            ..Self::at(dir)
+        }
+        .begin(plan)
     }
 
     fn begin(mut self, plan: &Plan) -> Result<Self, StoreError> {
@@ -93,7 +109,8 @@ impl Store {
 
     /// The file with the sessions of this process: `provenance.json`, or its shard's file.
     pub(super) fn sessions_path(&self) -> PathBuf {
-        self.shard.map_or_else(|| self.provenance_path(), |shard| self.shard_path(shard))
+        self.shard
+            .map_or_else(|| self.provenance_path(), |shard| self.shard_path(shard))
     }
 
     pub(super) fn shard_path(&self, shard: Shard) -> PathBuf {
@@ -117,14 +134,16 @@ impl Store {
         self.record_path(CELLS_FOLDER, id)
     }
 
-    /// The record of a finished cell. As for all records, an unusable one counts as missing: its work is repeated.
+    /// The record of a finished cell. As for all records, an unusable one counts as missing: its
+    /// work is repeated.
     pub fn cell(&self, id: &str) -> Result<Option<CellRecord>, StoreError> {
         usable(self.record(CELLS_FOLDER, id))
     }
 
     /// Keeps a finished cell and forgets its earlier failure.
     pub fn write_cell(&self, record: &CellRecord) -> Result<(), StoreError> {
-        // Not synced to the disk, which takes longer than a small cell: the checksum detects what a power cut truncates.
+        // Not synced to the disk, which takes longer than a small cell: the checksum detects what a
+        // power cut truncates.
         self.write_sealed(&self.cell_path(&record.cell), record)?;
         self.remove_record(FAILED_FOLDER, &record.cell)
     }
@@ -181,7 +200,9 @@ impl Store {
         if holds(path, text.as_bytes()) {
             return Ok(());
         }
-        Ok(write_atomically(path, |writer| writer.write_all(text.as_bytes()))?)
+        Ok(write_atomically(path, |writer| {
+            writer.write_all(text.as_bytes())
+        })?)
     }
 
     /// Writes indented JSON.
@@ -194,10 +215,22 @@ impl Store {
         self.write_text(path, &seal::sealed(&pretty(path, record)?))
     }
 
-    /// Writes a record with its own name in it and syncs it to the disk: it is expensive, or impossible, to reproduce.
-    fn write_named<T: Serialize>(&self, folder: &str, id: &str, record: &T) -> Result<(), StoreError> {
+    /// Writes a record with its own name in it and syncs it to the disk: it is expensive, or
+    /// impossible, to reproduce.
+    fn write_named<T: Serialize>(
+        &self,
+        folder: &str,
+        id: &str,
+        record: &T,
+    ) -> Result<(), StoreError> {
         let path = self.record_path(folder, id);
-        self.write_sealed(&path, &Named { record: id.to_owned(), content: record })?;
+        self.write_sealed(
+            &path,
+            &Named {
+                record: id.to_owned(),
+                content: record,
+            },
+        )?;
         let sync = File::open(&path).and_then(|file| file.sync_all());
         sync.map_err(|error| StoreError::Io { path, error })
     }
@@ -208,19 +241,31 @@ impl Store {
 
     /// Parses a file; `None` if it does not exist.
     pub fn read<T: DeserializeOwned>(&self, path: &Path) -> Result<Option<T>, StoreError> {
-        read_bytes(path, PLAN_BYTES_MAX)?.map(|bytes| parsed(path, &bytes)).transpose()
+        read_bytes(path, PLAN_BYTES_MAX)?
+            .map(|bytes| parsed(path, &bytes))
+            .transpose()
     }
 
     /// Reads a record. A wrong checksum or name is an error; older records have neither.
-    pub fn record<T: DeserializeOwned>(&self, folder: &str, id: &str) -> Result<Option<T>, StoreError> {
+    pub fn record<T: DeserializeOwned>(
+        &self,
+        folder: &str,
+        id: &str,
+    ) -> Result<Option<T>, StoreError> {
         let path = self.record_path(folder, id);
-        let Some(bytes) = read_bytes(&path, RECORD_BYTES_MAX)? else { return Ok(None) };
+        let Some(bytes) = read_bytes(&path, RECORD_BYTES_MAX)? else {
+            return Ok(None);
+        };
         let (record, name) = (parsed(&path, &bytes)?, parsed::<Name>(&path, &bytes)?);
         if seal::is_broken(&String::from_utf8_lossy(&bytes)) {
             return Err(StoreError::Damaged { path });
         }
         // A timing names an example cell.
-        match name.record.or(name.cell.filter(|_| folder != TIMINGS_FOLDER)).filter(|found| found != id) {
+        match name
+            .record
+            .or(name.cell.filter(|_| folder != TIMINGS_FOLDER))
+            .filter(|found| found != id)
+        {
             Some(found) => Err(StoreError::Stranger { path, found }),
             None => Ok(Some(record)),
         }
@@ -253,23 +298,35 @@ fn read_bytes(path: &Path, most_bytes: u64) -> Result<Option<Vec<u8>>, StoreErro
     match read_regular(path, most_bytes) {
         Ok(bytes) => Ok(Some(bytes)),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
-        Err(error) => Err(StoreError::Io { path: path.to_owned(), error }),
+        Err(error) => Err(StoreError::Io {
+            path: path.to_owned(),
+            error,
+        }),
     }
 }
 
 fn parsed<T: DeserializeOwned>(path: &Path, bytes: &[u8]) -> Result<T, StoreError> {
-    serde_json::from_slice(bytes).map_err(|error| StoreError::Corrupt { path: path.to_owned(), error })
+    serde_json::from_slice(bytes).map_err(|error| StoreError::Corrupt {
+        path: path.to_owned(),
+        error,
+    })
 }
 
 /// Indented, with a final newline.
 fn pretty<T: Serialize>(path: &Path, value: &T) -> Result<String, StoreError> {
     let text = serde_json::to_string_pretty(value);
-    text.map(|text| text + "\n").map_err(|error| StoreError::Corrupt { path: path.to_owned(), error })
+    text.map(|text| text + "\n")
+        .map_err(|error| StoreError::Corrupt {
+            path: path.to_owned(),
+            error,
+        })
 }
 
 fn remove(path: PathBuf) -> Result<(), StoreError> {
     match std::fs::remove_file(&path) {
-        Err(error) if error.kind() != std::io::ErrorKind::NotFound => Err(StoreError::Io { path, error }),
+        Err(error) if error.kind() != std::io::ErrorKind::NotFound => {
+            Err(StoreError::Io { path, error })
+        }
         _ => Ok(()),
     }
 }
@@ -280,5 +337,8 @@ fn is_part(name: &str) -> bool {
 }
 
 fn remove_parts(folder: &Path) -> Result<(), StoreError> {
-    names_in(folder).iter().filter(|name| is_part(name)).try_for_each(|name| remove(folder.join(name)))
+    names_in(folder)
+        .iter()
+        .filter(|name| is_part(name))
+        .try_for_each(|name| remove(folder.join(name)))
 }

@@ -12,8 +12,9 @@
 //! | `KHR_materials_sheen` | sheen: colour factor, texture (sRGB); roughness factor², texture alpha | none |
 //! | `KHR_materials_clearcoat` | coat: factor, texture red; roughness factor², texture green; normals | none |
 //!
-//! Factors are clamped to [0, 1]. The maps of a material share one set of texture coordinates and one `KHR_texture_transform`
-//! \[KhrTransform18\]; they repeat, clamp or mirror by their samplers and are filtered trilinearly.
+//! Factors are clamped to [0, 1]. The maps of a material share one set of texture coordinates and
+//! one `KHR_texture_transform` \[KhrTransform18\]; they repeat, clamp or mirror by their samplers
+//! and are filtered trilinearly.
 
 use super::buffers::{Buffers, resource};
 use super::name;
@@ -72,18 +73,41 @@ struct Extensions {
 
 impl Extensions {
     fn maps(&self) -> impl Iterator<Item = &Map> {
-        let Clearcoat { clearcoat_texture, clearcoat_roughness_texture, clearcoat_normal_texture, .. } = &self.coat;
+        let Clearcoat {
+            clearcoat_texture,
+            clearcoat_roughness_texture,
+            clearcoat_normal_texture,
+            ..
+        } = &self.coat;
         let direction = &self.anisotropy.anisotropy_texture;
-        let Cloth { sheen_color_texture, sheen_roughness_texture, .. } = &self.sheen;
-        let coat = [clearcoat_texture, clearcoat_roughness_texture, clearcoat_normal_texture];
-        coat.into_iter().chain([direction, sheen_color_texture, sheen_roughness_texture]).flatten()
+        let Cloth {
+            sheen_color_texture,
+            sheen_roughness_texture,
+            ..
+        } = &self.sheen;
+        let coat = [
+            clearcoat_texture,
+            clearcoat_roughness_texture,
+            clearcoat_normal_texture,
+        ];
+        coat.into_iter()
+            .chain([direction, sheen_color_texture, sheen_roughness_texture])
+            .flatten()
     }
 }
 
 /// Reads the members of an extension; without it they have their defaults.
-fn extension<T: Default + serde::de::DeserializeOwned>(material: &::gltf::Material, name: &str) -> Result<T, String> {
-    let members = material.extension_value(name).map(T::deserialize).transpose();
-    Ok(members.map_err(|error| format!("{name} of its material: {error}"))?.unwrap_or_default())
+fn extension<T: Default + serde::de::DeserializeOwned>(
+    material: &::gltf::Material,
+    name: &str,
+) -> Result<T, String> {
+    let members = material
+        .extension_value(name)
+        .map(T::deserialize)
+        .transpose();
+    Ok(members
+        .map_err(|error| format!("{name} of its material: {error}"))?
+        .unwrap_or_default())
 }
 
 #[derive(Deserialize)]
@@ -112,22 +136,36 @@ impl<'a> Materials<'a> {
         if let Some(slot) = self.slots.get(&material.index()) {
             return Ok(*slot);
         }
-        let (anisotropy, coat) = (extension(material, ANISOTROPY)?, extension(material, CLEARCOAT)?);
-        self.extensions.push(Extensions { anisotropy, coat, sheen: extension(material, SHEEN)? });
+        let (anisotropy, coat) = (
+            extension(material, ANISOTROPY)?,
+            extension(material, CLEARCOAT)?,
+        );
+        self.extensions.push(Extensions {
+            anisotropy,
+            coat,
+            sheen: extension(material, SHEEN)?,
+        });
         self.used.push(material.clone());
         self.slots.insert(material.index(), self.used.len() - 1);
         Ok(self.used.len() - 1)
     }
 
     pub fn needs_tangents(&self, slot: usize) -> bool {
-        let Extensions { anisotropy, coat, .. } = &self.extensions[slot];
+        let Extensions {
+            anisotropy, coat, ..
+        } = &self.extensions[slot];
         let is_stretched = anisotropy.anisotropy_strength > 0.0;
-        self.used[slot].normal_texture().is_some() || coat.clearcoat_normal_texture.is_some() || is_stretched
+        self.used[slot].normal_texture().is_some()
+            || coat.clearcoat_normal_texture.is_some()
+            || is_stretched
     }
 
     pub fn has_maps(&self, slot: usize) -> bool {
         let (material, factors) = (&self.used[slot], self.used[slot].pbr_metallic_roughness());
-        let maps = [factors.base_color_texture(), factors.metallic_roughness_texture()];
+        let maps = [
+            factors.base_color_texture(),
+            factors.metallic_roughness_texture(),
+        ];
         maps.iter().any(Option::is_some)
             || material.normal_texture().is_some()
             || self.extensions[slot].maps().next().is_some()
@@ -138,26 +176,43 @@ impl<'a> Materials<'a> {
         let (material, factors) = (&self.used[slot], self.used[slot].pbr_metallic_roughness());
         let own = |info: Info| {
             let transform = info.texture_transform();
-            let set = transform.as_ref().and_then(|transform| transform.tex_coord());
+            let set = transform
+                .as_ref()
+                .and_then(|transform| transform.tex_coord());
             (
                 set.unwrap_or(info.tex_coord()),
-                transform.map_or(DAffine2::IDENTITY, |t| affine(t.offset(), t.rotation(), t.scale())),
+                transform.map_or(DAffine2::IDENTITY, |t| {
+                    affine(t.offset(), t.rotation(), t.scale())
+                }),
             )
         };
-        let mut mappings: Vec<(u32, DAffine2)> = [factors.base_color_texture(), factors.metallic_roughness_texture()]
-            .into_iter()
-            .flatten()
-            .map(own)
-            .collect();
+        let mut mappings: Vec<(u32, DAffine2)> = [
+            factors.base_color_texture(),
+            factors.metallic_roughness_texture(),
+        ]
+        .into_iter()
+        .flatten()
+        .map(own)
+        .collect();
         let of_json = |set: u32, transform: Option<&TextureTransform>| {
-            let own = transform.and_then(|transform| transform.tex_coord).unwrap_or(set);
-            (own, transform.map_or(DAffine2::IDENTITY, |t| affine(t.offset.0, t.rotation.0, t.scale.0)))
+            let own = transform
+                .and_then(|transform| transform.tex_coord)
+                .unwrap_or(set);
+            (
+                own,
+                transform.map_or(DAffine2::IDENTITY, |t| {
+                    affine(t.offset.0, t.rotation.0, t.scale.0)
+                }),
+            )
         };
         if let Some(map) = material.normal_texture() {
             // The crate has no accessor for it here.
-            let transform = map.extension_value("KHR_texture_transform").map(TextureTransform::deserialize);
-            let transform =
-                transform.transpose().map_err(|error| format!("KHR_texture_transform of its normal map: {error}"))?;
+            let transform = map
+                .extension_value("KHR_texture_transform")
+                .map(TextureTransform::deserialize);
+            let transform = transform
+                .transpose()
+                .map_err(|error| format!("KHR_texture_transform of its normal map: {error}"))?;
             mappings.push(of_json(map.tex_coord(), transform.as_ref()));
         }
         let of_map = |map: &Map| of_json(map.tex_coord, map.extensions.texture_transform.as_ref());
@@ -166,10 +221,14 @@ impl<'a> Materials<'a> {
         match mappings.iter().find(|mapping| **mapping != first) {
             None => Ok(first),
             Some((set, _)) if *set != first.0 => Err(format!(
-                "the maps of its material read the texture coordinates {} and {set}; expected one set",
+                "the maps of its material read the texture coordinates {} and {set}; expected one \
+                 set",
                 first.0
             )),
-            Some(_) => Err("the maps of its material have several KHR_texture_transform; expected one".to_owned()),
+            Some(_) => Err(
+                "the maps of its material have several KHR_texture_transform; expected one"
+                    .to_owned(),
+            ),
         }
     }
 
@@ -192,54 +251,109 @@ impl<'a> Materials<'a> {
                 unread.insert("nearest filters".to_owned());
             }
             let key = (image.index(), meaning, wrap);
-            if let Some((.., index)) = known.iter().find(|(image, meaning, wrap, _)| (*image, *meaning, *wrap) == key) {
+            if let Some((.., index)) = known
+                .iter()
+                .find(|(image, meaning, wrap, _)| (*image, *meaning, *wrap) == key)
+            {
                 return Ok(*index);
             }
             let (bytes, file) = match image.source() {
                 Source::View { view, .. } => (buffers.view(&view).map(<[u8]>::to_vec), None),
-                Source::Uri { uri, .. } => {
-                    (resource(uri, path, files), Some(uri).filter(|uri| !uri.starts_with("data:")))
-                }
+                Source::Uri { uri, .. } => (
+                    resource(uri, path, files),
+                    Some(uri).filter(|uri| !uri.starts_with("data:")),
+                ),
             };
             let bytes = bytes.map_err(|error| format!("image {}: {error}", image.index()))?;
             let index = maps.add(&bytes, meaning, wrap);
-            let index =
-                index.map_err(|error| format!("{}: {error}", name("image", file.or(image.name()), image.index())))?;
+            let index = index.map_err(|error| {
+                format!(
+                    "{}: {error}",
+                    name("image", file.or(image.name()), image.index())
+                )
+            })?;
             known.push((image.index(), meaning, wrap, index));
             Ok::<usize, String>(index)
         };
         let mut materials = Vec::new();
-        for (material, Extensions { anisotropy, coat, sheen }) in self.used.iter().zip(&self.extensions) {
+        for (
+            material,
+            Extensions {
+                anisotropy,
+                coat,
+                sheen,
+            },
+        ) in self.used.iter().zip(&self.extensions)
+        {
             let factors = material.pbr_metallic_roughness();
-            let (albedo, surface) = (factors.base_color_texture(), factors.metallic_roughness_texture());
-            let albedo_map = albedo.map(|info| map(info.texture(), Meaning::Color, unread)).transpose()?;
-            let surface_map = surface.map(|info| map(info.texture(), Meaning::Linear, unread)).transpose()?;
+            let (albedo, surface) = (
+                factors.base_color_texture(),
+                factors.metallic_roughness_texture(),
+            );
+            let albedo_map = albedo
+                .map(|info| map(info.texture(), Meaning::Color, unread))
+                .transpose()?;
+            let surface_map = surface
+                .map(|info| map(info.texture(), Meaning::Linear, unread))
+                .transpose()?;
             let normal = material.normal_texture();
             let scaled = |info: ::gltf::material::NormalTexture<'a>| {
-                map(info.texture(), Meaning::Normal { scale: info.scale() }, unread)
+                map(
+                    info.texture(),
+                    Meaning::Normal {
+                        scale: info.scale(),
+                    },
+                    unread,
+                )
             };
             let normal_map = normal.map(scaled).transpose()?;
             let rgb = factors.base_color_factor();
-            let unit = [factors.metallic_factor(), factors.roughness_factor(), anisotropy.anisotropy_strength];
-            let layers = [coat.clearcoat_factor, coat.clearcoat_roughness_factor, sheen.sheen_roughness_factor];
-            let mut all = unit.iter().chain(&layers).chain(&rgb).chain(&sheen.sheen_color_factor);
+            let unit = [
+                factors.metallic_factor(),
+                factors.roughness_factor(),
+                anisotropy.anisotropy_strength,
+            ];
+            let layers = [
+                coat.clearcoat_factor,
+                coat.clearcoat_roughness_factor,
+                sheen.sheen_roughness_factor,
+            ];
+            let mut all = unit
+                .iter()
+                .chain(&layers)
+                .chain(&rgb)
+                .chain(&sheen.sheen_color_factor);
             let is_left_out = [
-                ("factors outside [0, 1] (clamped)", all.any(|factor| !(0.0..=1.0).contains(factor))),
+                (
+                    "factors outside [0, 1] (clamped)",
+                    all.any(|factor| !(0.0..=1.0).contains(factor)),
+                ),
                 ("emission", material.emissive_factor() != [0.0; 3]),
                 ("occlusion", material.occlusion_texture().is_some()),
                 ("transparency", material.alpha_mode() != AlphaMode::Opaque),
             ];
-            unread.extend(is_left_out.iter().filter(|(_, is_there)| *is_there).map(|(name, _)| (*name).to_owned()));
-            let mut map_of = |extension: &str, texture: &Option<Map>, meaning: fn(f32) -> Meaning| {
-                let Some(Map { index, scale, .. }) = texture else { return Ok(None) };
-                let texture = document.textures().nth(*index);
-                let texture = texture.ok_or_else(|| format!("{extension}: there is no texture {index}"))?;
-                map(texture, meaning(scale.unwrap_or(1.0)), unread).map(Some)
-            };
+            unread.extend(
+                is_left_out
+                    .iter()
+                    .filter(|(_, is_there)| *is_there)
+                    .map(|(name, _)| (*name).to_owned()),
+            );
+            let mut map_of =
+                |extension: &str, texture: &Option<Map>, meaning: fn(f32) -> Meaning| {
+                    let Some(Map { index, scale, .. }) = texture else {
+                        return Ok(None);
+                    };
+                    let texture = document.textures().nth(*index);
+                    let texture = texture
+                        .ok_or_else(|| format!("{extension}: there is no texture {index}"))?;
+                    map(texture, meaning(scale.unwrap_or(1.0)), unread).map(Some)
+                };
             let anisotropy = Anisotropy {
                 strength: anisotropy.anisotropy_strength.clamp(0.0, 1.0),
                 turn: anisotropy.anisotropy_rotation,
-                map: map_of(ANISOTROPY, &anisotropy.anisotropy_texture, |_| Meaning::Direction)?,
+                map: map_of(ANISOTROPY, &anisotropy.anisotropy_texture, |_| {
+                    Meaning::Direction
+                })?,
                 is_shown: false,
             };
             let coat_alpha = f64::from(coat.clearcoat_roughness_factor.clamp(0.0, 1.0));
@@ -247,18 +361,25 @@ impl<'a> Materials<'a> {
                 weight: coat.clearcoat_factor.clamp(0.0, 1.0),
                 weight_map: map_of(CLEARCOAT, &coat.clearcoat_texture, |_| Meaning::Linear)?,
                 alpha: (brdf::alpha_from_perceptual_roughness(coat_alpha) as f32).max(ALPHA_MIN),
-                roughness_map: map_of(CLEARCOAT, &coat.clearcoat_roughness_texture, |_| Meaning::Linear)?,
-                normal_map: map_of(CLEARCOAT, &coat.clearcoat_normal_texture, |scale| Meaning::Normal { scale })?,
+                roughness_map: map_of(CLEARCOAT, &coat.clearcoat_roughness_texture, |_| {
+                    Meaning::Linear
+                })?,
+                normal_map: map_of(CLEARCOAT, &coat.clearcoat_normal_texture, |scale| {
+                    Meaning::Normal { scale }
+                })?,
             };
             let sheen_roughness = f64::from(sheen.sheen_roughness_factor.clamp(0.0, 1.0));
             let sheen = Sheen {
                 color: sheen.sheen_color_factor.map(|x| x.clamp(0.0, 1.0)),
                 color_map: map_of(SHEEN, &sheen.sheen_color_texture, |_| Meaning::Color)?,
-                alpha: brdf::alpha_from_perceptual_roughness(sheen_roughness).max(brdf::SHEEN_ALPHA_MIN) as f32,
+                alpha: brdf::alpha_from_perceptual_roughness(sheen_roughness)
+                    .max(brdf::SHEEN_ALPHA_MIN) as f32,
                 roughness_map: map_of(SHEEN, &sheen.sheen_roughness_texture, |_| Meaning::Alpha)?,
             };
             let [red, green, blue, _] = rgb.map(|x| x.clamp(0.0, 1.0));
-            let alpha = brdf::alpha_from_perceptual_roughness(f64::from(factors.roughness_factor().clamp(0.0, 1.0)));
+            let alpha = brdf::alpha_from_perceptual_roughness(f64::from(
+                factors.roughness_factor().clamp(0.0, 1.0),
+            ));
             let default = Material::default();
             materials.push(Material {
                 name: material.name().unwrap_or("unnamed").to_owned(),
@@ -268,7 +389,9 @@ impl<'a> Materials<'a> {
                 metallic_map: surface_map,
                 alpha: (alpha as f32).max(ALPHA_MIN),
                 roughness_map: surface_map,
-                f0: material.ior().map_or(default.f0, |ior| [brdf::f0_from_ior(f64::from(ior.max(0.0))) as f32; 3]),
+                f0: material.ior().map_or(default.f0, |ior| {
+                    [brdf::f0_from_ior(f64::from(ior.max(0.0))) as f32; 3]
+                }),
                 normal_map,
                 anisotropy,
                 coat,
@@ -291,5 +414,6 @@ fn edge(mode: WrappingMode) -> Edge {
 /// Scales, rotates counter-clockwise as v grows downward, and moves, as in the extension's example.
 fn affine(offset: [f32; 2], rotation: f32, scale: [f32; 2]) -> DAffine2 {
     let [offset, scale] = [offset, scale].map(|pair| Vec2::from_array(pair).as_dvec2());
-    DAffine2::from_scale_angle_translation(DVec2::ONE, -f64::from(rotation), offset) * DAffine2::from_scale(scale)
+    DAffine2::from_scale_angle_translation(DVec2::ONE, -f64::from(rotation), offset)
+        * DAffine2::from_scale(scale)
 }

@@ -23,7 +23,8 @@ pub fn corners(mesh: &Mesh, is_flat: bool) -> Mesh {
     own
 }
 
-/// Computes tangents of a mesh from [`corners`]. v points up, as a normal map's green does (glTF 2.0, 3.9.3).
+/// Computes tangents of a mesh from [`corners`]. v points up, as a normal map's green does (glTF
+/// 2.0, 3.9.3).
 pub fn fill(mesh: &mut Mesh) {
     mesh.tangents.fill([0.0; 4]);
     let _: Result<(), _> = generate_tangents(&mut Corners(mesh));
@@ -53,6 +54,7 @@ impl Geometry for Corners<'_> {
     }
 
     fn set_tangent(&mut self, space: Option<TangentSpace>, face: usize, corner: usize) {
-        self.0.tangents[3 * face + corner] = space.map_or([0.0; 4], |space| space.tangent_encoded());
+        self.0.tangents[3 * face + corner] =
+            space.map_or([0.0; 4], |space| space.tangent_encoded());
     }
 }

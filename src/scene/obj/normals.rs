@@ -8,8 +8,9 @@ use std::collections::HashMap;
 /// Shorter sums of unit normals have no direction.
 const MIN_SUM: f64 = 1e-6;
 
-/// Replaces normals (0, 0, 0) by the mean of the adjacent triangles' normals, weighted by angle, so that triangulation
-/// does not matter. Corners at equal positions are one point: there are no creases. No triangle may be degenerate.
+/// Replaces normals (0, 0, 0) by the mean of the adjacent triangles' normals, weighted by angle, so
+/// that triangulation does not matter. Corners at equal positions are one point: there are no
+/// creases. No triangle may be degenerate.
 pub fn fill_missing(meshes: &mut [Mesh]) {
     let is_missing = |mesh: &Mesh| mesh.normals.contains(&[0.0; 3]);
     if !meshes.iter().any(is_missing) {
@@ -24,7 +25,10 @@ pub fn fill_missing(meshes: &mut [Mesh]) {
                 let [p, next, last] = [corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]];
                 let sum = sums
                     .entry(key(mesh.positions[triangle[k] as usize]))
-                    .or_insert(Sum { weighted: DVec3::ZERO, any: face });
+                    .or_insert(Sum {
+                        weighted: DVec3::ZERO,
+                        any: face,
+                    });
                 sum.weighted += face * (next - p).angle_between(last - p);
             }
         }
@@ -47,7 +51,11 @@ struct Sum {
 
 impl Sum {
     fn normal(&self) -> Vec3 {
-        let n = if self.weighted.length() < MIN_SUM { self.any } else { self.weighted.normalize() };
+        let n = if self.weighted.length() < MIN_SUM {
+            self.any
+        } else {
+            self.weighted.normalize()
+        };
         n.as_vec3()
     }
 }

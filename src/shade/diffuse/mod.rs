@@ -20,11 +20,13 @@ pub struct Diffuse {
     /// Whether the size and sample count of the irradiance map change its result.
     pub uses_irradiance_map: bool,
     pub uses_sh9: bool,
-    /// The integrand if the passes of the reference estimate the term without bias: a file of `shaders/shade/lobe/`.
+    /// The integrand if the passes of the reference estimate the term without bias: a file of
+    /// `shaders/shade/lobe/`.
     pub lobe: Option<&'static str>,
 }
 
-/// Every diffuse method. To add one: `shaders/shade/diffuse/<stem>.glsl`, its file here with its twin, and a line here.
+/// Every diffuse method. To add one: `shaders/shade/diffuse/<stem>.glsl`, its file here with its
+/// twin, and a line here.
 pub static DIFFUSE: &[Diffuse] = &[
     sh9::DIFFUSE,
     irradiance_map::DIFFUSE,
@@ -39,14 +41,23 @@ const INTEGRATED: Diffuse = Diffuse {
     ..Diffuse::plain(
         REFERENCE,
         "unbiased: cosine and environment sampling combined, many samples",
-        Twin::Mean(|environment, surface, _, tolerance| integrate(environment, surface, tolerance).diffuse),
+        Twin::Mean(|environment, surface, _, tolerance| {
+            integrate(environment, surface, tolerance).diffuse
+        }),
     )
 };
 
 impl Diffuse {
     /// A method without lookups. Each file sets its flags; every method has a twin.
     const fn plain(name: &'static str, about: &'static str, twin: DiffuseTwin) -> Self {
-        Self { name, about, twin, uses_irradiance_map: false, uses_sh9: false, lobe: None }
+        Self {
+            name,
+            about,
+            twin,
+            uses_irradiance_map: false,
+            uses_sh9: false,
+            lobe: None,
+        }
     }
 }
 

@@ -1,4 +1,5 @@
-//! Nine spherical-harmonic coefficients per pixel [Ramamoorthi01, eq. 7, over π]; floored at 0, since degree 2 rings.
+//! Nine spherical-harmonic coefficients per pixel [Ramamoorthi01, eq. 7, over π]; floored at 0,
+//! since degree 2 rings.
 
 use super::Diffuse;
 use crate::math::spherical_harmonics::irradiance;

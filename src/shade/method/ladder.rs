@@ -1,8 +1,9 @@
-//! The rungs between the specular integral and the split sum: each replaces one exact step by its approximation; docs/estimators.md
-//! ("The ladder") has the estimator of each.
+//! The rungs between the specular integral and the split sum: each replaces one exact step by its
+//! approximation; docs/estimators.md ("The ladder") has the estimator of each.
 //!
-//! The last step, to `split-sum`, replaces A and B by the DFG table. The passes of the reference estimate `ladder-fresnel` to
-//! `ladder-levels` with standard errors. They draw the same points, so differences are far more precise than either rung.
+//! The last step, to `split-sum`, replaces A and B by the DFG table. The passes of the reference
+//! estimate `ladder-fresnel` to `ladder-levels` with standard errors. They draw the same points, so
+//! differences are far more precise than either rung.
 
 use super::Method;
 use crate::brdf::{g2, reflect, schlick_weight};
@@ -19,12 +20,24 @@ use crate::shade::twin::{SpecularTwin, Twin};
 use glam::DVec3;
 
 /// A rung estimated by the passes of the reference.
-const fn rung(name: &'static str, title: &'static str, about: &'static str, twin: SpecularTwin) -> Method {
-    Method { uses_samples: true, lobe: Some(name), ..Method::plain(name, title, about, twin) }
+const fn rung(
+    name: &'static str,
+    title: &'static str,
+    about: &'static str,
+    twin: SpecularTwin,
+) -> Method {
+    Method {
+        uses_samples: true,
+        lobe: Some(name),
+        ..Method::plain(name, title, about, twin)
+    }
 }
 
 const fn weighted(rung: Method) -> Method {
-    Method { uses_weight: true, ..rung }
+    Method {
+        uses_weight: true,
+        ..rung
+    }
 }
 
 pub const FRESNEL: Method = rung(
@@ -32,17 +45,29 @@ pub const FRESNEL: Method = rung(
     "Ladder: Fresnel",
     "the reference with Fresnel outside the integral",
     Twin::Mean(|environment, surface, _, tolerance| {
-        let Surface { model, masking, alpha, n, v, .. } = *surface;
+        let Surface {
+            model,
+            masking,
+            alpha,
+            n,
+            v,
+            ..
+        } = *surface;
         let (frame, exact) = (Frame::from_normal(n), exact_albedo(surface));
         let v_local = frame.to_local(v);
         let kernel = |l: DVec3| {
             let l_local = frame.to_local(l);
             let h = (v_local + l_local).normalize();
-            let lobe = || model.d(h, alpha) * g2(model, v_local.z, l_local.z, alpha, masking) / (4.0 * v_local.z);
+            let lobe = || {
+                model.d(h, alpha) * g2(model, v_local.z, l_local.z, alpha, masking)
+                    / (4.0 * v_local.z)
+            };
             [if l_local.z > 0.0 { lobe() } else { 0.0 }]
         };
         let factor = reflectance(surface, &exact) / exact.albedo();
-        surface.focused(|focus| environment.integrate(kernel, Some(focus), tolerance)).combine([factor])
+        surface
+            .focused(|focus| environment.integrate(kernel, Some(focus), tolerance))
+            .combine([factor])
     }),
 );
 
@@ -65,7 +90,8 @@ pub const MASKING_ALONE: Method = weighted(rung(
     }),
 ));
 
-/// `(f0 A + B) <K F, L>` with `K = D n·h / (4 v·h) w(l)` and F of reflectance `inside`: 1 for `<K, L>`.
+/// `(f0 A + B) <K F, L>` with `K = D n·h / (4 v·h) w(l)` and F of reflectance `inside`: 1 for `<K,
+/// L>`.
 fn unmasked(
     environment: &EquirectQuadrature,
     surface: &Surface,
@@ -101,7 +127,13 @@ pub const VIEW: Method = weighted(rung(
     "as ladder-masking for n = v = r: the split sum with exact factors",
     Twin::Mean(|environment, surface, settings, tolerance| {
         let r = reflect(surface.v, surface.n);
-        let mean = prefilter(environment, kernel(surface, settings), surface.alpha, r, tolerance);
+        let mean = prefilter(
+            environment,
+            kernel(surface, settings),
+            surface.alpha,
+            r,
+            tolerance,
+        );
         scaled(mean, reflectance(surface, &exact_albedo(surface)))
     }),
 ));
@@ -126,16 +158,28 @@ fn blended(
     settings: &PrecomputeSettings,
     tolerance: Tolerance,
 ) -> Bounded {
-    let (count, r) = (settings.prefilter_level_count, reflect(surface.v, surface.n));
+    let (count, r) = (
+        settings.prefilter_level_count,
+        reflect(surface.v, surface.n),
+    );
     let mapping = settings.level_mapping;
     let mip = mapping.mip_from_alpha(surface.alpha, count);
     let low = mip.floor().min(f64::from(count) - 2.0);
     let level = |mip: f64, share: f64| match mapping.alpha_from_mip(mip, count) {
-        0.0 => Bounded { value: share * environment.radiance(r), error: DVec3::ZERO },
-        alpha => scaled(prefilter(environment, kernel(surface, settings), alpha, r, tolerance), DVec3::splat(share)),
+        0.0 => Bounded {
+            value: share * environment.radiance(r),
+            error: DVec3::ZERO,
+        },
+        alpha => scaled(
+            prefilter(environment, kernel(surface, settings), alpha, r, tolerance),
+            DVec3::splat(share),
+        ),
     };
     let [smooth, rough] = [level(low, low + 1.0 - mip), level(low + 1.0, mip - low)];
-    Bounded { value: smooth.value + rough.value, error: smooth.error + rough.error }
+    Bounded {
+        value: smooth.value + rough.value,
+        error: smooth.error + rough.error,
+    }
 }
 
 /// Returns the kernel of a prefiltered map with these settings.
@@ -144,7 +188,12 @@ fn kernel(surface: &Surface, settings: &PrecomputeSettings) -> Kernel {
 }
 
 fn exact_albedo(surface: &Surface) -> Dfg {
-    dfg(surface.model, surface.masking, surface.n.dot(surface.v), surface.alpha)
+    dfg(
+        surface.model,
+        surface.masking,
+        surface.n.dot(surface.v),
+        surface.alpha,
+    )
 }
 
 /// `f0 A + B`.
@@ -153,7 +202,10 @@ fn reflectance(surface: &Surface, exact: &Dfg) -> DVec3 {
 }
 
 fn scaled(number: Bounded, factor: DVec3) -> Bounded {
-    Bounded { value: number.value * factor, error: number.error * factor.abs() }
+    Bounded {
+        value: number.value * factor,
+        error: number.error * factor.abs(),
+    }
 }
 
 /// A rung with its own map.
@@ -163,7 +215,10 @@ const fn looked_up(name: &'static str, title: &'static str, about: &'static str)
         let r = reflect(surface.v, surface.n);
         light.mean_radiance(r, surface.alpha) * (surface.f0 * albedo.x + albedo.y)
     });
-    Method { lookups: 1, ..Method::plain(name, title, about, twin) }
+    Method {
+        lookups: 1,
+        ..Method::plain(name, title, about, twin)
+    }
 }
 
 pub const TEXELS: Method = Method {

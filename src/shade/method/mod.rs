@@ -59,11 +59,13 @@ pub struct Method {
     pub shader: Option<&'static str>,
     /// The text of its shader, for methods in files.
     pub text: Option<&'static str>,
-    /// The integrand if the passes of the reference estimate the term without bias: a file of `shaders/shade/lobe/`.
+    /// The integrand if the passes of the reference estimate the term without bias: a file of
+    /// `shaders/shade/lobe/`.
     pub lobe: Option<&'static str>,
 }
 
-/// Every specular method. To add one: `shaders/shade/method/<stem>.glsl` (or `lobe/`), its file and a line here.
+/// Every specular method. To add one: `shaders/shade/method/<stem>.glsl` (or `lobe/`), its file and
+/// a line here.
 pub static METHODS: &[Method] = &[
     sampled::METHOD,
     sampled_vndf::METHOD,
@@ -83,7 +85,12 @@ pub static METHODS: &[Method] = &[
     split_sum_major::FOUR,
     split_sum_strips::TWO,
     split_sum_strips::FOUR,
-    Method::plain(NONE, "No specular term", "no specular term", Twin::Estimator(|_, _, _| DVec3::ZERO)),
+    Method::plain(
+        NONE,
+        "No specular term",
+        "no specular term",
+        Twin::Estimator(|_, _, _| DVec3::ZERO),
+    ),
     INTEGRATED,
     ladder::FRESNEL,
     ladder::MASKING,
@@ -95,8 +102,12 @@ pub static METHODS: &[Method] = &[
     ladder::STORAGE,
 ];
 
-const CORRECTED: [&str; 4] =
-    [split_sum_cap::METHOD.name, split_sum_taps::ONE.name, split_sum_taps::TWO.name, split_sum_taps::FOUR.name];
+const CORRECTED: [&str; 4] = [
+    split_sum_cap::METHOD.name,
+    split_sum_taps::ONE.name,
+    split_sum_taps::TWO.name,
+    split_sum_taps::FOUR.name,
+];
 
 /// The unbiased estimator of the specular integral, by many random samples of BRDF and environment.
 const INTEGRATED: Method = Method {
@@ -106,13 +117,20 @@ const INTEGRATED: Method = Method {
         REFERENCE,
         "Reference",
         "unbiased: BRDF and environment sampling combined, many samples, unfiltered",
-        Twin::Mean(|environment, surface, _, tolerance| integrate(environment, surface, tolerance).specular),
+        Twin::Mean(|environment, surface, _, tolerance| {
+            integrate(environment, surface, tolerance).specular
+        }),
     )
 };
 
 impl Method {
     /// A method that depends on the scene only. Each file sets its flags; every method has a twin.
-    const fn plain(name: &'static str, title: &'static str, about: &'static str, twin: SpecularTwin) -> Self {
+    const fn plain(
+        name: &'static str,
+        title: &'static str,
+        about: &'static str,
+        twin: SpecularTwin,
+    ) -> Self {
         Self {
             name,
             title,
@@ -138,8 +156,15 @@ impl Method {
 
     /// Returns the settings of its tables if `asked` is requested.
     pub fn tables(&self, asked: PrecomputeSettings) -> PrecomputeSettings {
-        let (prefilter, storage) = (self.prefilter.unwrap_or(asked.prefilter), self.storage.unwrap_or(asked.storage));
-        PrecomputeSettings { prefilter, storage, ..asked }
+        let (prefilter, storage) = (
+            self.prefilter.unwrap_or(asked.prefilter),
+            self.storage.unwrap_or(asked.storage),
+        );
+        PrecomputeSettings {
+            prefilter,
+            storage,
+            ..asked
+        }
     }
 
     /// Its role; `None` for references and their ladder.
@@ -167,17 +192,22 @@ impl Method {
         self.lookups > 0
     }
 
-    /// Returns how often a pixel looks up an environment map, prefiltered or not, at that sample count; `None` if
-    /// another image is integrated, or for a shader in a file.
+    /// Returns how often a pixel looks up an environment map, prefiltered or not, at that sample
+    /// count; `None` if another image is integrated, or for a shader in a file.
     pub fn lookups_of_pixel(&self, samples: Option<u32>) -> Option<u32> {
         if self.shader.is_some() {
             return None;
         }
-        let count = if self.uses_samples { samples? } else { self.lookups };
+        let count = if self.uses_samples {
+            samples?
+        } else {
+            self.lookups
+        };
         (count > 0).then_some(count)
     }
 
-    /// Whether a frame reads the DFG table: for the specular term itself, or to weigh the other terms.
+    /// Whether a frame reads the DFG table: for the specular term itself, or to weigh the other
+    /// terms.
     pub fn needs_dfg(&self, compensation: Compensation, diffuse: &Diffuse) -> bool {
         let is_compensated = compensation != Compensation::None;
         self.uses_dfg || (!self.is_none() && (is_compensated || !diffuse.is_none()))
@@ -190,7 +220,9 @@ listed!(
     METHODS,
     /// Finds a listed method, or `file:PATH` ([`own`]).
     fn by_name(name: &str) -> Option<&'static Self> {
-        Self::all().find(|method| method.name == name).or_else(|| own::loaded(name))
+        Self::all()
+            .find(|method| method.name == name)
+            .or_else(|| own::loaded(name))
     }
 );
 
@@ -206,8 +238,9 @@ pub enum Role {
     Other,
 }
 
-/// Replaces the code names of methods in a text by their titles: "Split sum (textbook)" for `split-sum`, "Sampling, 16
-/// samples" for `sampled 16`. The words `none`, `reference` and `sampled` alone stay: they mean other things, too.
+/// Replaces the code names of methods in a text by their titles: "Split sum (textbook)" for
+/// `split-sum`, "Sampling, 16 samples" for `sampled 16`. The words `none`, `reference` and
+/// `sampled` alone stay: they mean other things, too.
 pub fn words_in(text: &str) -> String {
     const ENDS: [char; 5] = [':', ',', ';', '.', ')'];
     let mut words = text.split(' ').peekable();
@@ -224,7 +257,11 @@ pub fn words_in(text: &str) -> String {
         };
         let count = count.filter(|_| method.uses_samples);
         let said = method.words(count);
-        let end = if count.is_some() { words.next().unwrap_or_default() } else { word };
+        let end = if count.is_some() {
+            words.next().unwrap_or_default()
+        } else {
+            word
+        };
         all.push(said + &end[end.trim_end_matches(ENDS).len()..]);
     }
     all.join(" ")

@@ -1,8 +1,10 @@
-//! Importance sampling of D with N fixed points, each lookup filtered by its solid angle [Colbert07, section 20.4].
+//! Importance sampling of D with N fixed points, each lookup filtered by its solid angle
+//! [Colbert07, section 20.4].
 //!
-//! `1/N Σ_k f(v, l_k) n_dot_l_k / pdf_l(l_k) L(l_k, lod_k)`; m_k has density `D(m) n_dot_m` and `l_k = reflect(-v,
-//! m_k)`. The level is `lod_k = 1/2 log2(omega_s / omega_p) + lod_bias`, with `omega_s = 1/(N pdf_l)` the solid angle
-//! of the sample and `omega_p` of a texel of level 0. Directions below the horizon add 0 but count in N.
+//! `1/N Σ_k f(v, l_k) n_dot_l_k / pdf_l(l_k) L(l_k, lod_k)`; m_k has density `D(m) n_dot_m` and
+//! `l_k = reflect(-v, m_k)`. The level is `lod_k = 1/2 log2(omega_s / omega_p) + lod_bias`, with
+//! `omega_s = 1/(N pdf_l)` the solid angle of the sample and `omega_p` of a texel of level 0.
+//! Directions below the horizon add 0 but count in N.
 
 use super::Method;
 use crate::brdf::{Brdf, Widths, eval, pdf_d_l, reflect};
@@ -38,9 +40,22 @@ pub(super) const BY_VNDF: Sampler = |model, xi, v_local, widths| {
     (h, model.pdf_vndf_l(v_local, h, widths))
 };
 
-/// Computes the sum in the module's documentation; reads the unfiltered environment unless `filtered`.
-pub(super) fn estimate(surface: &Surface, light: &Light, samples: &Samples, filtered: bool, draw: Sampler) -> DVec3 {
-    let Surface { model, masking, f0, v, .. } = *surface;
+/// Computes the sum in the module's documentation; reads the unfiltered environment unless
+/// `filtered`.
+pub(super) fn estimate(
+    surface: &Surface,
+    light: &Light,
+    samples: &Samples,
+    filtered: bool,
+    draw: Sampler,
+) -> DVec3 {
+    let Surface {
+        model,
+        masking,
+        f0,
+        v,
+        ..
+    } = *surface;
     let (frame, widths) = (surface.frame(), surface.widths());
     let v_local = frame.to_local(v);
     let count = f64::from(samples.count);
@@ -54,7 +69,8 @@ pub(super) fn estimate(surface: &Surface, light: &Light, samples: &Samples, filt
         let radiance = match filtered {
             true => {
                 let omega_s = 1.0 / (count * pdf_l);
-                let lod = lod_from_solid_angles(omega_s, light.filtered.texel_solid_angle(l, omega_s));
+                let lod =
+                    lod_from_solid_angles(omega_s, light.filtered.texel_solid_angle(l, omega_s));
                 light.filtered.value(l, lod + samples.lod_bias)
             }
             false => light.radiance(l, 0.0),

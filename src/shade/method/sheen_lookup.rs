@@ -21,5 +21,10 @@ impl Method {
     /// A lookup alone, without the albedo.
     pub const SHEEN_LOOKUP: &Self = &LOOKUP;
     /// The integral of the lobe, by the passes of the reference.
-    pub const SHEEN: &Self = &Self { name: "sheen", lobe: Some("sheen"), lookups: 0, ..LOOKUP };
+    pub const SHEEN: &Self = &Self {
+        name: "sheen",
+        lobe: Some("sheen"),
+        lookups: 0,
+        ..LOOKUP
+    };
 }

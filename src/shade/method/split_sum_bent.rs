@@ -1,4 +1,5 @@
-//! The split sum of an anisotropic lobe about a bent normal, by the axis `bend` ([`crate::shade::bend`]).
+//! The split sum of an anisotropic lobe about a bent normal, by the axis `bend`
+//! ([`crate::shade::bend`]).
 
 use super::Method;
 use super::split_sum::shifted;
@@ -24,7 +25,14 @@ fn split_sum(bend: &Bend, surface: &Surface, light: &Light) -> DVec3 {
     let Widths(widths) = surface.widths();
     let (x, y) = (widths.x, widths.y);
     let (alpha, strength) = match bend.parameters {
-        Parameters::Narrow => (y, if x > y { ((x - y) / (1.0 - y)).sqrt() } else { 0.0 }),
+        Parameters::Narrow => (
+            y,
+            if x > y {
+                ((x - y) / (1.0 - y)).sqrt()
+            } else {
+                0.0
+            },
+        ),
         Parameters::Mean => (0.5 * (x + y), (x - y) / (x + y)),
         Parameters::Geometric => ((x * y).sqrt(), ((1.0 - y / x) / 0.9).min(1.0)),
         Parameters::Square => (surface.alpha, 0.0),
@@ -54,7 +62,10 @@ fn split_sum(bend: &Bend, surface: &Surface, light: &Light) -> DVec3 {
         Toward::Normal => mirror.lerp(DVec3::Z, alpha * alpha),
         Toward::Bent => mirror.lerp(normal, alpha),
         Toward::BentLess => mirror.lerp(normal, alpha * alpha),
-        Toward::Twice => normal.lerp(mirror.lerp(normal, alpha * alpha).normalize(), share_of_r(alpha)),
+        Toward::Twice => normal.lerp(
+            mirror.lerp(normal, alpha * alpha).normalize(),
+            share_of_r(alpha),
+        ),
         Toward::Unity => {
             level = (pr * (1.2 - strength).min(1.0)).powi(2);
             let smoothness = 1.0 - level;
@@ -64,10 +75,20 @@ fn split_sum(bend: &Bend, surface: &Surface, light: &Light) -> DVec3 {
             bent.lerp(mirror, back * back * (3.0 - 2.0 * back))
         }
         Toward::Cap => {
-            let wide = DVec3::Z.lerp(reflect(v, DVec3::Z), share_of_r(alpha)).normalize();
+            let wide = DVec3::Z
+                .lerp(reflect(v, DVec3::Z), share_of_r(alpha))
+                .normalize();
             mirror.lerp(wide, ((alpha - 0.4) / 0.4).clamp(0.0, 1.0))
         }
     };
-    let pair = light.dfg(v.z, if bend.dfg == DfgWidth::Square { surface.alpha } else { alpha });
-    light.mean_radiance(frame.to_world(direction.normalize()), level) * (surface.f0 * pair.x + pair.y)
+    let pair = light.dfg(
+        v.z,
+        if bend.dfg == DfgWidth::Square {
+            surface.alpha
+        } else {
+            alpha
+        },
+    );
+    light.mean_radiance(frame.to_world(direction.normalize()), level)
+        * (surface.f0 * pair.x + pair.y)
 }

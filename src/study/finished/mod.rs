@@ -25,7 +25,12 @@ pub struct MetricValues(Box<[f64]>);
 
 impl MetricValues {
     pub fn of(value: impl Fn(&'static str) -> Option<f64>) -> Self {
-        Self(METRICS.iter().map(|metric| value(metric.name).unwrap_or(f64::NAN)).collect())
+        Self(
+            METRICS
+                .iter()
+                .map(|metric| value(metric.name).unwrap_or(f64::NAN))
+                .collect(),
+        )
     }
 
     pub fn get(&self, name: &str) -> Option<f64> {
@@ -40,7 +45,8 @@ pub struct Bin {
     pub lo: f64,
     pub hi: f64,
     pub pixel_count: u64,
-    /// RGB mean of the reference; `None` in runs of older programs, which also lack the noise floors.
+    /// RGB mean of the reference; `None` in runs of older programs, which also lack the noise
+    /// floors.
     pub reference_mean: Option<f64>,
     pub scores: MetricValues,
     /// Only for metrics whose bins determine the whole.
@@ -137,8 +143,14 @@ impl Finished {
 
     /// The ε of relative metrics under the light of a point.
     pub fn epsilon(&self, point: &Point) -> Epsilon {
-        let scale = if let Value::Number(scale) = point[ENVIRONMENT_SCALE] { scale } else { 1.0 };
-        self.light(point).map_or(Epsilon::ABSOLUTE, |light| Epsilon::of_light(light.mean * scale))
+        let scale = if let Value::Number(scale) = point[ENVIRONMENT_SCALE] {
+            scale
+        } else {
+            1.0
+        };
+        self.light(point).map_or(Epsilon::ABSOLUTE, |light| {
+            Epsilon::of_light(light.mean * scale)
+        })
     }
 
     pub fn devices(&self) -> Vec<String> {
@@ -147,21 +159,32 @@ impl Finished {
             let text = |name: &str| self.text(&format!("/sessions/{session}/device/{name}"));
             device_words(&text("name"), &text("driver"))
         };
-        sessions.map(device).collect::<IndexSet<_>>().into_iter().collect()
+        sessions
+            .map(device)
+            .collect::<IndexSet<_>>()
+            .into_iter()
+            .collect()
     }
 
     pub fn failed_count(&self) -> usize {
-        self.cells.iter().filter(|cell| cell.scores.is_none()).count()
+        self.cells
+            .iter()
+            .filter(|cell| cell.scores.is_none())
+            .count()
     }
 
     /// Whether some image is a picture rather than a design.
     pub fn has_pictures(&self) -> bool {
-        self.cells.iter().any(|cell| !is_design(&cell.point[SCENE].to_string()))
+        self.cells
+            .iter()
+            .any(|cell| !is_design(&cell.point[SCENE].to_string()))
     }
 
     /// Whether times come from a CPU driver.
     pub fn is_cpu_timed(&self) -> bool {
-        self.timings.iter().any(|record| record.device_type == "cpu")
+        self.timings
+            .iter()
+            .any(|record| record.device_type == "cpu")
     }
 }
 
@@ -171,7 +194,8 @@ fn point_of(text: impl Fn(&'static str) -> Option<String>) -> Point {
         AXES.iter()
             .map(|axis| {
                 let text = text(axis.name).filter(|text| !text.is_empty());
-                text.and_then(|text| axis.kind.parse_text(&text).ok()).unwrap_or(Value::Unset)
+                text.and_then(|text| axis.kind.parse_text(&text).ok())
+                    .unwrap_or(Value::Unset)
             })
             .collect(),
     )

@@ -9,9 +9,12 @@ use crate::files::read_regular;
 use crate::metrics::Weight;
 use crate::run::columns::{FAILED, STEADINESS};
 use crate::run::frozen::EXPERIMENT_FILE;
-use crate::run::provenance::{self, EXPERIMENT_FOLDER, PROVENANCE_FILE, ProvenanceError, SET_FOLDER};
+use crate::run::provenance::{
+    self, EXPERIMENT_FOLDER, PROVENANCE_FILE, ProvenanceError, SET_FOLDER,
+};
 use crate::run::store::{
-    CELLS_FOLDER, Exact, FAILED_FOLDER, ReferenceStop, StopReason, Store, StoreError, TIMINGS_FOLDER,
+    CELLS_FOLDER, Exact, FAILED_FOLDER, ReferenceStop, StopReason, Store, StoreError,
+    TIMINGS_FOLDER,
 };
 use crate::run::tables::HEADLINE;
 use crate::spelling::{Listed, printable};
@@ -34,7 +37,10 @@ pub enum FinishedError {
     #[error(transparent)]
     Provenance(#[from] ProvenanceError),
     #[error("{}: {error}", path.display())]
-    Io { path: PathBuf, error: std::io::Error },
+    Io {
+        path: PathBuf,
+        error: std::io::Error,
+    },
     #[error(transparent)]
     Store(#[from] StoreError),
     #[error(transparent)]
@@ -44,11 +50,14 @@ pub enum FinishedError {
 }
 
 impl Finished {
-    /// Reads everything but the images. Empty or truncated tables are refused: their answers would be wrong.
+    /// Reads everything but the images. Empty or truncated tables are refused: their answers would
+    /// be wrong.
     pub fn read(dir: &Path) -> Result<Self, FinishedError> {
         let provenance = provenance(dir)?;
         if Store::at(dir).is_under_way() {
-            return Err(FinishedError::UnderWay { dir: dir.to_owned() });
+            return Err(FinishedError::UnderWay {
+                dir: dir.to_owned(),
+            });
         }
         let table = |name: &str| {
             let path = dir.join(name);
@@ -58,14 +67,21 @@ impl Finished {
         let mut images = table("images.csv")?.map_or_else(|| Ok(HashMap::new()), images)?;
         let mut cells = cells(&mut errors, &mut images)?;
         check_errors(dir, &provenance, &errors, &cells)?;
-        let places: HashMap<String, usize> =
-            cells.iter().enumerate().map(|(place, cell)| (cell.id.clone(), place)).collect();
+        let places: HashMap<String, usize> = cells
+            .iter()
+            .enumerate()
+            .map(|(place, cell)| (cell.id.clone(), place))
+            .collect();
         if let Some(table) = table("errors_by_n_dot_v.csv")? {
             bins(table, &mut cells, &places)?;
         }
         if let Some(mut table) = table("steps.csv")? {
             table.each(|row| {
-                if let Some((place, step)) = row.text("cell").and_then(|cell| places.get(cell)).zip(step(&row)) {
+                if let Some((place, step)) = row
+                    .text("cell")
+                    .and_then(|cell| places.get(cell))
+                    .zip(step(&row))
+                {
                     cells[*place].steps.push(step);
                 }
                 Ok(())
@@ -73,7 +89,9 @@ impl Finished {
         }
         let experiment = text(&dir.join(EXPERIMENT_FILE))?.unwrap_or_default();
         let config = config(dir, &experiment, &provenance);
-        let weights = config.as_ref().map_or_else(|| vec![Weight::Picture, Weight::Uniform], Config::weights);
+        let weights = config
+            .as_ref()
+            .map_or_else(|| vec![Weight::Picture, Weight::Uniform], Config::weights);
         Ok(Self {
             config,
             weights,
@@ -94,9 +112,14 @@ fn metrics(row: &Row, suffix: &str) -> MetricValues {
 }
 
 /// The cells of `errors.csv`, without the data of other tables.
-fn cells(errors: &mut TableRows, images: &mut HashMap<String, CellImages>) -> Result<Vec<FinishedCell>, FinishedError> {
+fn cells(
+    errors: &mut TableRows,
+    images: &mut HashMap<String, CellImages>,
+) -> Result<Vec<FinishedCell>, FinishedError> {
     check_head(errors)?;
-    ["cell", "verdict", HEADLINE].iter().try_for_each(|name| errors.needs(name))?;
+    ["cell", "verdict", HEADLINE]
+        .iter()
+        .try_for_each(|name| errors.needs(name))?;
     let mut cells = Vec::new();
     // Equal texts are stored once.
     let mut texts: HashMap<String, Value> = HashMap::new();
@@ -107,14 +130,20 @@ fn cells(errors: &mut TableRows, images: &mut HashMap<String, CellImages>) -> Re
         let mut point = point_of(|name| Some(row.text(name)?.to_owned()));
         for value in &mut point.0 {
             if let Value::Text(text) = value {
-                *value = texts.entry(text.to_string()).or_insert_with(|| value.clone()).clone();
+                *value = texts
+                    .entry(text.to_string())
+                    .or_insert_with(|| value.clone())
+                    .clone();
             }
         }
         cells.push(FinishedCell {
             point,
             scores: (!is_failed).then(|| metrics(&row, "")),
             noise_floors: metrics(&row, "_noise_floor"),
-            steadiness: row.number(STEADINESS[0].name).zip(row.number(STEADINESS[1].name)).map(Into::into),
+            steadiness: row
+                .number(STEADINESS[0].name)
+                .zip(row.number(STEADINESS[1].name))
+                .map(Into::into),
             reference: stop(&row),
             bins: Arc::default(),
             steps: Vec::new(),
@@ -133,11 +162,15 @@ fn bins(
     places: &HashMap<String, usize>,
 ) -> Result<(), FinishedError> {
     check_head(&table)?;
-    ["cell", HEADLINE].iter().try_for_each(|name| table.needs(name))?;
+    ["cell", HEADLINE]
+        .iter()
+        .try_for_each(|name| table.needs(name))?;
     let mut is_binned = vec![false; cells.len()];
     table.each(|row| {
         row.checked_number(HEADLINE)?;
-        let Some(&place) = row.text("cell").and_then(|cell| places.get(cell)) else { return Ok(()) };
+        let Some(&place) = row.text("cell").and_then(|cell| places.get(cell)) else {
+            return Ok(());
+        };
         is_binned[place] = true;
         if let [Some(lo), Some(hi), Some(count)] =
             ["n_dot_v_from", "n_dot_v_to", "pixel_count"].map(|name| row.number(name))
@@ -153,11 +186,21 @@ fn bins(
         }
         Ok(())
     })?;
-    let is_scored =
-        |cell: &FinishedCell| cell.scores.as_ref().and_then(|scores| scores.get(HEADLINE)).is_some_and(f64::is_finite);
-    let mut bare = cells.iter().zip(&is_binned).filter(|(cell, is_binned)| !**is_binned && is_scored(cell));
+    let is_scored = |cell: &FinishedCell| {
+        cell.scores
+            .as_ref()
+            .and_then(|scores| scores.get(HEADLINE))
+            .is_some_and(f64::is_finite)
+    };
+    let mut bare = cells
+        .iter()
+        .zip(&is_binned)
+        .filter(|(cell, is_binned)| !**is_binned && is_scored(cell));
     match bare.next() {
-        Some((cell, _)) => Err(damaged(&table, format!("no row of cell {}, which errors.csv beside it has", cell.id))),
+        Some((cell, _)) => Err(damaged(
+            &table,
+            format!("no row of cell {}, which errors.csv beside it has", cell.id),
+        )),
         None => Ok(()),
     }
 }
@@ -202,18 +245,27 @@ fn lights(mut table: TableRows) -> Result<Vec<Light>, FinishedError> {
 }
 
 fn damaged(table: &TableRows, what: String) -> FinishedError {
-    FinishedError::Damaged { path: table.path().to_owned(), what }
+    FinishedError::Damaged {
+        path: table.path().to_owned(),
+        what,
+    }
 }
 
 fn check_head(table: &TableRows) -> Result<(), FinishedError> {
-    if table.columns().is_empty() { Err(damaged(table, "the file is empty".to_owned())) } else { Ok(()) }
+    if table.columns().is_empty() {
+        Err(damaged(table, "the file is empty".to_owned()))
+    } else {
+        Ok(())
+    }
 }
 
-/// The experiment; `None` if this program does not understand it. Methods in files are loaded if the files still exist, since their
-/// parameters decide which questions can be answered.
+/// The experiment; `None` if this program does not understand it. Methods in files are loaded if
+/// the files still exist, since their parameters decide which questions can be answered.
 fn config(dir: &Path, experiment: &str, provenance: &Json) -> Option<Config> {
     let overrides = provenance["overrides"].as_array().into_iter().flatten();
-    let overrides: Vec<String> = overrides.filter_map(|text| Some(text.as_str()?.to_owned())).collect();
+    let overrides: Vec<String> = overrides
+        .filter_map(|text| Some(text.as_str()?.to_owned()))
+        .collect();
     let path = Path::new(EXPERIMENT_FILE);
     let mut faults = Faults::new(path, experiment);
     let mut config = Config::parse(path, experiment, &overrides, &mut faults);
@@ -227,38 +279,70 @@ fn config(dir: &Path, experiment: &str, provenance: &Json) -> Option<Config> {
 
 /// A folder without tables: of a run if a command worked on it.
 fn unfinished(dir: &Path, provenance: &Json) -> FinishedError {
-    let last = provenance["sessions"].as_array().and_then(|sessions| sessions.last()?["command_line"].as_array());
-    let words: Vec<&str> = last.into_iter().flatten().filter_map(Json::as_str).collect();
+    let last = provenance["sessions"]
+        .as_array()
+        .and_then(|sessions| sessions.last()?["command_line"].as_array());
+    let words: Vec<&str> = last
+        .into_iter()
+        .flatten()
+        .filter_map(Json::as_str)
+        .collect();
     match words.join(" ") {
-        none if none.is_empty() => FinishedError::NotARun { dir: dir.to_owned(), file: "errors.csv" },
-        command => FinishedError::Unfinished { dir: dir.to_owned(), command },
+        none if none.is_empty() => FinishedError::NotARun {
+            dir: dir.to_owned(),
+            file: "errors.csv",
+        },
+        command => FinishedError::Unfinished {
+            dir: dir.to_owned(),
+            command,
+        },
     }
 }
 
 pub fn provenance(dir: &Path) -> Result<Json, FinishedError> {
     if dir.is_file() {
-        return Err(FinishedError::NotAFolder { dir: dir.to_owned() });
+        return Err(FinishedError::NotAFolder {
+            dir: dir.to_owned(),
+        });
     }
-    provenance::read(dir)?.ok_or_else(|| FinishedError::NotARun { dir: dir.to_owned(), file: PROVENANCE_FILE })
+    provenance::read(dir)?.ok_or_else(|| FinishedError::NotARun {
+        dir: dir.to_owned(),
+        file: PROVENANCE_FILE,
+    })
 }
 
 fn images(mut table: TableRows) -> Result<HashMap<String, CellImages>, FinishedError> {
-    ["cell", "radiance", "reference"].iter().try_for_each(|name| table.needs(name))?;
+    ["cell", "radiance", "reference"]
+        .iter()
+        .try_for_each(|name| table.needs(name))?;
     // Paths and links are made of it: only plain names are safe.
-    let is_name =
-        |text: &str| !text.contains(['/', '\\', ':']) && ![".", ".."].contains(&text) && printable(text) == text;
+    let is_name = |text: &str| {
+        !text.contains(['/', '\\', ':']) && ![".", ".."].contains(&text) && printable(text) == text
+    };
     let (mut found, mut stranger) = (HashMap::new(), None);
     table.each(|row| {
         let [cell, radiance, reference] =
             ["cell", "radiance", "reference"].map(|name| row.text(name).unwrap_or_default());
-        if let Some(name) = [radiance, reference].into_iter().find(|name| !is_name(name)) {
+        if let Some(name) = [radiance, reference]
+            .into_iter()
+            .find(|name| !is_name(name))
+        {
             stranger = Some(name.to_owned());
         }
-        found.insert(cell.to_owned(), CellImages { radiance: radiance.to_owned(), reference: reference.to_owned() });
+        found.insert(
+            cell.to_owned(),
+            CellImages {
+                radiance: radiance.to_owned(),
+                reference: reference.to_owned(),
+            },
+        );
         Ok(())
     })?;
     match stranger {
-        Some(text) => Err(damaged(&table, format!("{text:?} is not the name of an image"))),
+        Some(text) => Err(damaged(
+            &table,
+            format!("{text:?} is not the name of an image"),
+        )),
         None => Ok(found),
     }
 }
@@ -277,17 +361,34 @@ fn check_errors(
     }
     // Unreadable records do not count, but are read only if there seem to be too many.
     let store = Store::at(dir);
-    let records: BTreeSet<String> =
-        [CELLS_FOLDER, FAILED_FOLDER].into_iter().flat_map(|folder| store.ids(folder)).collect();
-    let is_record = |id: &&String| matches!(store.cell(id), Ok(Some(_))) || matches!(store.failure(id), Ok(Some(_)));
+    let records: BTreeSet<String> = [CELLS_FOLDER, FAILED_FOLDER]
+        .into_iter()
+        .flat_map(|folder| store.ids(folder))
+        .collect();
+    let is_record = |id: &&String| {
+        matches!(store.cell(id), Ok(Some(_))) || matches!(store.failure(id), Ok(Some(_)))
+    };
     let rows = cells.len();
-    let records = if rows < records.len() { records.iter().filter(is_record).count() } else { records.len() };
+    let records = if rows < records.len() {
+        records.iter().filter(is_record).count()
+    } else {
+        records.len()
+    };
     if rows < records {
-        return damaged(format!("{rows} rows, but the folder has records of {records} cells: the table is truncated"));
+        return damaged(format!(
+            "{rows} rows, but the folder has records of {records} cells: the table is truncated"
+        ));
     }
     // A published folder has no records; a run stopped before its first cell has no session.
-    let has_worked = provenance["sessions"].as_array().is_some_and(|sessions| !sessions.is_empty());
-    if rows == 0 && records == 0 && has_worked && !dir.join(CELLS_FOLDER).is_dir() && provenance["cell_count"] != 0 {
+    let has_worked = provenance["sessions"]
+        .as_array()
+        .is_some_and(|sessions| !sessions.is_empty());
+    if rows == 0
+        && records == 0
+        && has_worked
+        && !dir.join(CELLS_FOLDER).is_dir()
+        && provenance["cell_count"] != 0
+    {
         return damaged("no rows".to_owned());
     }
     Ok(())
@@ -297,10 +398,15 @@ const MAX_FILE_BYTES: u64 = 1 << 30;
 
 /// The text of a file; `None` if it does not exist.
 fn text(path: &Path) -> Result<Option<String>, FinishedError> {
-    match read_regular(path, MAX_FILE_BYTES).and_then(|bytes| String::from_utf8(bytes).map_err(std::io::Error::other)) {
+    match read_regular(path, MAX_FILE_BYTES)
+        .and_then(|bytes| String::from_utf8(bytes).map_err(std::io::Error::other))
+    {
         Ok(text) => Ok(Some(text)),
         Err(error) if error.kind() == std::io::ErrorKind::NotFound => Ok(None),
-        Err(error) => Err(FinishedError::Io { path: path.to_owned(), error }),
+        Err(error) => Err(FinishedError::Io {
+            path: path.to_owned(),
+            error,
+        }),
     }
 }
 
@@ -311,5 +417,9 @@ fn of_store<T>(
     read: fn(&Store, &str) -> Result<Option<T>, StoreError>,
 ) -> Result<Vec<T>, FinishedError> {
     let store = Store::at(dir);
-    store.ids(folder).iter().filter_map(|id| read(&store, id).map_err(FinishedError::from).transpose()).collect()
+    store
+        .ids(folder)
+        .iter()
+        .filter_map(|id| read(&store, id).map_err(FinishedError::from).transpose())
+        .collect()
 }

@@ -1,16 +1,18 @@
 //! Means and medians with their uncertainty.
 //!
-//! Environments are the unit of evidence: rows under one environment share its difficult lights, and models and widths are near-copies of
-//! each other. So rows are first averaged within their environment, and an interval comes from these numbers alone. Below [`CLUSTERS_MIN`]
-//! environments there is no interval.
+//! Environments are the unit of evidence: rows under one environment share its difficult lights,
+//! and models and widths are near-copies of each other. So rows are first averaged within their
+//! environment, and an interval comes from these numbers alone. Below [`CLUSTERS_MIN`] environments
+//! there is no interval.
 //!
 //! - Mean: Student's interval; geometric mean: Student's interval of the mean logarithm.
 //! - Prediction of one new environment: Student's, of logarithms but for means.
-//! - Median: order statistics, whose coverage does not depend on the distribution; between the two pairs around 95 % the logarithm is
-//!   interpolated \[HettmanspergerSheather86\].
+//! - Median: order statistics, whose coverage does not depend on the distribution; between the two
+//!   pairs around 95 % the logarithm is interpolated \[HettmanspergerSheather86\].
 //!
-//! Resampling so few environments (the percentile bootstrap) makes intervals too narrow. These hold a known truth in 93 to 97 % of
-//! simulated studies of 6, 10 and 20 environments (`tests/numeric/study/estimate.rs`).
+//! Resampling so few environments (the percentile bootstrap) makes intervals too narrow. These hold
+//! a known truth in 93 to 97 % of simulated studies of 6, 10 and 20 environments
+//! (`tests/numeric/study/estimate.rs`).
 
 use super::line::t_95;
 use crate::experiment::value::Value;
@@ -35,7 +37,8 @@ pub struct Estimate {
     pub value: f64,
     /// 95 % interval over environments, if they are enough.
     pub interval: Option<[f64; 2]>,
-    /// 95 % prediction interval of one new environment, if the environments are enough for an interval.
+    /// 95 % prediction interval of one new environment, if the environments are enough for an
+    /// interval.
     pub prediction: Option<[f64; 2]>,
     /// Number of environments.
     pub n: usize,
@@ -65,7 +68,11 @@ impl Middle {
             Self::Median => {
                 let sorted = sorted(values);
                 let (below, above) = (sorted[(n - 1) / 2], sorted[n / 2]);
-                if above.is_infinite() { above } else { between(below, above, 0.5) }
+                if above.is_infinite() {
+                    above
+                } else {
+                    between(below, above, 0.5)
+                }
             }
         }
     }
@@ -85,18 +92,24 @@ impl Middle {
                 // Weight of the inner pair; k from 1.
                 let (n1, k1) = (n as f64, (k + 1) as f64);
                 let weight = (n1 - k1) * part / (k1 + (n1 - 2.0 * k1) * part);
-                Some([between(sorted[k], sorted[k + 1], weight), between(sorted[n - 1 - k], sorted[n - 2 - k], weight)])
+                Some([
+                    between(sorted[k], sorted[k + 1], weight),
+                    between(sorted[n - 1 - k], sorted[n - 2 - k], weight),
+                ])
             }
         }
     }
 
-    /// 95 % prediction interval of one new number: Student's, of logarithms unless of a mean. `None` if a logarithm is not finite.
+    /// 95 % prediction interval of one new number: Student's, of logarithms unless of a mean.
+    /// `None` if a logarithm is not finite.
     fn prediction(self, values: &[f64]) -> Option<[f64; 2]> {
         if self == Self::Mean {
             return Some(student(values, 1.0));
         }
         let logs: Vec<f64> = values.iter().map(|value| value.ln()).collect();
-        logs.iter().all(|log| log.is_finite()).then(|| student(&logs, 1.0).map(f64::exp))
+        logs.iter()
+            .all(|log| log.is_finite())
+            .then(|| student(&logs, 1.0).map(f64::exp))
     }
 }
 
@@ -111,7 +124,11 @@ fn student(values: &[f64], new: f64) -> [f64; 2] {
 
 /// Interpolates logarithms; a if an end is infinite.
 fn between(a: f64, b: f64, part: f64) -> f64 {
-    if a == b || a.is_infinite() || b.is_infinite() { a } else { ((1.0 - part) * a.ln() + part * b.ln()).exp() }
+    if a == b || a.is_infinite() || b.is_infinite() {
+        a
+    } else {
+        ((1.0 - part) * a.ln() + part * b.ln()).exp()
+    }
 }
 
 /// Averages numbers, each with its environment; `None` for no values.

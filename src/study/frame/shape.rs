@@ -1,4 +1,5 @@
-//! The values of each axis of an experiment, which decide before rendering which questions it can answer.
+//! The values of each axis of an experiment, which decide before rendering which questions it can
+//! answer.
 
 use super::Row;
 use crate::experiment::axis::{AXES, METHOD};
@@ -20,7 +21,9 @@ pub struct Shape {
 impl Shape {
     pub fn of_config(config: &Config) -> Self {
         let values = |axis: usize| match config.axes.iter().find(|sweep| sweep.axis == axis) {
-            Some(sweep) => super::distinct_in_order(sweep.values.iter().map(|placed| placed.value.clone())),
+            Some(sweep) => {
+                super::distinct_in_order(sweep.values.iter().map(|placed| placed.value.clone()))
+            }
             None => vec![config.base.0[axis].clone()],
         };
         Self::with(config, (0..AXES.len()).map(values).collect())
@@ -28,7 +31,9 @@ impl Shape {
 
     pub fn of_rows(run: &Finished, rows: &[Row]) -> Self {
         let of_axis = |axis: usize| rows.iter().map(move |row: &Row| row.point.0[axis].clone());
-        let values = (0..AXES.len()).map(|axis| super::distinct_in_order(of_axis(axis))).collect();
+        let values = (0..AXES.len())
+            .map(|axis| super::distinct_in_order(of_axis(axis)))
+            .collect();
         match &run.config {
             Some(config) => Self::with(config, values),
             None => Self {
@@ -53,18 +58,27 @@ impl Shape {
         self.values[axis].len() > 1
     }
 
-    /// The methods with a specular term: built-in ones in the order of their list, then those in files.
+    /// The methods with a specular term: built-in ones in the order of their list, then those in
+    /// files.
     pub fn methods(&self) -> impl Iterator<Item = &'static Method> {
-        let mut methods: Vec<_> =
-            self.values[METHOD].iter().filter_map(|value| Method::by_name(value.text())).collect();
+        let mut methods: Vec<_> = self.values[METHOD]
+            .iter()
+            .filter_map(|value| Method::by_name(value.text()))
+            .collect();
         methods.retain(|method| !method.is_none());
-        methods
-            .sort_by_key(|method| METHODS.iter().position(|listed| listed.name == method.name).unwrap_or(usize::MAX));
+        methods.sort_by_key(|method| {
+            METHODS
+                .iter()
+                .position(|listed| listed.name == method.name)
+                .unwrap_or(usize::MAX)
+        });
         methods.into_iter()
     }
 }
 
 fn set_only(mut values: Vec<Vec<Value>>) -> Vec<Vec<Value>> {
-    values.iter_mut().for_each(|values| values.retain(|value| *value != Value::Unset));
+    values
+        .iter_mut()
+        .for_each(|values| values.retain(|value| *value != Value::Unset));
     values
 }

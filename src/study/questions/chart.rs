@@ -21,7 +21,13 @@ pub enum Along<'n> {
 impl<'n> Along<'n> {
     /// One step per value of an axis.
     pub fn values(frame: &'n Frame, of: usize, values: &[Value]) -> Self {
-        Self::Steps(frame.names.name(of), values.iter().map(|value| frame.names.short(of, value)).collect())
+        Self::Steps(
+            frame.names.name(of),
+            values
+                .iter()
+                .map(|value| frame.names.short(of, value))
+                .collect(),
+        )
     }
 
     fn scale(self, values: impl Iterator<Item = f64>) -> Option<Scale> {
@@ -50,16 +56,33 @@ impl Chart<'_> {
         if all > PANELS_MAX {
             self.note += &format!("; the first {PANELS_MAX} of {all} panels");
         }
-        let ends =
-            |i: usize| self.panels.iter().flat_map(|(_, marks)| marks).flat_map(move |mark| reach(mark)[i].clone());
+        let ends = |i: usize| {
+            self.panels
+                .iter()
+                .flat_map(|(_, marks)| marks)
+                .flat_map(move |mark| reach(mark)[i].clone())
+        };
         let [xs, ys] = [0, 1].map(|i| ends(i).collect::<Vec<f64>>());
         let (x, y) = (self.x.scale(xs.into_iter())?, self.y.scale(ys.into_iter())?);
-        let panel = |(title, marks): (String, Vec<Mark>)| Panel { title, x: x.clone(), y: y.clone(), marks };
+        let panel = |(title, marks): (String, Vec<Mark>)| Panel {
+            title,
+            x: x.clone(),
+            y: y.clone(),
+            marks,
+        };
         Some(Figure {
             title: self.title.to_owned(),
             note: self.note,
             panels: self.panels.into_iter().map(panel).collect(),
-            series: self.series.into_iter().map(|name| Series { name, is_dashed: false, ink: None }).collect(),
+            series: self
+                .series
+                .into_iter()
+                .map(|name| Series {
+                    name,
+                    is_dashed: false,
+                    ink: None,
+                })
+                .collect(),
         })
     }
 }
@@ -83,10 +106,15 @@ pub fn dot(at: [f64; 2], series: usize, tip: String, row: &Row) -> Mark {
 
 /// The image that a mark links to, if it has a single one.
 pub fn only(rows: &[&Row]) -> Option<String> {
-    if let [only] = rows { Some(only.cell.id.clone()) } else { None }
+    if let [only] = rows {
+        Some(only.cell.id.clone())
+    } else {
+        None
+    }
 }
 
-/// One panel per environment. If environments are averaged, a panel of the average comes first and formulas come last.
+/// One panel per environment. If environments are averaged, a panel of the average comes first and
+/// formulas come last.
 pub fn light_panels(
     frame: &Frame,
     all: &Numbers,
@@ -98,20 +126,49 @@ pub fn light_panels(
         lights.sort_by_key(|(light, _)| is_formula(light));
     }
     let first = first.map(|all| (count(all.n, "", AXES[ENVIRONMENT].plural), summed()));
-    let name =
-        |light: &Value| if *light == Value::Unset { String::new() } else { frame.names.short(ENVIRONMENT, light) };
-    first.into_iter().chain(lights.into_iter().map(|(light, marks)| (name(&light), marks))).collect()
+    let name = |light: &Value| {
+        if *light == Value::Unset {
+            String::new()
+        } else {
+            frame.names.short(ENVIRONMENT, light)
+        }
+    };
+    first
+        .into_iter()
+        .chain(
+            lights
+                .into_iter()
+                .map(|(light, marks)| (name(&light), marks)),
+        )
+        .collect()
 }
 
 /// Dots of one series, joined by a line.
 pub fn joined(dots: Vec<Mark>) -> Vec<Mark> {
-    let place = |mark: &Mark| if let Form::Dot(at) = mark.shape { Some(at) } else { None };
-    let line = Mark { series: dots.first().and_then(|dot| dot.series), ..Mark::neutral(Form::Line(Vec::new())) };
+    let place = |mark: &Mark| {
+        if let Form::Dot(at) = mark.shape {
+            Some(at)
+        } else {
+            None
+        }
+    };
+    let line = Mark {
+        series: dots.first().and_then(|dot| dot.series),
+        ..Mark::neutral(Form::Line(Vec::new()))
+    };
     let points = dots.iter().filter_map(place).collect();
-    std::iter::once(Mark { shape: Form::Line(points), ..line }).chain(dots).collect()
+    std::iter::once(Mark {
+        shape: Form::Line(points),
+        ..line
+    })
+    .chain(dots)
+    .collect()
 }
 
 /// The index of a value; NaN, which is not drawn, if it is missing.
 pub fn step<T: PartialEq>(steps: &[T], value: &T) -> f64 {
-    steps.iter().position(|step| step == value).map_or(f64::NAN, |place| place as f64)
+    steps
+        .iter()
+        .position(|step| step == value)
+        .map_or(f64::NAN, |place| place as f64)
 }

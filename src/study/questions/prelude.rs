@@ -11,8 +11,8 @@ pub use crate::scene::is_design;
 pub use crate::shade::NONE;
 pub use crate::study::frame::estimate::{Estimate, Middle, estimate, geometric_mean, median};
 pub use crate::study::frame::{
-    Frame, Key, Row, Shape, VISIBLE_FROM, ascending, by, distinct_in_order, fits, grouped, grouped_ascending, pair,
-    values,
+    Frame, Key, Row, Shape, VISIBLE_FROM, ascending, by, distinct_in_order, fits, grouped,
+    grouped_ascending, pair, values,
 };
 pub use crate::study::table::{Table, column};
 pub(super) use crate::study::table::{axis_cells, cells};

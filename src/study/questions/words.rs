@@ -18,14 +18,24 @@ pub fn with_interval(estimate: &Estimate) -> String {
 
 /// " (95 % 8.1 to 17)"; empty for too few environments or equal ends.
 pub fn interval_words(estimate: &Estimate, words: impl Fn(f64) -> String) -> String {
-    let Some([lo, hi]) = estimate.interval.map(|ends| ends.map(words)) else { return String::new() };
-    if lo == hi { String::new() } else { format!(" (95 % {lo} to {hi})") }
+    let Some([lo, hi]) = estimate.interval.map(|ends| ends.map(words)) else {
+        return String::new();
+    };
+    if lo == hi {
+        String::new()
+    } else {
+        format!(" (95 % {lo} to {hi})")
+    }
 }
 
 /// "8.1 to 17", or one number if both ends read alike.
 pub fn range_words(ends: [f64; 2], words: impl Fn(f64) -> String) -> String {
     let [least, most] = ends.map(words);
-    if least == most { least } else { format!("{least} to {most}") }
+    if least == most {
+        least
+    } else {
+        format!("{least} to {most}")
+    }
 }
 
 /// The root of a mean square in percent: 11 for 0.012. `None` for other metrics.
@@ -53,15 +63,36 @@ pub fn listed(words: &[String]) -> String {
 
 /// " Over 10 environments, 3 BRDF models, 5 alphas."; empty if all axes have one value.
 pub fn scope_sentence(frame: &Frame, rows: &[&Row]) -> String {
-    let count = |axis: usize| values(rows.iter().copied(), axis).iter().filter(|value| **value != Value::Unset).count();
-    let counts = frame.case_axes().into_iter().map(|axis| (axis, count(axis))).filter(|(_, n)| *n > 1);
-    let scope = counts.map(|(axis, n)| format!("{n} {}", frame.names.plural(axis))).collect::<Vec<_>>().join(", ");
-    if scope.is_empty() { scope } else { format!(" Over {scope}.") }
+    let count = |axis: usize| {
+        values(rows.iter().copied(), axis)
+            .iter()
+            .filter(|value| **value != Value::Unset)
+            .count()
+    };
+    let counts = frame
+        .case_axes()
+        .into_iter()
+        .map(|axis| (axis, count(axis)))
+        .filter(|(_, n)| *n > 1);
+    let scope = counts
+        .map(|(axis, n)| format!("{n} {}", frame.names.plural(axis)))
+        .collect::<Vec<_>>()
+        .join(", ");
+    if scope.is_empty() {
+        scope
+    } else {
+        format!(" Over {scope}.")
+    }
 }
 
 /// The non-empty words, separated by commas: "ggx, alpha 1".
 pub fn commas<const N: usize>(words: [&str; N]) -> String {
-    words.into_iter().filter(|word| !word.is_empty()).collect::<Vec<_>>().join(", ").replace(" · ", ", ")
+    words
+        .into_iter()
+        .filter(|word| !word.is_empty())
+        .collect::<Vec<_>>()
+        .join(", ")
+        .replace(" · ", ", ")
 }
 
 /// "n·v 0.8 to 1": the last bin ends above 1, so that it holds 1.
@@ -81,6 +112,10 @@ pub fn percent(share: f64) -> String {
 
 /// The range of positive numbers: "5.1" or "5.1 to 6.0".
 pub fn range(values: impl IntoIterator<Item = f64>) -> String {
-    let (least, most) = values.into_iter().fold((f64::INFINITY, 0.0), |(lo, hi), x| (f64::min(lo, x), f64::max(hi, x)));
+    let (least, most) = values
+        .into_iter()
+        .fold((f64::INFINITY, 0.0), |(lo, hi), x| {
+            (f64::min(lo, x), f64::max(hi, x))
+        });
     range_words([least, most], number)
 }

@@ -7,13 +7,19 @@ use splitsum::bakes::container::Texel;
 use splitsum::environment::layout::MapLayout;
 use splitsum::pixels::RgbImage;
 
-pub fn faces(layout: &MapLayout, [width, height]: [u32; 2], value: impl Fn(DVec3) -> DVec3) -> Vec<RgbImage> {
+pub fn faces(
+    layout: &MapLayout,
+    [width, height]: [u32; 2],
+    value: impl Fn(DVec3) -> DVec3,
+) -> Vec<RgbImage> {
     let size = DVec2::new(width.into(), height.into());
     let texel = |face: u32, x: u32, y: u32| {
         let uv = (DVec2::new(x.into(), y.into()) + 0.5) / size;
         value((layout.direction)(face, uv)).as_vec3().to_array()
     };
-    (0..layout.face_count).map(|face| RgbImage::from_fn(width, height, |x, y| texel(face, x, y))).collect()
+    (0..layout.face_count)
+        .map(|face| RgbImage::from_fn(width, height, |x, y| texel(face, x, y)))
+        .collect()
 }
 
 pub type Level = Vec<Vec<u8>>;
@@ -44,7 +50,11 @@ pub fn ktx2(texel: &Texel, side: u32, levels: &[Level], is_zstd: bool) -> Vec<u8
     let mut index = vec![Vec::new(); levels.len()];
     for (level, faces) in levels.iter().enumerate().rev() {
         let plain = faces.concat();
-        let stored = if is_zstd { compress_to_vec(&plain[..], CompressionLevel::Fastest) } else { plain.clone() };
+        let stored = if is_zstd {
+            compress_to_vec(&plain[..], CompressionLevel::Fastest)
+        } else {
+            plain.clone()
+        };
         let entry = LevelIndex {
             byte_offset: (index_end + body.len()) as u64,
             byte_length: stored.len() as u64,
@@ -60,7 +70,21 @@ pub fn ktx2(texel: &Texel, side: u32, levels: &[Level], is_zstd: bool) -> Vec<u8
 pub fn ktx1(texel: &Texel, side: u32, levels: &[Level]) -> Vec<u8> {
     let faces = levels[0].len() as u32;
     let keys = *b"\x06\0\0\0sh\x001\n\0\0\0";
-    let words = [0x0403_0201, 0, 1, 0x1907, texel.gl, texel.gl, side, side, 0, 0, faces, levels.len() as u32, 12];
+    let words = [
+        0x0403_0201,
+        0,
+        1,
+        0x1907,
+        texel.gl,
+        texel.gl,
+        side,
+        side,
+        0,
+        0,
+        faces,
+        levels.len() as u32,
+        12,
+    ];
     let mut bytes = b"\xabKTX 11\xbb\r\n\x1a\n".to_vec();
     bytes.extend(words.iter().flat_map(|word: &u32| word.to_le_bytes()));
     bytes.extend(&keys[..12]);
@@ -68,7 +92,9 @@ pub fn ktx1(texel: &Texel, side: u32, levels: &[Level]) -> Vec<u8> {
     for (k, level) in levels.iter().enumerate() {
         let row = (side >> k).max(1) as usize * texel.bytes;
         let padded = |face: &Vec<u8>| {
-            face.chunks(row).flat_map(|row| [row, &vec![0; row.len() % 4]].concat()).collect::<Vec<_>>()
+            face.chunks(row)
+                .flat_map(|row| [row, &vec![0; row.len() % 4]].concat())
+                .collect::<Vec<_>>()
         };
         bytes.extend((padded(&level[0]).len() as u32).to_le_bytes());
         bytes.extend(level.iter().flat_map(padded));
@@ -106,8 +132,9 @@ pub fn dds(texel: &Texel, side: u32, levels: &[Level]) -> Vec<u8> {
         alpha_mode: ddsfile::AlphaMode::Opaque,
     })
     .unwrap();
-    file.data =
-        (0..levels[0].len()).flat_map(|face| levels.iter().flat_map(move |level| level[face].clone())).collect();
+    file.data = (0..levels[0].len())
+        .flat_map(|face| levels.iter().flat_map(move |level| level[face].clone()))
+        .collect();
     let mut bytes = Vec::new();
     file.write(&mut bytes).unwrap();
     bytes

@@ -1,4 +1,5 @@
-//! Bakes for engines: directions through writer and reader as each engine looks them up, exact rounding, and the rules of each format.
+//! Bakes for engines: directions through writer and reader as each engine looks them up, exact
+//! rounding, and the rules of each format.
 
 use super::files;
 use super::scores::marked_light;
@@ -25,7 +26,8 @@ use std::path::Path;
 
 type Lookup = (&'static str, fn(DVec3) -> DVec3);
 
-/// Lookup direction of each engine's shader for a world direction (y up, right-handed), from the source of those shaders.
+/// Lookup direction of each engine's shader for a world direction (y up, right-handed), from the
+/// source of those shaders.
 const LOOKUPS: &[Lookup] = &[
     ("raw", |d| d),
     // `textureLod(light_iblSpecular, r, lod)`; cmgen mirrors its output to match.
@@ -51,7 +53,12 @@ const LOOKUPS: &[Lookup] = &[
 pub fn making<'a>(engine: &str, environment: &'a Environment) -> Making<'a> {
     let preset = Preset::listed(engine);
     let level_count = preset.convention().mapping.engine_levels.unwrap_or(6);
-    Making { irradiance_side: 16, table_side: 8, level_count, ..Making::new(preset, environment, 64) }
+    Making {
+        irradiance_side: 16,
+        table_side: 8,
+        level_count,
+        ..Making::new(preset, environment, 64)
+    }
 }
 
 #[test]
@@ -64,14 +71,39 @@ fn every_direction_is_where_the_engine_looks() {
         let making = making(engine, &light);
         making.check().unwrap();
         let baked = make(&making, dir.path()).unwrap();
-        assert!(baked.levels.iter().all(|level| level.relmse < 1e-4 && level.why.is_none()), "{engine} {baked:?}");
-        let bake = read(&[dir.path().display().to_string()], Reading { layout: None, brdf: "ggx" }).unwrap();
+        assert!(
+            baked
+                .levels
+                .iter()
+                .all(|level| level.relmse < 1e-4 && level.why.is_none()),
+            "{engine} {baked:?}"
+        );
+        let bake = read(
+            &[dir.path().display().to_string()],
+            Reading {
+                layout: None,
+                brdf: "ggx",
+            },
+        )
+        .unwrap();
         let faces = &bake.specular.as_ref().unwrap().levels[0];
         let seen = |d: DVec3| {
             let (face, uv) = (LAYOUTS[0].place)(lookup(d));
-            DVec3::from_array(faces[face as usize].get((uv.x * 64.0) as u32, (uv.y * 64.0) as u32).map(f64::from))
+            DVec3::from_array(
+                faces[face as usize]
+                    .get((uv.x * 64.0) as u32, (uv.y * 64.0) as u32)
+                    .map(f64::from),
+            )
         };
-        for d in [DVec3::X, -DVec3::X, DVec3::Y, -DVec3::Y, DVec3::Z, -DVec3::Z, hot] {
+        for d in [
+            DVec3::X,
+            -DVec3::X,
+            DVec3::Y,
+            -DVec3::Y,
+            DVec3::Z,
+            -DVec3::Z,
+            hot,
+        ] {
             let expected = light.radiance(d);
             assert!(
                 ((seen(d) - expected) / expected).abs().max_element() < 0.06,
@@ -79,34 +111,75 @@ fn every_direction_is_where_the_engine_looks() {
                 seen(d)
             );
         }
-        // No other direction is as bright: in a mirrored or turned map the hot texel would be elsewhere.
-        assert!(Axes::all().skip(1).all(|axes| seen(axes.to_world(hot)).min_element() < 0.5 * seen(hot).min_element()));
+        // No other direction is as bright: in a mirrored or turned map the hot texel would be
+        // elsewhere.
+        assert!(
+            Axes::all()
+                .skip(1)
+                .all(|axes| seen(axes.to_world(hot)).min_element() < 0.5 * seen(hot).min_element())
+        );
         // SH has the same axes as the map.
         if let Some(found) = &bake.sh {
             let own = |d: DVec3| irradiance(&found.radiance, lookup(d)) / PI;
             let exact = own(DVec3::Y) - own(-DVec3::Y);
             assert!(exact.y > 0.5, "{engine}: green shines from +y: {exact}");
-            assert!((own(DVec3::Z) - own(-DVec3::Z)).z > 0.5, "{engine}: blue shines from +z");
-            assert!((own(DVec3::X) - own(-DVec3::X)).x > 0.3, "{engine}: red shines from +x");
+            assert!(
+                (own(DVec3::Z) - own(-DVec3::Z)).z > 0.5,
+                "{engine}: blue shines from +z"
+            );
+            assert!(
+                (own(DVec3::X) - own(-DVec3::X)).x > 0.3,
+                "{engine}: red shines from +x"
+            );
         }
         // A KTX file alone states its conventions as the folder does.
         let file = dir.path().join(making.preset.product().specular);
         if file.extension().is_some_and(|form| form != "dds") {
-            let alone = read(&[file.display().to_string()], Reading::default()).unwrap().stated;
-            let of = |stated: &Stated| (stated.preset.clone(), stated.weight.clone(), stated.masking.clone());
+            let alone = read(&[file.display().to_string()], Reading::default())
+                .unwrap()
+                .stated;
+            let of = |stated: &Stated| {
+                (
+                    stated.preset.clone(),
+                    stated.weight.clone(),
+                    stated.masking.clone(),
+                )
+            };
             assert_eq!(of(&alone), of(&bake.stated), "{engine}");
-            let pairs = alone.alphas.as_ref().unwrap().iter().zip(bake.stated.alphas.as_ref().unwrap());
+            let pairs = alone
+                .alphas
+                .as_ref()
+                .unwrap()
+                .iter()
+                .zip(bake.stated.alphas.as_ref().unwrap());
             let off = pairs.map(|(a, b)| (a - b).abs());
             assert!(off.fold(0.0, f64::max) < 1e-6, "{engine}");
         }
         // No file is overwritten, by neither kind of bake.
-        let plain = Baking { environment: &light, settings: Default::default(), brdfs: &[], masking: making.masking };
-        assert!(plain.bake(dir.path()).unwrap_err().to_string().contains("bake --for"));
-        assert!(make(&making, dir.path()).unwrap_err().to_string().contains("exists"));
+        let plain = Baking {
+            environment: &light,
+            settings: Default::default(),
+            brdfs: &[],
+            masking: making.masking,
+        };
+        assert!(
+            plain
+                .bake(dir.path())
+                .unwrap_err()
+                .to_string()
+                .contains("bake --for")
+        );
+        assert!(
+            make(&making, dir.path())
+                .unwrap_err()
+                .to_string()
+                .contains("exists")
+        );
     }
 }
 
-/// The table of taps matches the levels of the engine's own formula, and the code is in its language.
+/// The table of taps matches the levels of the engine's own formula, and the code is in its
+/// language.
 #[test]
 fn taps_are_for_the_levels_of_the_engine() {
     let light = marked_light();
@@ -120,38 +193,78 @@ fn taps_are_for_the_levels_of_the_engine() {
         ("unity", "unity", 7, "taps.hlsl"),
     ] {
         let dir = tempfile::tempdir().unwrap();
-        let brdf: &'static dyn Brdf = if engine == "playcanvas" { &Beckmann } else { &Ggx };
-        make(&Making { level_count, brdf, ..making(engine, &light) }, dir.path()).unwrap();
+        let brdf: &'static dyn Brdf = if engine == "playcanvas" {
+            &Beckmann
+        } else {
+            &Ggx
+        };
+        make(
+            &Making {
+                level_count,
+                brdf,
+                ..making(engine, &light)
+            },
+            dir.path(),
+        )
+        .unwrap();
         let weight = Preset::listed(engine).convention().weight;
         let kernel = Kernel::new(brdf, weight, MaskingShadowing::Correlated);
         let levels = taps::Chain::new(kernel, LevelMapping::listed(mapping), level_count);
-        let table = taps::TapTable::fit(&levels, brdf, MaskingShadowing::Correlated, taps::TapCount::Two).texels;
+        let table = taps::TapTable::fit(
+            &levels,
+            brdf,
+            MaskingShadowing::Correlated,
+            taps::TapCount::Two,
+        )
+        .texels;
         let found = read_texture(&dir.path().join("taps.ktx2")).unwrap();
         for (own, found) in table.data.iter().zip(&found.levels[0][0].data) {
-            assert_eq!(own.map(|value| f16::from_f32(value).to_f32())[..3], found[..], "{engine}");
+            assert_eq!(
+                own.map(|value| f16::from_f32(value).to_f32())[..3],
+                found[..],
+                "{engine}"
+            );
         }
         let text = std::fs::read_to_string(dir.path().join(code)).unwrap();
-        assert!(text.contains("tap_part(") && text.contains("//     "), "{engine}: {text}");
+        assert!(
+            text.contains("tap_part(") && text.contains("//     "),
+            "{engine}: {text}"
+        );
     }
 }
 
-/// As given tables, all bakes are the same map and table, whatever their axes, order and pixel format.
+/// As given tables, all bakes are the same map and table, whatever their axes, order and pixel
+/// format.
 #[test]
 fn given_tables_are_turned_to_our_axes() {
     let light = marked_light();
     let dir = tempfile::tempdir().unwrap();
     let loaded = Preset::engines().map(|preset| {
         let engine = preset.product().engine;
-        let making = Making { masking: MaskingShadowing::Correlated, ..making(engine, &light) };
+        let making = Making {
+            masking: MaskingShadowing::Correlated,
+            ..making(engine, &light)
+        };
         make(&making, &dir.path().join(engine)).unwrap();
         let value = format!("file:{engine}");
         let map = given::map(&value, dir.path()).unwrap().unwrap();
         assert_eq!(map.levels.len(), making.level_count as usize);
-        assert_eq!((map.mapping.name, map.side), (preset.convention().mapping.name, 64));
+        assert_eq!(
+            (map.mapping.name, map.side),
+            (preset.convention().mapping.name, 64)
+        );
         // bake.json is not needed if the preset is given.
-        let named = given::map(&format!("file:{engine}/{}#{}", preset.product().specular, preset.name), dir.path());
+        let named = given::map(
+            &format!(
+                "file:{engine}/{}#{}",
+                preset.product().specular,
+                preset.name
+            ),
+            dir.path(),
+        );
         assert_eq!(named.unwrap().unwrap().hash, map.hash);
-        let table = (!preset.product().tables.is_empty()).then(|| given::table(&value, dir.path()).unwrap().unwrap());
+        let table = (!preset.product().tables.is_empty())
+            .then(|| given::table(&value, dir.path()).unwrap().unwrap());
         (map, table)
     });
     let loaded: Vec<_> = loaded.collect();
@@ -159,60 +272,125 @@ fn given_tables_are_turned_to_our_axes() {
     for (map, table) in &loaded[1..] {
         for (a, b) in own.levels[0].iter().zip(&map.levels[0]) {
             let largest = a.iter().copied().fold(0.0, f32::max);
-            assert!((0..3).all(|i| (a[i] - b[i]).abs() < 0.02 * largest), "{}: {a:?} {b:?}", map.name);
+            assert!(
+                (0..3).all(|i| (a[i] - b[i]).abs() < 0.02 * largest),
+                "{}: {a:?} {b:?}",
+                map.name
+            );
         }
-        for (a, b) in own_table.iter().zip(table).flat_map(|(own, table)| own.texels.iter().zip(&table.texels)) {
-            assert!((0..2).all(|i| (a[i] - b[i]).abs() < 0.0021), "{}: {a:?} {b:?}", map.name);
+        for (a, b) in own_table
+            .iter()
+            .zip(table)
+            .flat_map(|(own, table)| own.texels.iter().zip(&table.texels))
+        {
+            assert!(
+                (0..2).all(|i| (a[i] - b[i]).abs() < 0.0021),
+                "{}: {a:?} {b:?}",
+                map.name
+            );
         }
     }
     for axes in TABLE_AXES {
         let at = DVec2::new(0.2, 0.7);
-        assert!((axes.parameters(axes.place(at)) - at).abs().max_element() < 1e-15, "{}", axes.name);
+        assert!(
+            (axes.parameters(axes.place(at)) - at).abs().max_element() < 1e-15,
+            "{}",
+            axes.name
+        );
     }
     for (value, part) in [
         ("mine", "neither own nor file:PATH"),
         ("file:no.ktx2#khronos", "no.ktx2: cannot be read"),
-        ("file:khronos/specular.ktx2#kronos", "did you mean \"khronos\"?"),
+        (
+            "file:khronos/specular.ktx2#kronos",
+            "did you mean \"khronos\"?",
+        ),
         ("file:khronos/lut_ggx.png", "has no prefiltered map"),
         ("file:khronos/diffuse.ktx2", "has no prefiltered map"),
     ] {
-        assert!(given::map(value, dir.path()).unwrap_err().contains(part), "{value}");
+        assert!(
+            given::map(value, dir.path()).unwrap_err().contains(part),
+            "{value}"
+        );
     }
-    assert!(given::table("file:bevy", dir.path()).unwrap_err().contains("has no DFG table"));
+    assert!(
+        given::table("file:bevy", dir.path())
+            .unwrap_err()
+            .contains("has no DFG table")
+    );
     assert!(given::map(given::OWN, dir.path()).unwrap().is_none());
 }
 
-/// Godot loads complete chains only. The levels behind the last one that its shader reads are exact, but too coarse for lookups.
+/// Godot loads complete chains only. The levels behind the last one that its shader reads are
+/// exact, but too coarse for lookups.
 #[test]
 fn levels_that_an_engine_does_not_read_are_not_judged_between_texels() {
     use splitsum::bakes::check::{Truth, level};
     let preset = Preset::listed("godot");
-    assert_eq!((preset.side(), preset.product().levels(preset.side())), (512, 10));
+    assert_eq!(
+        (preset.side(), preset.product().levels(preset.side())),
+        (512, 10)
+    );
     let light = marked_light();
     let folder = tempfile::tempdir().unwrap();
-    let baked = make(&Making { side: 128, level_count: 8, ..making("godot", &light) }, folder.path()).unwrap();
-    let bake = read(&[folder.path().display().to_string()], Reading { layout: None, brdf: "ggx" }).unwrap();
+    let baked = make(
+        &Making {
+            side: 128,
+            level_count: 8,
+            ..making("godot", &light)
+        },
+        folder.path(),
+    )
+    .unwrap();
+    let bake = read(
+        &[folder.path().display().to_string()],
+        Reading {
+            layout: None,
+            brdf: "ggx",
+        },
+    )
+    .unwrap();
     let convention = preset.convention();
     let alphas = convention.alphas(8).unwrap();
     let truth = Truth::new(&light, Kernel::cosine(&Ggx), &alphas);
     let scores = level::score(&truth, bake.specular.as_ref().unwrap(), &convention).unwrap();
     assert_eq!(scores[6].between, Some(baked.last_between.0));
-    assert!(scores[7].between.is_none() && scores[7].alpha == 1.0 && scores[7].errors.relmse < GOOD);
+    assert!(
+        scores[7].between.is_none() && scores[7].alpha == 1.0 && scores[7].errors.relmse < GOOD
+    );
 }
 
 #[test]
 fn turned_coefficients_equal_coefficients_of_the_turned_function() {
-    let f = std::array::from_fn(|k| DVec3::new(1.0 + k as f64, 0.3 - 0.2 * k as f64, (k as f64).sin()));
-    let value = |f: &[DVec3; 9], n: DVec3| -> DVec3 { f.iter().zip(basis(n)).map(|(value, y)| *value * y).sum() };
+    let f =
+        std::array::from_fn(|k| DVec3::new(1.0 + k as f64, 0.3 - 0.2 * k as f64, (k as f64).sin()));
+    let value = |f: &[DVec3; 9], n: DVec3| -> DVec3 {
+        f.iter().zip(basis(n)).map(|(value, y)| *value * y).sum()
+    };
     for axes in Axes::all() {
         let turned = sh::turned(&f, |n| axes.to_file(n));
-        for n in [DVec3::new(0.48, -0.6, 0.64), DVec3::new(-0.8, 0.0, 0.6), DVec3::Y] {
-            assert!((value(&turned, n) - value(&f, axes.to_file(n))).abs().max_element() < 1e-12);
+        for n in [
+            DVec3::new(0.48, -0.6, 0.64),
+            DVec3::new(-0.8, 0.0, 0.6),
+            DVec3::Y,
+        ] {
+            assert!(
+                (value(&turned, n) - value(&f, axes.to_file(n)))
+                    .abs()
+                    .max_element()
+                    < 1e-12
+            );
         }
     }
     let text = sh::to_cmgen(&f);
     let found = sh::parse(Path::new("sh.txt"), &text).unwrap().radiance;
-    assert!(found.iter().zip(&f).all(|(a, b)| (*a - *b).abs().max_element() < 1e-13), "{text}");
+    assert!(
+        found
+            .iter()
+            .zip(&f)
+            .all(|(a, b)| (*a - *b).abs().max_element() < 1e-13),
+        "{text}"
+    );
 }
 
 /// Numbers of every size, equal and mixed.
@@ -221,7 +399,16 @@ fn numbers() -> Vec<[f32; 3]> {
     let number = |i: u32| f32::exp2(24.0 * random(i) - 9.0);
     let mixed = (0..4000).map(|i| [number(3 * i), number(3 * i + 1), number(3 * i + 2)]);
     let even = (0..300).map(|i| [f32::exp2(i as f32 / 20.0 - 3.0); 3]);
-    mixed.chain(even).chain([[0.0; 3], [511.49, 1.0, 0.0], [511.5, 1.0, 511.0], [1.0; 3], [64512.0; 3]]).collect()
+    mixed
+        .chain(even)
+        .chain([
+            [0.0; 3],
+            [511.49, 1.0, 0.0],
+            [511.5, 1.0, 511.0],
+            [1.0; 3],
+            [64512.0; 3],
+        ])
+        .collect()
 }
 
 /// A writer of the crate `ddsfile` agrees on every byte of the texels and of either header.
@@ -229,21 +416,41 @@ fn numbers() -> Vec<[f32; 3]> {
 fn dds_files_equal_another_writers() {
     for texel in TEXELS.iter().filter(|texel| texel.dxgi.is_some()) {
         for (faces, count) in [(1, 1), (1, 3), (6, 1), (6, 3)] {
-            let levels: Vec<Vec<RgbImage>> =
-                (0..count).map(|k| vec![RgbImage::filled(4 >> k, 4 >> k, [0.0; 3]); faces]).collect();
+            let levels: Vec<Vec<RgbImage>> = (0..count)
+                .map(|k| vec![RgbImage::filled(4 >> k, 4 >> k, [0.0; 3]); faces])
+                .collect();
             let dds = FORMATS.iter().find(|format| format.name == "dds").unwrap();
-            let found = (dds.write)(&Encoding { texel, levels: &levels, keys: &[], is_packed: false });
+            let found = (dds.write)(&Encoding {
+                texel,
+                levels: &levels,
+                keys: &[],
+                is_packed: false,
+            });
             let texels: Vec<Vec<Vec<u8>>> = (0..count)
-                .map(|k| vec![found[found.len() - (4 >> k) * (4 >> k) * texel.bytes..].to_vec(); faces])
+                .map(|k| {
+                    vec![found[found.len() - (4 >> k) * (4 >> k) * texel.bytes..].to_vec(); faces]
+                })
                 .collect();
             let mut other = files::dds(texel, 4, &texels);
             // The crate writes the codes of the older header without their flag.
-            let old = [("rg16f", 112), ("rgba16f", 113), ("rg32f", 115), ("rgba32f", 116)];
+            let old = [
+                ("rg16f", 112),
+                ("rgba16f", 113),
+                ("rg32f", 115),
+                ("rgba32f", 116),
+            ];
             if let Some((_, code)) = old.iter().find(|(name, _)| *name == texel.name) {
                 let rest = other[92..128].to_vec();
-                other.splice(80..148, [[4_u32, *code, 0].map(u32::to_le_bytes).concat(), rest].concat());
+                other.splice(
+                    80..148,
+                    [[4_u32, *code, 0].map(u32::to_le_bytes).concat(), rest].concat(),
+                );
             }
-            assert!(found == other, "{}, {faces} faces, {count} levels", texel.name);
+            assert!(
+                found == other,
+                "{}, {faces} faces, {count} levels",
+                texel.name
+            );
         }
     }
 }
@@ -254,18 +461,28 @@ fn numbers_are_written_to_the_nearest() {
     let side = numbers.len().isqrt() as u32;
     let image = RgbImage::from_fn(side, side, |x, y| numbers[(y * side + x) as usize]);
     for texel in TEXELS {
-        for format in FORMATS.iter().filter(|format| !format.needs_dxgi || texel.dxgi.is_some()) {
+        for format in FORMATS
+            .iter()
+            .filter(|format| !format.needs_dxgi || texel.dxgi.is_some())
+        {
             let levels = [vec![image.clone()]];
-            let file =
-                |levels: &[Vec<RgbImage>]| (format.write)(&Encoding { texel, levels, keys: &[], is_packed: false });
+            let file = |levels: &[Vec<RgbImage>]| {
+                (format.write)(&Encoding {
+                    texel,
+                    levels,
+                    keys: &[],
+                    is_packed: false,
+                })
+            };
             let name = format!("x.{}", format.extension);
             let found = from_bytes(Path::new(&name), &file(&levels)).unwrap().levels;
             for (own, found) in image.data.iter().zip(&found[0][0].data) {
                 let largest = own.iter().copied().fold(0.0, f32::max);
                 for i in 0..texel.channels.min(3) {
                     // Half the distance of neighbouring numbers.
-                    let floor =
-                        |value: f32, bits: i32| f32::exp2(value.max(f32::exp2(-14.0)).log2().floor() - bits as f32);
+                    let floor = |value: f32, bits: i32| {
+                        f32::exp2(value.max(f32::exp2(-14.0)).log2().floor() - bits as f32)
+                    };
                     let half = match texel.name {
                         "rgb9e5" if largest < 511.5 => 0.5 * floor(largest, 8),
                         // A mantissa of 512 increases the exponent.
@@ -275,73 +492,136 @@ fn numbers_are_written_to_the_nearest() {
                         _ => 0.0,
                     };
                     let off = (own[i] - found[i]).abs();
-                    assert!(off <= 1.001 * half, "{} in {}: {own:?} {found:?}", texel.name, format.name);
+                    assert!(
+                        off <= 1.001 * half,
+                        "{} in {}: {own:?} {found:?}",
+                        texel.name,
+                        format.name
+                    );
                 }
             }
             // Numbers that a format can hold are read back exactly.
-            assert!(from_bytes(Path::new(&name), &file(&found)).unwrap().levels == found, "{}", texel.name);
+            assert!(
+                from_bytes(Path::new(&name), &file(&found)).unwrap().levels == found,
+                "{}",
+                texel.name
+            );
         }
     }
     assert_eq!(f16::MAX.to_f32(), TEXELS[0].largest);
 }
 
-/// [KTX 2.0, section 3]: parts in order, levels smallest first at the next multiples of a texel and of 4, keys sorted and padded.
+/// [KTX 2.0, section 3]: parts in order, levels smallest first at the next multiples of a texel and
+/// of 4, keys sorted and padded.
 #[test]
 fn ktx2_files_follow_the_rules_of_their_format() {
-    let keys =
-        [("sh", "1 2 3"), ("KTXwriter", "x"), ("KTXorientation", "rd")].map(|(a, b)| (a.to_owned(), b.to_owned()));
+    let keys = [
+        ("sh", "1 2 3"),
+        ("KTXwriter", "x"),
+        ("KTXorientation", "rd"),
+    ]
+    .map(|(a, b)| (a.to_owned(), b.to_owned()));
     for texel in TEXELS {
         for is_packed in [false, true] {
-            let level = |side: u32| vec![RgbImage::from_fn(side, side, |x, y| [x as f32, y as f32, 2.0]); 6];
+            let level = |side: u32| {
+                vec![RgbImage::from_fn(side, side, |x, y| [x as f32, y as f32, 2.0]); 6]
+            };
             let levels = [level(8), level(4), level(2)];
-            let encoding = Encoding { texel, levels: &levels, keys: &keys, is_packed };
+            let encoding = Encoding {
+                texel,
+                levels: &levels,
+                keys: &keys,
+                is_packed,
+            };
             let file = (FORMATS[0].write)(&encoding);
             let reader = ktx2::Reader::new(&file[..]).unwrap();
             let (header, index) = (reader.header(), reader.header().index);
             assert_eq!(index.dfd_byte_offset, 80 + 24 * 3);
-            assert_eq!(index.kvd_byte_offset, index.dfd_byte_offset + index.dfd_byte_length);
-            let found: Vec<_> = reader.key_value_data().map(|(key, _)| key.to_owned()).collect();
+            assert_eq!(
+                index.kvd_byte_offset,
+                index.dfd_byte_offset + index.dfd_byte_length
+            );
+            let found: Vec<_> = reader
+                .key_value_data()
+                .map(|(key, _)| key.to_owned())
+                .collect();
             assert_eq!(found, ["KTXorientation", "KTXwriter", "sh"]);
-            let starts: Vec<usize> =
-                reader.levels().map(|level| level.data.as_ptr() as usize - file.as_ptr() as usize).collect();
+            let starts: Vec<usize> = reader
+                .levels()
+                .map(|level| level.data.as_ptr() as usize - file.as_ptr() as usize)
+                .collect();
             assert!(starts[0] > starts[1] && starts[1] > starts[2], "{starts:?}");
             // `ktx validate` refuses one byte more.
-            let next = |end: usize| (end..).find(|start| is_packed || (start % texel.bytes == 0 && start % 4 == 0));
+            let next = |end: usize| {
+                (end..).find(|start| is_packed || (start % texel.bytes == 0 && start % 4 == 0))
+            };
             let mut end = (index.kvd_byte_offset + index.kvd_byte_length) as usize;
-            for (level, start) in reader.levels().zip(&starts).collect::<Vec<_>>().into_iter().rev() {
+            for (level, start) in reader
+                .levels()
+                .zip(&starts)
+                .collect::<Vec<_>>()
+                .into_iter()
+                .rev()
+            {
                 assert_eq!(Some(*start), next(end), "{starts:?}");
                 end = start + level.data.len();
             }
             assert_eq!(end, file.len());
-            assert_eq!(header.type_size, if texel.name.ends_with("16f") { 2 } else { 4 }, "{}", texel.name);
+            assert_eq!(
+                header.type_size,
+                if texel.name.ends_with("16f") { 2 } else { 4 },
+                "{}",
+                texel.name
+            );
             assert!(from_bytes(Path::new("x.ktx2"), &file).unwrap().is_cube());
         }
     }
 }
 
-/// If an engine takes any number of levels, lookups between the texels of the last level are as good as its texels,
-/// also under a lamp. Unity's seven levels leave four texels, which are too few.
+/// If an engine takes any number of levels, lookups between the texels of the last level are as
+/// good as its texels, also under a lamp. Unity's seven levels leave four texels, which are too
+/// few.
 #[test]
 fn the_last_level_has_enough_texels_for_lookups() {
-    let environment = Environment::load("builtin:studio", Path::new("."), &LoadOptions::default()).unwrap();
+    let environment =
+        Environment::load("builtin:studio", Path::new("."), &LoadOptions::default()).unwrap();
     let last = |engine: &str, level_count: Option<u32>| {
         let folder = tempfile::tempdir().unwrap();
         let making = making(engine, &environment);
         let level_count = level_count.unwrap_or_else(|| making.preset.product().levels(64));
-        let baked = make(&Making { level_count, ..making }, folder.path()).unwrap();
-        let last = baked.levels.iter().rfind(|level| level.name != "irradiance");
+        let baked = make(
+            &Making {
+                level_count,
+                ..making
+            },
+            folder.path(),
+        )
+        .unwrap();
+        let last = baked
+            .levels
+            .iter()
+            .rfind(|level| level.name != "irradiance");
         (last.unwrap().side, baked.last_between)
     };
     for (engine, sides) in [("khronos", 8), ("filament", 16)] {
         let (side, (relmse, why)) = last(engine, None);
-        assert!(side == sides && relmse < GOOD && why.is_none(), "{engine}: {side}, {relmse}");
+        assert!(
+            side == sides && relmse < GOOD && why.is_none(),
+            "{engine}: {side}, {relmse}"
+        );
     }
     assert_eq!(Preset::listed("khronos").product().levels(8), 2);
     let (side, (relmse, why)) = last("khronos", Some(5));
-    assert!(side == 4 && relmse > GOOD && why.is_some(), "{side}, {relmse}");
+    assert!(
+        side == 4 && relmse > GOOD && why.is_some(),
+        "{side}, {relmse}"
+    );
     let (_, (_, why)) = last("unity", None);
     assert!(why.is_some_and(|why| why.contains("7 levels; use faces of 512")));
-    assert_eq!(["unity", "khronos"].map(|engine| Preset::listed(engine).side()), [512, 256]);
+    assert_eq!(
+        ["unity", "khronos"].map(|engine| Preset::listed(engine).side()),
+        [512, 256]
+    );
 }
 
 /// A user's preset overrides what it names; a wrong name, field or number is refused by its name.
@@ -350,8 +630,14 @@ fn a_preset_is_read_from_its_own_fields() {
     let read = |text: &str| Preset::from_json(text.to_owned()).map(Preset::convention);
     let own =
         read(r#"{"name": "own", "axes": "-z+y+x", "alphas": [0, 0.5], "weight": "masking", "scale": 0.5}"#).unwrap();
-    assert_eq!((own.axes.to_string().as_str(), own.weight.name, own.scale), ("-z+y+x", "masking", 0.5));
-    assert_eq!((own.alphas(2).unwrap(), own.masking), (vec![0.0, 0.5], MaskingShadowing::Correlated));
+    assert_eq!(
+        (own.axes.to_string().as_str(), own.weight.name, own.scale),
+        ("-z+y+x", "masking", 0.5)
+    );
+    assert_eq!(
+        (own.alphas(2).unwrap(), own.masking),
+        (vec![0.0, 0.5], MaskingShadowing::Correlated)
+    );
     for (text, why) in [
         (r#"{"axis": "+x+y+z"}"#, "axis"),
         (r#"{"axes": "+x+x+z"}"#, "+x+x+z"),

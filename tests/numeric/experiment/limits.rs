@@ -19,18 +19,49 @@ fn planned(text: &str) -> Result<Plan, ConfigError> {
 
 #[test]
 fn the_first_faults_are_shown_and_the_others_counted() {
-    let keys = |count: usize| (0..count).map(|i| format!("k{i} = 1\n")).collect::<String>();
+    let keys = |count: usize| {
+        (0..count)
+            .map(|i| format!("k{i} = 1\n"))
+            .collect::<String>()
+    };
     for (text, count) in [
-        (format!("name = \"x\"\naxes.alpha = [0.1]\n{}", keys(100_000)), 100_000),
-        (format!("name = \"x\"\naxes.alpha = [0.1]\n{}", "[[exclude]]\n".repeat(20_000)), 40_000),
+        (
+            format!("name = \"x\"\naxes.alpha = [0.1]\n{}", keys(100_000)),
+            100_000,
+        ),
+        (
+            format!(
+                "name = \"x\"\naxes.alpha = [0.1]\n{}",
+                "[[exclude]]\n".repeat(20_000)
+            ),
+            40_000,
+        ),
     ] {
         let error = planned(&text).unwrap_err();
-        assert_eq!((error.faults.len(), error.faults.len() + error.more), (FAULTS_SHOWN, count), "{text:.40}");
-        assert!(error.to_string().ends_with(&format!("\nand {} more", count - FAULTS_SHOWN)), "{error}");
+        assert_eq!(
+            (error.faults.len(), error.faults.len() + error.more),
+            (FAULTS_SHOWN, count),
+            "{text:.40}"
+        );
+        assert!(
+            error
+                .to_string()
+                .ends_with(&format!("\nand {} more", count - FAULTS_SHOWN)),
+            "{error}"
+        );
     }
-    let error = planned(&format!("name = \"x\"\naxes.alpha = [0.1]\n{}", keys(FAULTS_SHOWN))).unwrap_err();
+    let error = planned(&format!(
+        "name = \"x\"\naxes.alpha = [0.1]\n{}",
+        keys(FAULTS_SHOWN)
+    ))
+    .unwrap_err();
     assert_eq!((error.faults.len(), error.more), (FAULTS_SHOWN, 0));
-    let long = planned(&format!("name = \"{}\"\naxes.alpha = [0.1]\n", "n".repeat(1 << 20))).unwrap_err().to_string();
+    let long = planned(&format!(
+        "name = \"{}\"\naxes.alpha = [0.1]\n",
+        "n".repeat(1 << 20)
+    ))
+    .unwrap_err()
+    .to_string();
     assert!(long.len() < 4000 && long.ends_with('…'));
 }
 
@@ -38,18 +69,31 @@ fn the_first_faults_are_shown_and_the_others_counted() {
 fn large_sweeps_are_planned_at_once() {
     let sweep = |counts: u32, alphas: u32, rest: &str| {
         format!(
-            "name = \"x\"\nsize = [8, 8]\n[axes]\nmethod = [\"sampled\"]\nsamples = {:?}\nalpha = {:?}\n{rest}",
+            "name = \"x\"\nsize = [8, 8]\n[axes]\nmethod = [\"sampled\"]\nsamples = {:?}\nalpha = \
+             {:?}\n{rest}",
             (1..=counts).collect::<Vec<_>>(),
-            (1..=alphas).map(|k| f64::from(k) / f64::from(alphas)).collect::<Vec<_>>()
+            (1..=alphas)
+                .map(|k| f64::from(k) / f64::from(alphas))
+                .collect::<Vec<_>>()
         )
     };
     assert_eq!(planned(&sweep(50, 100, "")).unwrap().cells.len(), 5000);
     // A long axis, whose values are compared with each other.
     assert_eq!(planned(&sweep(20_000, 2, "")).unwrap().cells.len(), 40_000);
-    assert!(planned(&sweep(1000, 1000, "")).unwrap_err().to_string().contains("1000000 combinations; at most"));
+    assert!(
+        planned(&sweep(1000, 1000, ""))
+            .unwrap_err()
+            .to_string()
+            .contains("1000000 combinations; at most")
+    );
     let counts: Vec<String> = (1..=20_000).map(|count| count.to_string()).collect();
-    let exclusion = format!("[[exclude]]\nwhy = \"slow\"\nsamples = [{}]\n", counts.join(", "));
-    let error = planned(&sweep(20_000, 2, &exclusion)).unwrap_err().to_string();
+    let exclusion = format!(
+        "[[exclude]]\nwhy = \"slow\"\nsamples = [{}]\n",
+        counts.join(", ")
+    );
+    let error = planned(&sweep(20_000, 2, &exclusion))
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("20000 excluded values"), "{error}");
 }
 
@@ -67,6 +111,9 @@ fn the_name_must_suit_a_folder() {
     ] {
         let found = planned(&format!("axes.alpha = [0.1]\nname = \"{name}\"\n"));
         assert_eq!(found.is_ok(), is_good, "{name}");
-        found.err().into_iter().for_each(|e| assert!(e.to_string().starts_with("large.toml:2:8: name: "), "{e}"));
+        found
+            .err()
+            .into_iter()
+            .for_each(|e| assert!(e.to_string().starts_with("large.toml:2:8: name: "), "{e}"));
     }
 }

@@ -7,7 +7,8 @@ use splitsum::experiment::inputs::short_names;
 use splitsum::experiment::value::ALPHA_MIN;
 
 fn plan(axes: &str, set: &[&str]) -> Plan {
-    planned(&format!("name = \"x\"\n[axes]\n{axes}\n"), set).unwrap_or_else(|error| panic!("{error}"))
+    planned(&format!("name = \"x\"\n[axes]\n{axes}\n"), set)
+        .unwrap_or_else(|error| panic!("{error}"))
 }
 
 fn ids(plan: &Plan) -> Vec<&str> {
@@ -18,14 +19,22 @@ fn ids(plan: &Plan) -> Vec<&str> {
 fn perceptual_roughness_makes_the_cells_of_its_square() {
     let alphas = plan("alpha = [0.01, 0.09, 0.25, 0.49, 1]", &[]);
     let roughnesses = plan("perceptual_roughness = [0.1, 0.3, 0.5, 0.7, 1]", &[]);
-    assert_eq!((ids(&roughnesses), &roughnesses.hash), (ids(&alphas), &alphas.hash));
+    assert_eq!(
+        (ids(&roughnesses), &roughnesses.hash),
+        (ids(&alphas), &alphas.hash)
+    );
     // The narrowest lobe, the command line, an exclusion and a zip.
     let narrowest = plan("perceptual_roughness = [0.0316227766016838]", &[]);
     assert_eq!(narrowest.cells[0].point[ALPHA].number(), ALPHA_MIN);
-    assert_eq!(ids(&plan("alpha = [0.3]", &["perceptual_roughness=0.1,0.3"])), ids(&alphas)[..2]);
-    let excluded = "alpha = [0.01, 0.09, 0.25]\n[[exclude]]\nperceptual_roughness = 0.5\nwhy = \"too wide\"";
+    assert_eq!(
+        ids(&plan("alpha = [0.3]", &["perceptual_roughness=0.1,0.3"])),
+        ids(&alphas)[..2]
+    );
+    let excluded =
+        "alpha = [0.01, 0.09, 0.25]\n[[exclude]]\nperceptual_roughness = 0.5\nwhy = \"too wide\"";
     assert_eq!(ids(&plan(excluded, &[])), ids(&alphas)[..2]);
-    let zipped = "perceptual_roughness = [0.1, 0.3]\nmetallic = [0, 1]\n[[zip]]\naxes = [\"perceptual_roughness\", \"metallic\"]";
+    let zipped = "perceptual_roughness = [0.1, 0.3]\nmetallic = [0, 1]\n[[zip]]\naxes = \
+                  [\"perceptual_roughness\", \"metallic\"]";
     assert_eq!(plan(zipped, &[]).cells.len(), 2);
 }
 
@@ -33,26 +42,39 @@ fn perceptual_roughness_makes_the_cells_of_its_square() {
 fn cells_are_labelled_by_the_name_that_the_experiment_uses() {
     let labels = |text: &str, set: &[&str]| {
         let plan = plan(text, set);
-        plan.cells.iter().map(|cell| plan.label(cell)).collect::<Vec<_>>()
+        plan.cells
+            .iter()
+            .map(|cell| plan.label(cell))
+            .collect::<Vec<_>>()
     };
     let rough = ["perceptual_roughness=0.3", "perceptual_roughness=0.5"];
     assert_eq!(labels("perceptual_roughness = [0.3, 0.5]", &[]), rough);
-    assert_eq!(labels("alpha = [1]", &["perceptual_roughness=0.3,0.5"]), rough);
-    assert_eq!(labels("alpha = [0.09, 0.25]", &[]), ["alpha=0.09", "alpha=0.25"]);
+    assert_eq!(
+        labels("alpha = [1]", &["perceptual_roughness=0.3,0.5"]),
+        rough
+    );
+    assert_eq!(
+        labels("alpha = [0.09, 0.25]", &[]),
+        ["alpha=0.09", "alpha=0.25"]
+    );
 }
 
-/// A method in a file is identified by its text: a renamed file keeps its cells; a changed file loses its cells but no reference.
+/// A method in a file is identified by its text: a renamed file keeps its cells; a changed file
+/// loses its cells but no reference.
 #[test]
 fn a_method_in_a_file_counts_by_its_text() {
     let dir = tempfile::tempdir().unwrap();
-    let text = "#include \"lib/split_sum.glsl\"\nvec3 specular_radiance(Surface s) { return reflectance(s); }\n";
+    let text = "#include \"lib/split_sum.glsl\"\nvec3 specular_radiance(Surface s) { return \
+                reflectance(s); }\n";
     let changed = text.replace("reflectance(s)", "2.0 * reflectance(s)");
     for (name, text) in [("a.glsl", text), ("b.glsl", text), ("c.glsl", &changed)] {
         std::fs::write(dir.path().join(name), text).unwrap();
     }
     let cell = |name: &str| {
-        let text = format!("name = \"x\"\n[axes]\nmethod = [\"file:{name}\"]\nsamples = [1, 2, 4]\n");
-        let plan = Plan::from_text(&dir.path().join("e.toml"), &text, &[]).unwrap_or_else(|error| panic!("{error}"));
+        let text =
+            format!("name = \"x\"\n[axes]\nmethod = [\"file:{name}\"]\nsamples = [1, 2, 4]\n");
+        let plan = Plan::from_text(&dir.path().join("e.toml"), &text, &[])
+            .unwrap_or_else(|error| panic!("{error}"));
         // It reads no sample count: three counts are one cell.
         assert_eq!(plan.cells.len(), 1);
         plan.cells[0].clone()
@@ -69,8 +91,20 @@ fn names_of_environments_are_short_and_distinct() {
         let short = short_names(files.iter().copied());
         files.iter().map(|file| short[*file].clone()).collect()
     };
-    assert_eq!(names(&["maps/a.hdr", "/x/b.c.exr", "builtin:sky"]), ["a", "b.c", "builtin:sky"]);
-    assert_eq!(names(&["one/a.hdr", "two/a.hdr", "b.hdr"]), ["one/a.hdr", "two/a.hdr", "b"]);
-    assert_eq!(names(&["a.hdr", "a.exr", "a.exr#sun"]), ["a.hdr", "a.exr", "a#sun"]);
-    assert_eq!(names(&["/maps/x/a.hdr", "a", "b"]), ["/maps/x/a.hdr", "a", "b"]);
+    assert_eq!(
+        names(&["maps/a.hdr", "/x/b.c.exr", "builtin:sky"]),
+        ["a", "b.c", "builtin:sky"]
+    );
+    assert_eq!(
+        names(&["one/a.hdr", "two/a.hdr", "b.hdr"]),
+        ["one/a.hdr", "two/a.hdr", "b"]
+    );
+    assert_eq!(
+        names(&["a.hdr", "a.exr", "a.exr#sun"]),
+        ["a.hdr", "a.exr", "a#sun"]
+    );
+    assert_eq!(
+        names(&["/maps/x/a.hdr", "a", "b"]),
+        ["/maps/x/a.hdr", "a", "b"]
+    );
 }

@@ -3,8 +3,8 @@
 use super::{folder, put};
 use crate::snapshot::assert_snapshot;
 use exr::prelude::{
-    AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes, LineOrder,
-    WritableImage, f16,
+    AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, Layer, LayerAttributes,
+    LineOrder, WritableImage, f16,
 };
 use fastrand::Rng;
 use splitsum::pixels::{Decoded, GrayImage, PixelsError, RgbImage, exr as exr_file};
@@ -22,7 +22,12 @@ fn test_image(seed: u64, width: u32, height: u32) -> RgbImage {
 }
 
 fn bits(image: &RgbImage) -> Vec<u32> {
-    image.data.iter().flatten().map(|value| value.to_bits()).collect()
+    image
+        .data
+        .iter()
+        .flatten()
+        .map(|value| value.to_bits())
+        .collect()
 }
 
 #[test]
@@ -39,14 +44,43 @@ fn files_read_back_bit_for_bit() {
     let layer = exr_file::read_layer(&path, Some("standard_error")).unwrap();
     assert_eq!(bits(&layer.rgb), bits(&error));
     assert!(layer.alpha.is_none());
-    assert!(exr_file::read_layer(&path, Some("depth")).unwrap_err().to_string().contains("in layer \"depth\""));
+    assert!(
+        exr_file::read_layer(&path, Some("depth"))
+            .unwrap_err()
+            .to_string()
+            .contains("in layer \"depth\"")
+    );
 
     // An independent reader finds the channels under the names by which viewers group them.
     let outside = exr::prelude::read_first_flat_layer_from_file(&path).unwrap();
-    let names: Vec<String> = outside.layer_data.channel_data.list.iter().map(|c| c.name.to_string()).collect();
-    assert_eq!(names, ["A", "B", "G", "R", "standard_error.B", "standard_error.G", "standard_error.R"]);
-    let FlatSamples::F32(green) = &outside.layer_data.channel_data.list[2].sample_data else { panic!("not f32") };
-    assert!(green.iter().zip(&rgb.data).all(|(green, texel)| green.to_bits() == texel[1].to_bits()));
+    let names: Vec<String> = outside
+        .layer_data
+        .channel_data
+        .list
+        .iter()
+        .map(|c| c.name.to_string())
+        .collect();
+    assert_eq!(
+        names,
+        [
+            "A",
+            "B",
+            "G",
+            "R",
+            "standard_error.B",
+            "standard_error.G",
+            "standard_error.R"
+        ]
+    );
+    let FlatSamples::F32(green) = &outside.layer_data.channel_data.list[2].sample_data else {
+        panic!("not f32")
+    };
+    assert!(
+        green
+            .iter()
+            .zip(&rgb.data)
+            .all(|(green, texel)| green.to_bits() == texel[1].to_bits())
+    );
 }
 
 #[test]
@@ -57,26 +91,43 @@ fn writing_replaces_and_leaves_nothing_else() {
     for seed in [3, 4] {
         exr_file::write_rgba(&path, &test_image(seed, 4, 2), &alpha, &[]).unwrap();
     }
-    assert_eq!(bits(&exr_file::read(&path).unwrap().rgb), bits(&test_image(4, 4, 2)));
+    assert_eq!(
+        bits(&exr_file::read(&path).unwrap().rgb),
+        bits(&test_image(4, 4, 2))
+    );
     // A folder of the same name: the rename fails after everything was written.
     let blocked = folder.path().join("blocked.exr");
     std::fs::create_dir(&blocked).unwrap();
     assert!(exr_file::write_rgba(&blocked, &test_image(3, 4, 2), &alpha, &[]).is_err());
     let missing = folder.path().join("none/frame.exr");
-    let message = exr_file::write_rgba(&missing, &test_image(3, 4, 2), &alpha, &[]).unwrap_err().to_string();
-    assert!(message.contains("none/frame.exr: cannot be written"), "{message}");
-    let mut left: Vec<_> = std::fs::read_dir(&folder).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    let message = exr_file::write_rgba(&missing, &test_image(3, 4, 2), &alpha, &[])
+        .unwrap_err()
+        .to_string();
+    assert!(
+        message.contains("none/frame.exr: cannot be written"),
+        "{message}"
+    );
+    let mut left: Vec<_> = std::fs::read_dir(&folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().file_name())
+        .collect();
     left.sort();
     assert_eq!(left, ["blocked.exr", "frame.exr"]);
 }
 
-/// Halves that every lossless compression must keep, written by the crate `exr`, whole or in tiles that do not divide the image.
+/// Halves that every lossless compression must keep, written by the crate `exr`, whole or in tiles
+/// that do not divide the image.
 #[test]
 fn compressions_and_tiles() {
     let folder = folder();
     let (width, height) = (45, 37);
-    let value = |channel: usize, x: usize, y: usize| f16::from_f32((channel * 1000 + y * 7 + x * x % 83) as f32 / 64.0);
-    let blocks = [exr::image::Blocks::ScanLines, exr::image::Blocks::Tiles(exr::math::Vec2(16, 8))];
+    let value = |channel: usize, x: usize, y: usize| {
+        f16::from_f32((channel * 1000 + y * 7 + x * x % 83) as f32 / 64.0)
+    };
+    let blocks = [
+        exr::image::Blocks::ScanLines,
+        exr::image::Blocks::Tiles(exr::math::Vec2(16, 8)),
+    ];
     for compression in [
         Compression::Uncompressed,
         Compression::RLE,
@@ -86,14 +137,26 @@ fn compressions_and_tiles() {
         Compression::PXR24,
     ] {
         for blocks in blocks {
-            let channels = ["B", "G", "R"].into_iter().zip([2, 1, 0]).map(|(name, channel)| {
-                let samples = (0..width * height).map(|i| value(channel, i % width, i / width)).collect();
-                AnyChannel::new(name, FlatSamples::F16(samples))
-            });
-            let encoding = Encoding { compression, blocks, line_order: LineOrder::Increasing };
+            let channels = ["B", "G", "R"]
+                .into_iter()
+                .zip([2, 1, 0])
+                .map(|(name, channel)| {
+                    let samples = (0..width * height)
+                        .map(|i| value(channel, i % width, i / width))
+                        .collect();
+                    AnyChannel::new(name, FlatSamples::F16(samples))
+                });
+            let encoding = Encoding {
+                compression,
+                blocks,
+                line_order: LineOrder::Increasing,
+            };
             let channels = AnyChannels::sort(channels.collect());
             let path = folder.path().join("lossless.exr");
-            Image::from_encoded_channels((width, height), encoding, channels).write().to_file(&path).unwrap();
+            Image::from_encoded_channels((width, height), encoding, channels)
+                .write()
+                .to_file(&path)
+                .unwrap();
             let image = exr_file::read(&path).unwrap().rgb;
             let expected = RgbImage::from_fn(width as u32, height as u32, |x, y| {
                 [0, 1, 2].map(|channel| value(channel, x as usize, y as usize).to_f32())
@@ -103,36 +166,60 @@ fn compressions_and_tiles() {
     }
 }
 
-/// Against the pixels that the OpenEXR library 3.5.3 reads from its own files: ramps, an edge, a bright disc and a flat
-/// part (which B44A stores in fewer bytes), with a size that does not divide into whole blocks.
+/// Against the pixels that the OpenEXR library 3.5.3 reads from its own files: ramps, an edge, a
+/// bright disc and a flat part (which B44A stores in fewer bytes), with a size that does not divide
+/// into whole blocks.
 #[test]
 fn lossy_compressions_are_read_as_the_reference_library_reads_them() {
     let golden = std::path::Path::new("tests/golden/exr");
-    for (name, decoded) in [("b44", "b44"), ("b44a", "b44"), ("dwaa", "dwa"), ("dwab", "dwa")] {
-        let image = exr_file::read(&golden.join(format!("{name}.exr"))).unwrap().rgb;
-        let expected = exr_file::read(&golden.join(format!("{decoded}-decoded.exr"))).unwrap().rgb;
+    for (name, decoded) in [
+        ("b44", "b44"),
+        ("b44a", "b44"),
+        ("dwaa", "dwa"),
+        ("dwab", "dwa"),
+    ] {
+        let image = exr_file::read(&golden.join(format!("{name}.exr")))
+            .unwrap()
+            .rgb;
+        let expected = exr_file::read(&golden.join(format!("{decoded}-decoded.exr")))
+            .unwrap()
+            .rgb;
         assert_eq!([image.width, image.height], [36, 20]);
         assert!(bits(&image) == bits(&expected), "{name}");
         let sum: f32 = expected.data.iter().flatten().sum();
-        assert!((3000.0..6000.0).contains(&sum), "{decoded}-decoded.exr does not hold the picture: {sum}");
+        assert!(
+            (3000.0..6000.0).contains(&sum),
+            "{decoded}-decoded.exr does not hold the picture: {sum}"
+        );
     }
 }
 
 #[test]
 fn mip_and_rip_maps_show_the_largest_level() {
     let side = |level: usize| 16usize >> level;
-    let samples =
-        |is_largest: bool, base: f32, count: usize| FlatSamples::F32(vec![if is_largest { base } else { 99.0 }; count]);
+    let samples = |is_largest: bool, base: f32, count: usize| {
+        FlatSamples::F32(vec![if is_largest { base } else { 99.0 }; count])
+    };
     let rounding_mode = exr::math::RoundingMode::Down;
     let mip = |base: f32| exr::image::Levels::Mip {
         rounding_mode,
-        level_data: (0..5).map(|level| samples(level == 0, base, side(level) * side(level))).collect(),
+        level_data: (0..5)
+            .map(|level| samples(level == 0, base, side(level) * side(level)))
+            .collect(),
     };
     let rip = |base: f32| {
         let levels = (0..5).flat_map(|y| (0..5).map(move |x| (x, y)));
-        let map_data = levels.map(|(x, y)| samples(x + y == 0, base, side(x) * side(y))).collect();
-        let level_data = exr::image::RipMaps { map_data, level_count: exr::math::Vec2(5, 5) };
-        exr::image::Levels::Rip { rounding_mode, level_data }
+        let map_data = levels
+            .map(|(x, y)| samples(x + y == 0, base, side(x) * side(y)))
+            .collect();
+        let level_data = exr::image::RipMaps {
+            map_data,
+            level_count: exr::math::Vec2(5, 5),
+        };
+        exr::image::Levels::Rip {
+            rounding_mode,
+            level_data,
+        }
     };
     let folder = folder();
     let path = folder.path().join("levels.exr");
@@ -141,11 +228,21 @@ fn mip_and_rip_maps_show_the_largest_level() {
         blocks: exr::image::Blocks::Tiles(exr::math::Vec2(4, 4)),
         line_order: LineOrder::Increasing,
     };
-    for levels in [&mip as &dyn Fn(f32) -> exr::image::Levels<FlatSamples>, &rip] {
-        let channels = [("R", 1.0), ("G", 2.0), ("B", 3.0)].map(|(name, base)| AnyChannel::new(name, levels(base)));
+    for levels in [
+        &mip as &dyn Fn(f32) -> exr::image::Levels<FlatSamples>,
+        &rip,
+    ] {
+        let channels = [("R", 1.0), ("G", 2.0), ("B", 3.0)]
+            .map(|(name, base)| AnyChannel::new(name, levels(base)));
         let channels = AnyChannels::sort(channels.into_iter().collect());
-        Image::from_encoded_channels((16, 16), encoding, channels).write().to_file(&path).unwrap();
-        assert_eq!(exr_file::read(&path).unwrap().rgb, RgbImage::filled(16, 16, [1.0, 2.0, 3.0]));
+        Image::from_encoded_channels((16, 16), encoding, channels)
+            .write()
+            .to_file(&path)
+            .unwrap();
+        assert_eq!(
+            exr_file::read(&path).unwrap().rgb,
+            RgbImage::filled(16, 16, [1.0, 2.0, 3.0])
+        );
     }
 }
 
@@ -154,8 +251,15 @@ fn multi_part_files_give_the_first_part_with_colour() {
     let folder = folder();
     let path = folder.path().join("parts.exr");
     let part = |name: &str, channels: &[(&str, f32)]| {
-        let channels = channels.iter().map(|(name, value)| AnyChannel::new(*name, FlatSamples::F32(vec![*value; 8])));
-        Layer::new((4, 2), LayerAttributes::named(name), Encoding::FAST_LOSSLESS, AnyChannels::sort(channels.collect()))
+        let channels = channels
+            .iter()
+            .map(|(name, value)| AnyChannel::new(*name, FlatSamples::F32(vec![*value; 8])));
+        Layer::new(
+            (4, 2),
+            LayerAttributes::named(name),
+            Encoding::FAST_LOSSLESS,
+            AnyChannels::sort(channels.collect()),
+        )
     };
     let window = exr::image::Image::from_layers(
         exr::meta::header::ImageAttributes::with_size((4, 2)),
@@ -168,12 +272,16 @@ fn multi_part_files_give_the_first_part_with_colour() {
     window.write().to_file(&path).unwrap();
     let image = exr_file::read(&path).unwrap();
     assert_eq!(image.rgb, RgbImage::filled(4, 2, [1.0, 2.0, 3.0]));
-    assert_eq!(image.warnings, ["Only part 2 of 3 is used; FILE#NAME reads another (albedo)."]);
+    assert_eq!(
+        image.warnings,
+        ["Only part 2 of 3 is used; FILE#NAME reads another (albedo)."]
+    );
     let albedo = exr_file::read_layer(&path, Some("albedo")).unwrap();
     assert_eq!(albedo.rgb, RgbImage::filled(4, 2, [4.0, 5.0, 6.0]));
 }
 
-/// A channel of a file made by hand: name, sample type (0 uint, 1 half, 2 float), value at a pixel of the data window.
+/// A channel of a file made by hand: name, sample type (0 uint, 1 half, 2 float), value at a pixel
+/// of the data window.
 struct Channel {
     name: &'static str,
     kind: i32,
@@ -184,13 +292,24 @@ fn channel(name: &'static str, kind: i32, value: fn(i32, i32) -> f32) -> Channel
     Channel { name, kind, value }
 }
 
-/// An uncompressed scan-line file by the format's specification. Returns the bytes and the start of the table of blocks.
-fn handmade(channels: &[Channel], data: [i32; 4], display: [i32; 4], extra: &[u8]) -> (Vec<u8>, usize) {
+/// An uncompressed scan-line file by the format's specification. Returns the bytes and the start of
+/// the table of blocks.
+fn handmade(
+    channels: &[Channel],
+    data: [i32; 4],
+    display: [i32; 4],
+    extra: &[u8],
+) -> (Vec<u8>, usize) {
     fn attribute(name: &str, kind: &str, value: &[u8]) -> Vec<u8> {
         let size = (value.len() as i32).to_le_bytes();
         [name.as_bytes(), &[0], kind.as_bytes(), &[0], &size, value].concat()
     }
-    let ints = |values: &[i32]| values.iter().flat_map(|value| value.to_le_bytes()).collect::<Vec<u8>>();
+    let ints = |values: &[i32]| {
+        values
+            .iter()
+            .flat_map(|value| value.to_le_bytes())
+            .collect::<Vec<u8>>()
+    };
     let mut list = Vec::new();
     for channel in channels {
         list.extend([channel.name.as_bytes(), &[0]].concat());
@@ -257,11 +376,18 @@ fn sample_types_and_windows() {
     let image = read(&file).unwrap();
     let expected = RgbImage::from_fn(4, 2, |column, row| {
         let (x, y) = (column as i32 - 2, row as i32 + 5);
-        [0.1 * (x + 10 * y) as f32, (x * y) as f32 - 0.5, (100_000 + x + y) as f32]
+        [
+            0.1 * (x + 10 * y) as f32,
+            (x * y) as f32 - 0.5,
+            (100_000 + x + y) as f32,
+        ]
     });
     assert_eq!(image.rgb, expected);
     assert_eq!(image.alpha.unwrap().data[..4], [-1.0, -0.5, 0.0, 0.5]);
-    assert!(image.warnings[0].contains("4x2 at -2, 5") && image.warnings[0].contains("data window is used"));
+    assert!(
+        image.warnings[0].contains("4x2 at -2, 5")
+            && image.warnings[0].contains("data window is used")
+    );
 }
 
 #[test]
@@ -276,40 +402,91 @@ fn channel_names() {
     };
     let first = |names: &[&'static str]| at(names).unwrap().rgb.get(0, 0);
     assert_eq!(first(&["B", "G", "R"]), [3.0, 2.0, 1.0]);
-    assert_eq!(first(&["Z", "left.beauty.B", "left.beauty.G", "left.beauty.R"]), [4.0, 3.0, 2.0]);
+    assert_eq!(
+        first(&["Z", "left.beauty.B", "left.beauty.G", "left.beauty.R"]),
+        [4.0, 3.0, 2.0]
+    );
     // Plain channels win over a prefix that sorts before them.
     assert_eq!(first(&["AO.R", "B", "G", "R"]), [4.0, 3.0, 2.0]);
     let partial = at(&["B", "R"]).unwrap();
     assert_eq!(partial.rgb.get(0, 0), [2.0, 0.0, 1.0]);
     assert_eq!(partial.warnings, ["Channel G is missing; it was set to 0."]);
     let several = at(&["beauty.B", "beauty.G", "beauty.R", "mask.R"]).unwrap();
-    assert_eq!(several.warnings, ["Only layer \"beauty\" is used; FILE#NAME reads another (mask)."]);
-    let refusals = [&["A", "Z"][..], &["Y"], &["X", "Y", "Z"], &["BY", "RY", "Y"], &["N.X", "N.Y", "N.Z"]];
+    assert_eq!(
+        several.warnings,
+        ["Only layer \"beauty\" is used; FILE#NAME reads another (mask)."]
+    );
+    let refusals = [
+        &["A", "Z"][..],
+        &["Y"],
+        &["X", "Y", "Z"],
+        &["BY", "RY", "Y"],
+        &["N.X", "N.Y", "N.Z"],
+    ];
     let refusals = refusals.map(|names| at(names).unwrap_err().to_string());
     let refusals = refusals.map(|message| message.split_once(": ").unwrap().1.to_owned());
     assert_snapshot("exr_channels_that_are_refused", &refusals.join("\n"));
 }
 
-/// A header that claims more than fits in memory is refused before anything is unpacked, and so are endless channels.
+/// A header that claims more than fits in memory is refused before anything is unpacked, and so are
+/// endless channels.
 #[test]
 fn claims_are_refused_with_the_figure() {
     let rgb = ["B", "G", "R"].map(|name| channel(name, 2, |_, _| 1.0));
     let small = handmade(&rgb, WINDOW, WINDOW, &[]).0;
     let window = |file: &[u8], from: [i32; 4], to: [i32; 4]| {
-        let bytes = |window: [i32; 4]| window.iter().flat_map(|x| x.to_le_bytes()).collect::<Vec<u8>>();
-        let at = file.windows(16).position(|part| part == bytes(from)).unwrap();
+        let bytes = |window: [i32; 4]| {
+            window
+                .iter()
+                .flat_map(|x| x.to_le_bytes())
+                .collect::<Vec<u8>>()
+        };
+        let at = file
+            .windows(16)
+            .position(|part| part == bytes(from))
+            .unwrap();
         [&file[..at], &bytes(to), &file[at + 16..]].concat()
     };
     let huge = window(&small, WINDOW, [0, 0, 16383, 8191]);
-    let environment = |file: &[u8]| exr_file::read_bytes("x.exr".as_ref(), file, None).unwrap_err().to_string();
-    assert!(environment(&huge).contains("x.exr: the header claims 16384x8192 pixels, which take 7424 MiB of memory"));
+    let environment = |file: &[u8]| {
+        exr_file::read_bytes("x.exr".as_ref(), file, None)
+            .unwrap_err()
+            .to_string()
+    };
+    assert!(
+        environment(&huge)
+            .contains("x.exr: the header claims 16384x8192 pixels, which take 7424 MiB of memory")
+    );
     assert!(environment(&huge).contains("resample the image to 8192x4096 or less"));
     // A map may be larger than a frame.
     let map = window(&small, WINDOW, [0, 0, 8191, 4095]);
-    assert!(environment(&map).contains("but the file has"), "{}", environment(&map));
-    assert!(read(&map).unwrap_err().to_string().contains("which take 512 MiB"), "{:?}", read(&map).err());
-    assert!(read(&map).unwrap_err().to_string().contains("resample the image to 4096x4096 or less"));
-    assert!(read(&huge).unwrap_err().to_string().contains("which take 2048 MiB"), "{:?}", read(&huge).err());
+    assert!(
+        environment(&map).contains("but the file has"),
+        "{}",
+        environment(&map)
+    );
+    assert!(
+        read(&map)
+            .unwrap_err()
+            .to_string()
+            .contains("which take 512 MiB"),
+        "{:?}",
+        read(&map).err()
+    );
+    assert!(
+        read(&map)
+            .unwrap_err()
+            .to_string()
+            .contains("resample the image to 4096x4096 or less")
+    );
+    assert!(
+        read(&huge)
+            .unwrap_err()
+            .to_string()
+            .contains("which take 2048 MiB"),
+        "{:?}",
+        read(&huge).err()
+    );
 }
 
 #[test]
@@ -319,7 +496,12 @@ fn chromaticities_are_converted() {
         .iter()
         .flat_map(|value| value.to_le_bytes())
         .collect();
-    let extra = [b"chromaticities\0chromaticities\0", &32i32.to_le_bytes()[..], &values].concat();
+    let extra = [
+        b"chromaticities\0chromaticities\0",
+        &32i32.to_le_bytes()[..],
+        &values,
+    ]
+    .concat();
     let channels = [
         channel("B", 2, |x, _| (x == 0) as i32 as f32),
         channel("G", 2, |_, _| 1.0),
@@ -327,14 +509,24 @@ fn chromaticities_are_converted() {
     ];
     let image = read(&handmade(&channels, WINDOW, WINDOW, &extra).0).unwrap();
     let (white, green) = (image.rgb.get(0, 0), image.rgb.get(1, 0));
-    assert!(white.iter().all(|channel| (channel - 1.0).abs() < 1e-5), "{white:?}");
-    assert!((green[0] + 0.5876).abs() < 1e-3 && (green[1] - 1.1329).abs() < 1e-3, "{green:?}");
+    assert!(
+        white.iter().all(|channel| (channel - 1.0).abs() < 1e-5),
+        "{white:?}"
+    );
+    assert!(
+        (green[0] + 0.5876).abs() < 1e-3 && (green[1] - 1.1329).abs() < 1e-3,
+        "{green:?}"
+    );
     assert!(image.warnings[0].contains("chromaticities"));
 }
 
 #[test]
 fn bad_files_are_refused_with_place_and_expectation() {
-    let channels = [channel("B", 2, |_, _| 1.0), channel("G", 2, |_, _| 1.0), channel("R", 2, |_, _| 1.0)];
+    let channels = [
+        channel("B", 2, |_, _| 1.0),
+        channel("G", 2, |_, _| 1.0),
+        channel("R", 2, |_, _| 1.0),
+    ];
     let (good, table) = handmade(&channels, WINDOW, WINDOW, &[]);
     assert_eq!(read(&good).unwrap().rgb, RgbImage::filled(4, 2, [1.0; 3]));
     let refusal = |file: &[u8]| read(file).unwrap_err().to_string();
@@ -345,26 +537,59 @@ fn bad_files_are_refused_with_place_and_expectation() {
     };
     let first_block = table + 16;
     // For channel B: its type, whether it is linear, then the steps in x and y.
-    let sampling = good.windows(6).position(|bytes| bytes == b"B\0\x02\0\0\0").unwrap() + 2 + 8;
+    let sampling = good
+        .windows(6)
+        .position(|bytes| bytes == b"B\0\x02\0\0\0")
+        .unwrap()
+        + 2
+        + 8;
     let cases = [
-        ("a subsampled channel", edited(sampling, &[2, 0, 0, 0, 2, 0, 0, 0])),
+        (
+            "a subsampled channel",
+            edited(sampling, &[2, 0, 0, 0, 2, 0, 0, 0]),
+        ),
         ("empty", Vec::new()),
         ("another format", b"plain text, no image".to_vec()),
         ("cut off", good[..good.len() - 1].to_vec()),
         ("cut off in the table of blocks", good[..table + 9].to_vec()),
-        ("unfinished, with a 0 in the table", edited(table + 8, &[0; 8])),
-        ("one block for two places", edited(table + 8, &good[table..table + 8])),
+        (
+            "unfinished, with a 0 in the table",
+            edited(table + 8, &[0; 8]),
+        ),
+        (
+            "one block for two places",
+            edited(table + 8, &good[table..table + 8]),
+        ),
         // The second block claims the first line, so the second line would stay 0.
-        ("two blocks for one place", edited(first_block + 56, &0i32.to_le_bytes())),
+        (
+            "two blocks for one place",
+            edited(first_block + 56, &0i32.to_le_bytes()),
+        ),
         ("a block outside", edited(first_block, &7i32.to_le_bytes())),
-        ("a block that is too short", edited(first_block + 4, &4i32.to_le_bytes())),
-        ("a block that is too long", edited(first_block + 4, &i32::MAX.to_le_bytes())),
+        (
+            "a block that is too short",
+            edited(first_block + 4, &4i32.to_le_bytes()),
+        ),
+        (
+            "a block that is too long",
+            edited(first_block + 4, &i32::MAX.to_le_bytes()),
+        ),
     ];
-    let messages = cases.map(|(case, file)| format!("{case}: {}", refusal(&file).split_once(": ").unwrap().1));
+    let messages =
+        cases.map(|(case, file)| format!("{case}: {}", refusal(&file).split_once(": ").unwrap().1));
     assert_snapshot("exr_files_that_are_refused", &messages.join("\n"));
     // A window of 2^30 pixels in a small file.
     let window = [0, 0, (1 << 20) - 1, (1 << 10) - 1];
-    let at = good.windows(11).position(|bytes| bytes == b"dataWindow\0").unwrap() + 11 + 6 + 4;
-    let sizes: Vec<u8> = window.iter().flat_map(|value: &i32| value.to_le_bytes()).collect();
+    let at = good
+        .windows(11)
+        .position(|bytes| bytes == b"dataWindow\0")
+        .unwrap()
+        + 11
+        + 6
+        + 4;
+    let sizes: Vec<u8> = window
+        .iter()
+        .flat_map(|value: &i32| value.to_le_bytes())
+        .collect();
     assert!(refusal(&edited(at, &sizes)).contains("1048576x1024 pixels"));
 }

@@ -13,8 +13,12 @@ fn round_trip() {
     let folder = folder();
     let path = folder.path().join("picture.png");
     png::write_rgb8(&path, &picture()).unwrap();
-    assert_eq!(image::open(&path).unwrap().into_rgb8().into_raw(), picture().data.concat());
-    // A relative path without a folder means the current folder. No other file may be left in the folder.
+    assert_eq!(
+        image::open(&path).unwrap().into_rgb8().into_raw(),
+        picture().data.concat()
+    );
+    // A relative path without a folder means the current folder. No other file may be left in the
+    // folder.
     assert_eq!(std::fs::read_dir(&folder).unwrap().count(), 1);
 }
 
@@ -23,7 +27,10 @@ fn round_trip() {
 fn files_have_the_permissions_of_new_files() {
     use std::os::unix::fs::PermissionsExt;
     let folder = folder();
-    let (path, plain) = (folder.path().join("picture.png"), folder.path().join("plain"));
+    let (path, plain) = (
+        folder.path().join("picture.png"),
+        folder.path().join("plain"),
+    );
     png::write_rgb8(&path, &picture()).unwrap();
     std::fs::write(&plain, b"").unwrap();
     let mode = |path: &Path| std::fs::metadata(path).unwrap().permissions().mode();

@@ -6,11 +6,36 @@ use fastrand::Rng;
 pub struct Mutator(Rng);
 
 /// Extreme integers, as bytes of a file.
-const EDGES: [i64; 10] = [0, 1, -1, 127, 128, 255, i16::MAX as i64, i32::MAX as i64, i32::MIN as i64, i64::MAX];
+const EDGES: [i64; 10] = [
+    0,
+    1,
+    -1,
+    127,
+    128,
+    255,
+    i16::MAX as i64,
+    i32::MAX as i64,
+    i32::MIN as i64,
+    i64::MAX,
+];
 
 /// Words that text formats treat as special.
-const WORDS: [&str; 14] =
-    ["nan", "inf", "-1", "1e400", "0", "99999999999", "\n", "\r", "\"", "\\", ",", "\u{feff}", "-", "/"];
+const WORDS: [&str; 14] = [
+    "nan",
+    "inf",
+    "-1",
+    "1e400",
+    "0",
+    "99999999999",
+    "\n",
+    "\r",
+    "\"",
+    "\\",
+    ",",
+    "\u{feff}",
+    "-",
+    "/",
+];
 
 impl Mutator {
     pub fn new(seed: u64) -> Self {
@@ -55,8 +80,12 @@ impl Mutator {
             }
             7 => {
                 // Replaces a number in a text.
-                let Some(digit) = (at..bytes.len()).find(|&i| bytes[i].is_ascii_digit()) else { return };
-                let end = (digit..bytes.len()).find(|&i| !bytes[i].is_ascii_digit()).unwrap_or(bytes.len());
+                let Some(digit) = (at..bytes.len()).find(|&i| bytes[i].is_ascii_digit()) else {
+                    return;
+                };
+                let end = (digit..bytes.len())
+                    .find(|&i| !bytes[i].is_ascii_digit())
+                    .unwrap_or(bytes.len());
                 let word = WORDS[self.below(6)];
                 bytes.splice(digit..end, word.bytes());
             }

@@ -2,7 +2,8 @@
 
 use splitsum::ladder::{Attribution, STEPS, StepNumbers};
 use splitsum::pipeline::{
-    DeviceInfo, Frame, FrameTimings, LightTables, PassTime, RenderRequest, Steadiness, TimingSamples,
+    DeviceInfo, Frame, FrameTimings, LightTables, PassTime, RenderRequest, Steadiness,
+    TimingSamples,
 };
 use splitsum::pixels::{GrayImage, Pixels, Rgb8Image, RgbImage};
 use splitsum::precompute::dfg::DfgAxes;
@@ -45,14 +46,16 @@ pub struct Fake(pub Rc<RefCell<Log>>);
 
 /// Relative error of `sampled` at one sample; it falls with the root of the count.
 pub const ERROR_AT_ONE: f32 = 0.4;
-/// Relative error of `split-sum` at any count. Break-even with `sampled` lies between 4 (0.2) and 16 (0.1) samples.
+/// Relative error of `split-sum` at any count. Break-even with `sampled` lies between 4 (0.2) and
+/// 16 (0.1) samples.
 pub const SPLIT_SUM_ERROR: f32 = 0.15;
 /// Relative standard error of the reference.
 const NOISE: f32 = 1e-4;
 /// Relative error of each further point set, of alternating sign.
 const SET_ERROR: f32 = 0.01;
 
-/// The fake reference stops at a quarter of its samples with an error of 1/1000, if the request allows that error.
+/// The fake reference stops at a quarter of its samples with an error of 1/1000, if the request
+/// allows that error.
 fn convergence(request: &RenderRequest) -> Convergence {
     let is_met = request.reference_error.is_some_and(|wanted| wanted >= 1e-3);
     Convergence {
@@ -74,18 +77,56 @@ fn set_error(set: u32) -> f32 {
 /// A number in [0, 1) of a text and of what a request asks for.
 fn dice(request: &RenderRequest, what: &str) -> f64 {
     let (shading, material) = (&request.shading, request.scene.materials.first());
-    let light = (&request.environment.name, shading.environment_scale, shading.placement);
-    let case = (shading.brdf.name(), shading.masking_shadowing, shading.compensation, shading.frames, shading.frame);
-    let method = (shading.method.name, shading.diffuse.name, shading.samples, shading.sequence.name, shading.point_set);
+    let light = (
+        &request.environment.name,
+        shading.environment_scale,
+        shading.placement,
+    );
+    let case = (
+        shading.brdf.name(),
+        shading.masking_shadowing,
+        shading.compensation,
+        shading.frames,
+        shading.frame,
+    );
+    let method = (
+        shading.method.name,
+        shading.diffuse.name,
+        shading.samples,
+        shading.sequence.name,
+        shading.point_set,
+    );
     let points = (shading.pixel_points, shading.lod_bias);
-    let layers =
-        (shading.coat_layering, shading.coat_renderer.name, shading.sheen_visibility, shading.sheen_lookup.name);
+    let layers = (
+        shading.coat_layering,
+        shading.coat_renderer.name,
+        shading.sheen_visibility,
+        shading.sheen_lookup.name,
+    );
     let lobes = (shading.widths, shading.bend.name, layers, points);
     let made = &shading.precompute;
-    let maps = (made.layout.name, made.prefilter_size, made.prefilter_level_count, made.prefilter_sample_count);
-    let tables = (made.dfg_size, made.dfg_sample_count, made.irradiance_size, made.irradiance_sample_count);
-    let made = (maps, tables, made.level_mapping.name, made.prefilter_weight.name);
-    let text = format!("{what} {:?} {light:?} {case:?} {method:?} {material:?} {lobes:?} {made:?}", request.size);
+    let maps = (
+        made.layout.name,
+        made.prefilter_size,
+        made.prefilter_level_count,
+        made.prefilter_sample_count,
+    );
+    let tables = (
+        made.dfg_size,
+        made.dfg_sample_count,
+        made.irradiance_size,
+        made.irradiance_sample_count,
+    );
+    let made = (
+        maps,
+        tables,
+        made.level_mapping.name,
+        made.prefilter_weight.name,
+    );
+    let text = format!(
+        "{what} {:?} {light:?} {case:?} {method:?} {material:?} {lobes:?} {made:?}",
+        request.size
+    );
     let hash = blake3::hash(text.as_bytes());
     f64::from(u32::from_le_bytes(hash.as_bytes()[..4].try_into().unwrap())) / 2.0_f64.powi(32)
 }
@@ -117,8 +158,13 @@ impl Renderer for Fake {
 
     fn render(&mut self, request: &RenderRequest) -> Served<Frame> {
         let mut log = self.0.borrow_mut();
-        let fault =
-            |message: &str, device_lost| Err(RenderFault { message: message.to_owned(), device_lost, is_input: false });
+        let fault = |message: &str, device_lost| {
+            Err(RenderFault {
+                message: message.to_owned(),
+                device_lost,
+                is_input: false,
+            })
+        };
         if log.broken_method == Some(request.shading.method.name)
             || log.broken.is_some_and(|is_broken| is_broken(request))
         {
@@ -129,11 +175,21 @@ impl Renderer for Fake {
             Some(left) => *left -= 1,
             None => {}
         }
-        log.renders.push((request.shading.method.name.to_owned(), request.shading.samples));
+        log.renders.push((
+            request.shading.method.name.to_owned(),
+            request.shading.samples,
+        ));
         let factor = match request.shading.method.name {
             "reference" => 1.0,
-            "split-sum" => 1.0 + log.split_sum_error.map_or(SPLIT_SUM_ERROR, |error| error(request)),
-            _ => 1.0 + ERROR_AT_ONE / (request.shading.samples as f32).sqrt() + set_error(request.shading.point_set),
+            "split-sum" => {
+                1.0 + log
+                    .split_sum_error
+                    .map_or(SPLIT_SUM_ERROR, |error| error(request))
+            }
+            _ => {
+                1.0 + ERROR_AT_ONE / (request.shading.samples as f32).sqrt()
+                    + set_error(request.shading.point_set)
+            }
         };
         let alpha = request.scene.materials.first().map_or(0.5, |m| m.alpha);
         let [width, height] = request.size;
@@ -143,56 +199,100 @@ impl Renderer for Fake {
             (r2 < 1.0).then(|| (1.0 - r2).sqrt())
         };
         let n_dot_v = GrayImage::from_fn(width, height, |x, y| n_z(x, y).unwrap_or(0.0));
-        let mask = GrayImage::from_fn(width, height, |x, y| if n_z(x, y).is_some() { 1.0 } else { 0.0 });
+        let mask = GrayImage::from_fn(
+            width,
+            height,
+            |x, y| if n_z(x, y).is_some() { 1.0 } else { 0.0 },
+        );
         let dice_of_image = ["phase", "error"].map(|what| dice(request, what));
         // Some errors are within the noise.
-        let noise = if log.is_scrambled { 0.1 * dice(request, "noise").powi(2) as f32 } else { NOISE };
+        let noise = if log.is_scrambled {
+            0.1 * dice(request, "noise").powi(2) as f32
+        } else {
+            NOISE
+        };
         let factor = |at: [u32; 2], k: usize| match log.is_scrambled {
             true => scrambled(dice_of_image, factor - 1.0, at, k),
             false => factor,
         };
         let radiance = RgbImage::from_fn(width, height, |x, y| {
-            let of = |n_z: f32| [0, 1, 2].map(|k| factor([x, y], k) * [0.2, 0.5, 1.0][k] * (alpha + n_z));
+            let of = |n_z: f32| {
+                [0, 1, 2].map(|k| factor([x, y], k) * [0.2, 0.5, 1.0][k] * (alpha + n_z))
+            };
             n_z(x, y).map_or([0.0; 3], of)
         });
-        let standard_error =
-            (request.shading.method.name == "reference").then(|| radiance.map(|texel| texel.map(|c| c * noise)));
+        let standard_error = (request.shading.method.name == "reference")
+            .then(|| radiance.map(|texel| texel.map(|c| c * noise)));
         let mut convergences = vec![convergence(request)];
         if log.is_scrambled {
             let sample_count = 2 * convergences[0].sample_count;
-            let (is_met, relative_error) = (dice(request, "diffuse") < 0.5, 2e-3 * dice(request, "stop"));
-            convergences.push(Convergence { term: "shade-diffuse", sample_count, relative_error, is_met });
+            let (is_met, relative_error) =
+                (dice(request, "diffuse") < 0.5, 2e-3 * dice(request, "stop"));
+            convergences.push(Convergence {
+                term: "shade-diffuse",
+                sample_count,
+                relative_error,
+                is_met,
+            });
         }
         let without_noise = radiance.map(|texel| texel.map(|c| 0.5 * c));
         Ok(Frame {
             radiance,
-            convergences: convergences.into_iter().filter(|_| request.shading.method.name == "reference").collect(),
+            convergences: convergences
+                .into_iter()
+                .filter(|_| request.shading.method.name == "reference")
+                .collect(),
             standard_error,
             mask: Arc::new(mask),
             n_dot_v: Arc::new(n_dot_v),
             steadiness: (request.shading.frames.count > 1).then_some(Steadiness {
                 without_noise,
-                flicker: if log.is_scrambled { dice(request, "flicker") } else { 0.25 },
+                flicker: if log.is_scrambled {
+                    dice(request, "flicker")
+                } else {
+                    0.25
+                },
             }),
             // A cached frame has no passes; this one was rendered.
-            timings: FrameTimings { frame: vec![PassTime { pass: "gbuffer", ms: 1.0 }], ..FrameTimings::default() },
+            timings: FrameTimings {
+                frame: vec![PassTime {
+                    pass: "gbuffer",
+                    ms: 1.0,
+                }],
+                ..FrameTimings::default()
+            },
         })
     }
 
     /// Step k adds 0.01 (k + 1).
-    fn attributions(&mut self, request: &RenderRequest, _: u32, bands: &[[f64; 2]]) -> Served<Vec<Attribution>> {
+    fn attributions(
+        &mut self,
+        request: &RenderRequest,
+        _: u32,
+        bands: &[[f64; 2]],
+    ) -> Served<Vec<Attribution>> {
         let is_scrambled = self.0.borrow().is_scrambled;
         let of_band = |seen_at: [f64; 2]| {
             let dice = |what: &str, i: usize| dice(request, &format!("{what} {i} {seen_at:?}"));
             let varied = |what: &str, i: usize| {
-                let scramble = if is_scrambled { 2.0 * dice(what, i) - 0.5 } else { 1.0 };
+                let scramble = if is_scrambled {
+                    2.0 * dice(what, i) - 0.5
+                } else {
+                    1.0
+                };
                 0.01 * (i + 1) as f64 * scramble
             };
             let own = |i: usize| varied("own", i);
             let error = (0..STEPS.len()).map(own).sum();
             // A band has fewer views than all.
             let most = if seen_at == [0.0, 1.0] { 0.02 } else { 0.05 };
-            let noise = |what: &str, i: usize| if is_scrambled { most * dice(what, i) } else { 0.0 };
+            let noise = |what: &str, i: usize| {
+                if is_scrambled {
+                    most * dice(what, i)
+                } else {
+                    0.0
+                }
+            };
             let step = |i: usize| StepNumbers {
                 step: STEPS[i].name,
                 share: own(i) / error,
@@ -204,9 +304,19 @@ impl Renderer for Fake {
                 share_error: noise("share", i),
             };
             let steps = (0..STEPS.len()).map(step).collect();
-            Attribution { seen_at, pixel_count: 10, error, noise: 1e-6, steps }
+            Attribution {
+                seen_at,
+                pixel_count: 10,
+                error,
+                noise: 1e-6,
+                steps,
+            }
         };
-        Ok([[0.0, 1.0]].into_iter().chain(bands.iter().copied()).map(of_band).collect())
+        Ok([[0.0, 1.0]]
+            .into_iter()
+            .chain(bands.iter().copied())
+            .map(of_band)
+            .collect())
     }
 
     fn tonemap(&mut self, radiance: &RgbImage, curve: ToneCurve) -> Served<Rgb8Image> {
@@ -215,8 +325,17 @@ impl Renderer for Fake {
     }
 
     /// Constant light of radiance 1 in a few texels; the lobe reflects f0 whole.
-    fn light_tables(&mut self, request: &RenderRequest, _: u32, counts: &[TapCount]) -> Served<LightTables> {
-        let chain = |levels: u32| (0..levels).map(|k| RgbImage::filled(8 >> k, (4 >> k).max(1), [1.0; 3])).collect();
+    fn light_tables(
+        &mut self,
+        request: &RenderRequest,
+        _: u32,
+        counts: &[TapCount],
+    ) -> Served<LightTables> {
+        let chain = |levels: u32| {
+            (0..levels)
+                .map(|k| RgbImage::filled(8 >> k, (4 >> k).max(1), [1.0; 3]))
+                .collect()
+        };
         let mut sh9 = vec![[0.0; 3]; 9];
         sh9[0] = [(4.0 * std::f32::consts::PI).sqrt(); 3];
         let dfg = Pixels::filled(4, 4, [1.0, 0.0]);
@@ -231,30 +350,63 @@ impl Renderer for Fake {
             // Every lobe points along r and has the width alpha.
             tap_tables: counts
                 .iter()
-                .map(|_| Pixels::new(2, 4, [[[1.0, 0.0, 0.0, 0.0]; 2], [[1.0, 1.0, 0.0, 0.0]; 2]].concat().repeat(2)))
+                .map(|_| {
+                    Pixels::new(
+                        2,
+                        4,
+                        [[[1.0, 0.0, 0.0, 0.0]; 2], [[1.0, 1.0, 0.0, 0.0]; 2]]
+                            .concat()
+                            .repeat(2),
+                    )
+                })
                 .collect(),
         })
     }
 
-    /// The first frame of a configuration takes 4 ms more than its sample count, the next ones 0, 1, 2, 3, 4, 0 ... more.
-    fn time(&mut self, request: &RenderRequest, of_tables: bool, [warmup, rounds]: [u32; 2]) -> Served<TimingSamples> {
+    /// The first frame of a configuration takes 4 ms more than its sample count, the next ones 0,
+    /// 1, 2, 3, 4, 0 ... more.
+    fn time(
+        &mut self,
+        request: &RenderRequest,
+        of_tables: bool,
+        [warmup, rounds]: [u32; 2],
+    ) -> Served<TimingSamples> {
         let mut log = self.0.borrow_mut();
-        (log.timings, log.warmups) = (log.timings + 1, log.warmups + if of_tables { 0 } else { warmup });
-        let scramble = if log.is_scrambled { 0.5 + dice(request, "time") } else { 1.0 };
+        (log.timings, log.warmups) = (
+            log.timings + 1,
+            log.warmups + if of_tables { 0 } else { warmup },
+        );
+        let scramble = if log.is_scrambled {
+            0.5 + dice(request, "time")
+        } else {
+            1.0
+        };
         if of_tables {
             let [dfg, wall] = [3.0, 10.0].map(|ms| vec![ms * scramble; rounds as usize]);
-            return Ok(TimingSamples { passes: vec![("dfg", dfg)], wall_ms: wall });
+            return Ok(TimingSamples {
+                passes: vec![("dfg", dfg)],
+                wall_ms: wall,
+            });
         }
         let frame = log
             .frames
-            .entry((request.shading.brdf.name(), request.shading.method.name, request.shading.samples))
+            .entry((
+                request.shading.brdf.name(),
+                request.shading.method.name,
+                request.shading.samples,
+            ))
             .or_default();
         let ms: Vec<f64> = (0..rounds as usize)
-            .map(|round| scramble * f64::from(request.shading.samples) + ((*frame + round + 4) % 5) as f64)
+            .map(|round| {
+                scramble * f64::from(request.shading.samples) + ((*frame + round + 4) % 5) as f64
+            })
             .collect();
         *frame += ms.len();
         Ok(TimingSamples {
-            passes: vec![("gbuffer", vec![1.0; ms.len()]), ("shade-specular", ms.clone())],
+            passes: vec![
+                ("gbuffer", vec![1.0; ms.len()]),
+                ("shade-specular", ms.clone()),
+            ],
             wall_ms: ms.iter().map(|t| t + 1.5).collect(),
         })
     }
@@ -272,7 +424,9 @@ impl Progress for Silent {
     fn note(&mut self, _: &str) {}
 }
 
-pub fn fakes(log: &Rc<RefCell<Log>>) -> impl FnMut() -> Result<Box<dyn Renderer>, RenderFault> + 'static {
+pub fn fakes(
+    log: &Rc<RefCell<Log>>,
+) -> impl FnMut() -> Result<Box<dyn Renderer>, RenderFault> + 'static {
     let log = log.clone();
     move || Ok(Box::new(Fake(log.clone())))
 }

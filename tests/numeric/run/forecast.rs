@@ -10,7 +10,8 @@ use splitsum::run::timing;
 use splitsum::run::{MakeRenderer, run};
 use std::sync::atomic::AtomicBool;
 
-/// Cells in order of increasing cost; the most expensive takes a thousand times as long as the cheapest.
+/// Cells in order of increasing cost; the most expensive takes a thousand times as long as the
+/// cheapest.
 const SWEEP: &str = r#"
 name = "sweep"
 reference = { samples = 4096 }
@@ -27,15 +28,24 @@ const TIMED: &str = "[timing]\nrounds = 40\nwarmup = 2\n";
 /// Real over stated time of a step.
 type Truth = fn(&Point) -> f64;
 
-/// The remaining seconds of a run after each of its steps, and the predicted ones, starting before the first step.
+/// The remaining seconds of a run after each of its steps, and the predicted ones, starting before
+/// the first step.
 fn simulated(plan: &Plan, truth: Truth) -> Vec<[f64; 2]> {
     let jobs = timing::jobs(plan);
-    let cells: Vec<&Cell> =
-        plan.groups().iter().flat_map(|group| group.radiances.iter().flat_map(|(_, cells)| cells.clone())).collect();
+    let cells: Vec<&Cell> = plan
+        .groups()
+        .iter()
+        .flat_map(|group| group.radiances.iter().flat_map(|(_, cells)| cells.clone()))
+        .collect();
     let mut forecast = Forecast::new(plan, &cells, &jobs, []);
     let (mut steps, mut random) = (Steps::new(plan, &jobs, []), Rng::with_seed(7));
-    let cells = cells.iter().map(|cell| (&cell.id, steps.cell(cell) * truth(&cell.point))).collect::<Vec<_>>();
-    let timed = jobs.iter().map(|job| (&job.id, steps.timing(job) * truth(&job.cell.point)));
+    let cells = cells
+        .iter()
+        .map(|cell| (&cell.id, steps.cell(cell) * truth(&cell.point)))
+        .collect::<Vec<_>>();
+    let timed = jobs
+        .iter()
+        .map(|job| (&job.id, steps.timing(job) * truth(&job.cell.point)));
     let (mut clock, mut found) = (0.0, vec![[0.0, forecast.ahead(0.0).seconds]]);
     for (id, seconds) in cells.into_iter().chain(timed) {
         // Within a fifth of the usual time.
@@ -45,14 +55,22 @@ fn simulated(plan: &Plan, truth: Truth) -> Vec<[f64; 2]> {
     }
     // The work after the last step is right by construction.
     let total = clock + found[found.len() - 1][1];
-    found.iter().map(|[clock, said]| [total - clock, *said]).collect()
+    found
+        .iter()
+        .map(|[clock, said]| [total - clock, *said])
+        .collect()
 }
 
-/// The largest factor between remaining and predicted time, from a tenth of the time on and before its last hundredth.
+/// The largest factor between remaining and predicted time, from a tenth of the time on and before
+/// its last hundredth.
 fn worst(found: &[[f64; 2]]) -> f64 {
     let total = found[0][0];
-    let judged = found.iter().filter(|[left, _]| *left <= 0.9 * total && *left >= 0.01 * total);
-    judged.map(|[left, said]| (said / left).max(left / said)).fold(1.0, f64::max)
+    let judged = found
+        .iter()
+        .filter(|[left, _]| *left <= 0.9 * total && *left >= 0.01 * total);
+    judged
+        .map(|[left, said]| (said / left).max(left / said))
+        .fold(1.0, f64::max)
 }
 
 #[test]
@@ -61,7 +79,13 @@ fn a_prediction_is_right_within_a_factor_of_one_and_a_half_after_a_tenth_of_the_
         ("as stated", |_| 1.0),
         ("five times slower", |_| 5.0),
         ("a hundred times faster", |_| 0.01),
-        ("one method is dear", |point| if point.method().name == "split-sum" { 3.0 } else { 1.0 }),
+        ("one method is dear", |point| {
+            if point.method().name == "split-sum" {
+                3.0
+            } else {
+                1.0
+            }
+        }),
     ];
     for text in [SWEEP.to_owned(), format!("{SWEEP}{TIMED}")] {
         let plan = plan(&text);
@@ -78,16 +102,30 @@ fn shared_work_counts_once_and_kept_references_not_at_all() {
     let cells: Vec<&Cell> = plan.cells.iter().collect();
     let seconds = |kept: Vec<String>| Forecast::new(&plan, &cells, &[], kept).ahead(0.0).seconds;
     let apart = |cell: &&Cell| Forecast::new(&plan, &[*cell], &[], []).ahead(0.0).seconds;
-    let kept = || plan.cells.iter().map(|cell| cell.reference.clone()).collect();
+    let kept = || {
+        plan.cells
+            .iter()
+            .map(|cell| cell.reference.clone())
+            .collect()
+    };
     assert!(seconds(kept()) < seconds(Vec::new()));
     assert!(seconds(Vec::new()) < cells.iter().map(apart).sum());
     // Frames of a still view share the frame without noise.
     let frames = |motion: &str| {
-        let axes = format!("method = [\"sampled\"]\nsamples = [1]\nframes = [4]\nmotion = [\"{motion}\"]\n");
-        let plan = self::plan(&format!("name = \"frames\"\nreference = {{ samples = 32 }}\n[axes]\n{axes}"));
+        let axes = format!(
+            "method = [\"sampled\"]\nsamples = [1]\nframes = [4]\nmotion = [\"{motion}\"]\n"
+        );
+        let plan = self::plan(&format!(
+            "name = \"frames\"\nreference = {{ samples = 32 }}\n[axes]\n{axes}"
+        ));
         Steps::new(&plan, &[], [plan.cells[0].reference.clone()]).cell(&plan.cells[0])
     };
-    assert!(frames("still") < 0.5 * frames("light"), "{} {}", frames("still"), frames("light"));
+    assert!(
+        frames("still") < 0.5 * frames("light"),
+        "{} {}",
+        frames("still"),
+        frames("light")
+    );
 }
 
 #[test]
@@ -97,10 +135,19 @@ fn a_run_predicts_its_time() {
     let options = options(bench.dir.path(), &stop);
     let mut shares = Vec::new();
     let mut progress = Each(|_: &str, ahead| shares.push(ahead));
-    run(&bench.plan, &mut fakes(&log()) as &mut MakeRenderer, &options, &mut progress).unwrap();
+    run(
+        &bench.plan,
+        &mut fakes(&log()) as &mut MakeRenderer,
+        &options,
+        &mut progress,
+    )
+    .unwrap();
     assert_eq!(shares.len(), 1 + 32 + 12);
     assert!(shares[0].share == 0.0 && shares[0].seconds > 0.0);
     // Tables and pages remain.
     let last = shares[shares.len() - 1];
-    assert!((0.5..1.0).contains(&last.share) && last.seconds > 0.0, "{last:?}");
+    assert!(
+        (0.5..1.0).contains(&last.share) && last.seconds > 0.0,
+        "{last:?}"
+    );
 }

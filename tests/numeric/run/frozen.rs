@@ -9,13 +9,18 @@ use splitsum::report::publish::publish;
 use splitsum::run::frozen;
 use std::path::Path;
 
-const EXPERIMENT: &str = "name = \"files\"\nsize = [16, 16]\nscene = \"ball.obj\"\nreference = { samples = 32 }\n[axes]\n\
-                          environment = [\"maps/a.exr\", \"builtin:constant\"]\nmethod = [\"split-sum\"]\nalpha = [0.1, 0.5]\n";
+const EXPERIMENT: &str = "name = \"files\"\nsize = [16, 16]\nscene = \"ball.obj\"\nreference = { \
+                          samples = 32 }\n[axes]\n\
+                          environment = [\"maps/a.exr\", \"builtin:constant\"]\nmethod = \
+                          [\"split-sum\"]\nalpha = [0.1, 0.5]\n";
 const BALL: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n";
 
 fn map(path: &Path, radiance: f32) {
     std::fs::create_dir_all(path.parent().unwrap()).unwrap();
-    let (radiance, alpha) = (RgbImage::filled(8, 4, [radiance; 3]), GrayImage::filled(8, 4, 1.0));
+    let (radiance, alpha) = (
+        RgbImage::filled(8, 4, [radiance; 3]),
+        GrayImage::filled(8, 4, 1.0),
+    );
     splitsum::pixels::exr::write_rgba(path, &radiance, &alpha, &[]).unwrap();
 }
 
@@ -24,7 +29,8 @@ fn load(path: &Path, set: &[&str]) -> Result<(Plan, Option<String>), String> {
     frozen::load(path, &set, &LoadOptions::default(), |_, _| {}).map_err(|error| error.to_string())
 }
 
-/// A folder with an experiment that names files, and its run in another folder, with a map from a third folder.
+/// A folder with an experiment that names files, and its run in another folder, with a map from a
+/// third folder.
 fn made() -> (tempfile::TempDir, Plan) {
     let root = tempfile::tempdir().unwrap();
     let sweeps = root.path().join("sweeps");
@@ -41,41 +47,79 @@ fn a_frozen_experiment_makes_the_plan_of_its_run() {
     let (root, plan) = made();
     let run = finished(&plan, &root.path().join("out/runs/files"));
     let frozen = run.join("experiment.toml");
-    assert!(read(&frozen) == EXPERIMENT.as_bytes(), "the text is the one that was run");
+    assert!(
+        read(&frozen) == EXPERIMENT.as_bytes(),
+        "the text is the one that was run"
+    );
     let (again, note) = load(&frozen, &[]).unwrap();
     assert_eq!(again.hash, plan.hash);
     assert!(note.unwrap().contains("the files it names are in "));
-    // Run in its own folder, the copy is a finished run; run elsewhere, it keeps the paths of the files.
+    // Run in its own folder, the copy is a finished run; run elsewhere, it keeps the paths of the
+    // files.
     let before = snapshot(&run);
     finished(&again, &run);
-    assert_eq!(read(run.join("provenance.json")), before["provenance.json"].0);
+    assert_eq!(
+        read(run.join("provenance.json")),
+        before["provenance.json"].0
+    );
     let elsewhere = finished(&again, &root.path().join("elsewhere"));
-    assert_eq!(load(&elsewhere.join("experiment.toml"), &[]).unwrap().0.hash, plan.hash);
+    assert_eq!(
+        load(&elsewhere.join("experiment.toml"), &[])
+            .unwrap()
+            .0
+            .hash,
+        plan.hash
+    );
     // The same for a published run, and for a tree that was moved.
     publish(&run, &root.path().join("results"), false).unwrap();
-    assert_eq!(load(&root.path().join("results/files/experiment.toml"), &[]).unwrap().0.hash, plan.hash);
+    assert_eq!(
+        load(&root.path().join("results/files/experiment.toml"), &[])
+            .unwrap()
+            .0
+            .hash,
+        plan.hash
+    );
     let moved = tempfile::tempdir().unwrap();
     for part in ["sweeps", "out", "others"] {
         std::fs::rename(root.path().join(part), moved.path().join(part)).unwrap();
     }
-    assert_eq!(load(&moved.path().join("out/runs/files/experiment.toml"), &[]).unwrap().0.hash, plan.hash);
+    assert_eq!(
+        load(&moved.path().join("out/runs/files/experiment.toml"), &[])
+            .unwrap()
+            .0
+            .hash,
+        plan.hash
+    );
 }
 
 #[test]
 fn a_frozen_experiment_keeps_the_settings_of_the_command_line() {
     let (root, _) = made();
-    let (file, maps) = (root.path().join("sweeps/files.toml"), root.path().join("others"));
+    let (file, maps) = (
+        root.path().join("sweeps/files.toml"),
+        root.path().join("others"),
+    );
     let text = String::from_utf8(read(&file)).unwrap();
     let set = ["environment=b.exr".to_owned(), "alpha=0.25".to_owned()];
-    let source = Source { set_dir: &maps, ..Source::new(&file, &text, &set) };
-    let plan = Plan::from_source(&source, &LoadOptions::default()).unwrap_or_else(|error| panic!("{error}"));
+    let source = Source {
+        set_dir: &maps,
+        ..Source::new(&file, &text, &set)
+    };
+    let plan = Plan::from_source(&source, &LoadOptions::default())
+        .unwrap_or_else(|error| panic!("{error}"));
     let run = finished(&plan, &root.path().join("run"));
     let frozen = run.join("experiment.toml");
     let (again, note) = load(&frozen, &[]).unwrap();
     assert_eq!(again.hash, plan.hash);
-    assert!(note.unwrap().contains("with --set environment=b.exr --set alpha=0.25"));
+    assert!(
+        note.unwrap()
+            .contains("with --set environment=b.exr --set alpha=0.25")
+    );
     let error = load(&frozen, &["alpha=0.5"]).unwrap_err();
-    assert!(error.contains("was run with --set environment=b.exr --set alpha=0.25"), "{error}");
+    assert!(
+        error.contains("was run with --set environment=b.exr --set alpha=0.25"),
+        "{error}"
+    );
 }
 
 #[test]
@@ -84,5 +128,8 @@ fn a_changed_frozen_experiment_is_refused() {
     let frozen = finished(&plan, &root.path().join("run")).join("experiment.toml");
     std::fs::write(&frozen, EXPERIMENT.replace("0.5", "0.6")).unwrap();
     let error = load(&frozen, &[]).unwrap_err();
-    assert!(error.contains("was edited") && error.contains("copy it to another folder"), "{error}");
+    assert!(
+        error.contains("was edited") && error.contains("copy it to another folder"),
+        "{error}"
+    );
 }

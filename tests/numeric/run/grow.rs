@@ -1,7 +1,8 @@
 //! Larger plans that continue in the folder of a smaller run.
 
 use super::runs::{
-    Bench, Each, assert_like_whole, contents, fakes, finished, invoke, log, options, plan, read, snapshot, written,
+    Bench, Each, assert_like_whole, contents, fakes, finished, invoke, log, options, plan, read,
+    snapshot, written,
 };
 use super::whole::EXPERIMENT;
 use splitsum::report::publish::publish;
@@ -13,7 +14,8 @@ use std::sync::atomic::AtomicBool;
 #[test]
 fn a_larger_plan_keeps_finished_cells_and_equals_a_fresh_run() {
     let whole = plan(EXPERIMENT);
-    // More values of a swept axis; a new swept axis; tone curves, for which every cell needs another map.
+    // More values of a swept axis; a new swept axis; tone curves, for which every cell needs
+    // another map.
     let parts = [
         ("[1, 4, 16]", "[4, 16]", 4, 0),
         ("[\"ggx\", \"phong\"]", "[\"phong\"]", 8, 2),
@@ -27,13 +29,26 @@ fn a_larger_plan_keeps_finished_cells_and_equals_a_fresh_run() {
         let log = log();
         let outcome = invoke(&whole, dir.path(), &log, usize::MAX).unwrap();
         assert!(outcome.failures.is_empty() && !outcome.is_stopped);
-        let (of_references, of_images): (Vec<_>, Vec<_>) =
-            log.borrow().renders.iter().cloned().partition(|(method, _)| method == "reference");
-        assert_eq!((of_images.len(), of_references.len()), (images, references), "{few}");
+        let (of_references, of_images): (Vec<_>, Vec<_>) = log
+            .borrow()
+            .renders
+            .iter()
+            .cloned()
+            .partition(|(method, _)| method == "reference");
+        assert_eq!(
+            (of_images.len(), of_references.len()),
+            (images, references),
+            "{few}"
+        );
         assert_like_whole(dir.path(), &whole);
-        let provenance: serde_json::Value = serde_json::from_slice(&read(dir.path().join("provenance.json"))).unwrap();
-        let plans: Vec<&str> =
-            provenance["sessions"].as_array().unwrap().iter().map(|s| s["plan_hash"].as_str().unwrap()).collect();
+        let provenance: serde_json::Value =
+            serde_json::from_slice(&read(dir.path().join("provenance.json"))).unwrap();
+        let plans: Vec<&str> = provenance["sessions"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .map(|s| s["plan_hash"].as_str().unwrap())
+            .collect();
         assert_eq!(
             (plans, &provenance["plan_hash"]),
             (vec![&*part.hash, &whole.hash], &(&*whole.hash).into()),
@@ -54,7 +69,9 @@ fn a_plan_that_lacks_finished_work_is_refused() {
     finished(&plan(&timed), dir.path());
     let refused = |text: &str, words: &[&str]| {
         let before = snapshot(dir.path());
-        let RunError::Store(fault) = invoke(&plan(text), dir.path(), &log(), usize::MAX).unwrap_err() else {
+        let RunError::Store(fault) =
+            invoke(&plan(text), dir.path(), &log(), usize::MAX).unwrap_err()
+        else {
             panic!("no fault of the folder")
         };
         assert!(fault.is_misuse(), "{fault}");
@@ -65,12 +82,30 @@ fn a_plan_that_lacks_finished_work_is_refused() {
         assert_eq!(before, snapshot(dir.path()));
     };
     let other_alpha = timed.replace("[0.1, 0.5]", "[0.1, 0.25]");
-    refused(&other_alpha, &["holds another run; choose another --out (16 finished cells are not in tiny.toml)"]);
+    refused(
+        &other_alpha,
+        &["holds another run; choose another --out (16 finished cells are not in tiny.toml)"],
+    );
     // Another seed, shader or input changes all cells.
-    refused(&format!("seed = 2\n{timed}"), &["32 finished cells", "tiny.toml: seed is 1 there and 2 here)"]);
-    refused(&timed.replace("samples = 64", "samples = 96"), &["32 finished cells", ": reference is ", "96"]);
-    refused(EXPERIMENT, &["12 timed configurations are not in tiny.toml"]);
-    refused(&timed.replace("rounds = 6", "rounds = 7"), &["12 timed configurations"]);
+    refused(
+        &format!("seed = 2\n{timed}"),
+        &[
+            "32 finished cells",
+            "tiny.toml: seed is 1 there and 2 here)",
+        ],
+    );
+    refused(
+        &timed.replace("samples = 64", "samples = 96"),
+        &["32 finished cells", ": reference is ", "96"],
+    );
+    refused(
+        EXPERIMENT,
+        &["12 timed configurations are not in tiny.toml"],
+    );
+    refused(
+        &timed.replace("rounds = 6", "rounds = 7"),
+        &["12 timed configurations"],
+    );
 
     let path = dir.path().join("provenance.json");
     let whole: serde_json::Value = serde_json::from_slice(&read(&path)).unwrap();
@@ -81,7 +116,10 @@ fn a_plan_that_lacks_finished_work_is_refused() {
     };
     with("/metrics/1/version", 99.into());
     let metric = whole["metrics"][1]["name"].as_str().unwrap();
-    refused(&timed, &[&format!("another version of the metric {metric}")]);
+    refused(
+        &timed,
+        &[&format!("another version of the metric {metric}")],
+    );
     with("/shader_hash", "0".into());
     refused(&other_alpha, &[": they were rendered by other shaders)"]);
     with("/inputs/builtin:constant", "0".into());
@@ -93,7 +131,9 @@ fn a_plan_that_lacks_finished_work_is_refused() {
     let results = tempfile::tempdir().unwrap();
     publish(dir.path(), results.path(), false).unwrap();
     let published = results.path().join("tiny");
-    let error = invoke(&plan(&other_alpha), &published, &log(), usize::MAX).unwrap_err().to_string();
+    let error = invoke(&plan(&other_alpha), &published, &log(), usize::MAX)
+        .unwrap_err()
+        .to_string();
     assert!(error.contains("16 finished cells are not in"), "{error}");
 }
 
@@ -113,19 +153,30 @@ fn failures_of_cells_that_a_plan_lacks_are_forgotten() {
 #[test]
 fn a_block_with_a_new_member_is_timed_again_and_others_stay() {
     let text = |samples: &str, brdfs: &str| {
-        let text = EXPERIMENT.replace("[1, 4, 16]", samples).replace("[\"ggx\", \"phong\"]", brdfs);
+        let text = EXPERIMENT
+            .replace("[1, 4, 16]", samples)
+            .replace("[\"ggx\", \"phong\"]", brdfs);
         plan(&format!("{text}[timing]\nwarmup = 1\nrounds = 6\n"))
     };
-    let (part, more, models) =
-        (text("[4, 16]", "[\"ggx\"]"), text("[1, 4, 16]", "[\"ggx\"]"), text("[1, 4, 16]", "[\"ggx\", \"phong\"]"));
+    let (part, more, models) = (
+        text("[4, 16]", "[\"ggx\"]"),
+        text("[1, 4, 16]", "[\"ggx\"]"),
+        text("[1, 4, 16]", "[\"ggx\", \"phong\"]"),
+    );
     let dir = tempfile::tempdir().unwrap();
     finished(&part, dir.path());
     let of = |id: &str| read(dir.path().join(format!("timings/{id}.json")));
-    let old: BTreeMap<String, Vec<u8>> =
-        timing::jobs(&part).into_iter().map(|job| (job.id.clone(), of(&job.id))).collect();
+    let old: BTreeMap<String, Vec<u8>> = timing::jobs(&part)
+        .into_iter()
+        .map(|job| (job.id.clone(), of(&job.id)))
+        .collect();
     finished(&more, dir.path());
     let frames = |plan: &splitsum::experiment::Plan| {
-        timing::jobs(plan).into_iter().filter(|job| job.phase == timing::FRAME).map(|job| job.id).collect::<Vec<_>>()
+        timing::jobs(plan)
+            .into_iter()
+            .filter(|job| job.phase == timing::FRAME)
+            .map(|job| job.id)
+            .collect::<Vec<_>>()
     };
     // Sampled 1, 4, 16 and split-sum of one model are one block.
     assert_eq!(frames(&more).len(), 4);
@@ -133,18 +184,24 @@ fn a_block_with_a_new_member_is_timed_again_and_others_stay() {
         assert_eq!(frames(&part).contains(id), of(id) != *record, "{id}");
     }
     // Another model is another block.
-    let old: Vec<(String, Vec<u8>)> = frames(&more).into_iter().map(|id| (id.clone(), of(&id))).collect();
+    let old: Vec<(String, Vec<u8>)> = frames(&more)
+        .into_iter()
+        .map(|id| (id.clone(), of(&id)))
+        .collect();
     finished(&models, dir.path());
     assert!(old.iter().all(|(id, record)| of(id) == *record));
 }
 
-/// Records of a block come from the same rounds, even if a run is killed: all old ones are removed before the first new one is written.
+/// Records of a block come from the same rounds, even if a run is killed: all old ones are removed
+/// before the first new one is written.
 #[test]
 fn a_block_never_mixes_rounds() {
     let bench = Bench::finished(&format!("{EXPERIMENT}[timing]\nwarmup = 1\nrounds = 6\n"));
     let (dir, plan) = (bench.dir.path(), &bench.plan);
     let jobs = timing::jobs(plan);
-    let of_last = jobs.iter().filter(|job| job.block == jobs.last().unwrap().block);
+    let of_last = jobs
+        .iter()
+        .filter(|job| job.block == jobs.last().unwrap().block);
     let block: Vec<String> = of_last.map(|job| job.id.clone()).collect();
     assert_eq!(block.len(), 4);
     std::fs::remove_file(dir.join(format!("timings/{}.json", block[1]))).unwrap();
@@ -153,10 +210,21 @@ fn a_block_never_mixes_rounds() {
     let mut seen = None;
     let mut progress = Each(|label: &str, _| {
         if label.starts_with("timing") && seen.is_none() {
-            seen = Some(block.iter().filter(|id| Store::at(dir).has_timing(id)).collect::<Vec<_>>());
+            seen = Some(
+                block
+                    .iter()
+                    .filter(|id| Store::at(dir).has_timing(id))
+                    .collect::<Vec<_>>(),
+            );
         }
     });
-    run(plan, &mut fakes(&log()) as &mut MakeRenderer, &options(dir, &stop), &mut progress).unwrap();
+    run(
+        plan,
+        &mut fakes(&log()) as &mut MakeRenderer,
+        &options(dir, &stop),
+        &mut progress,
+    )
+    .unwrap();
     assert_eq!(seen, Some(vec![&block[0]]));
     assert!(block.iter().all(|id| Store::at(dir).has_timing(id)));
 }

@@ -71,7 +71,10 @@ pub struct Bench {
 
 impl Bench {
     pub fn new(text: &str) -> Self {
-        Self { dir: tempfile::tempdir().unwrap(), plan: plan(text) }
+        Self {
+            dir: tempfile::tempdir().unwrap(),
+            plan: plan(text),
+        }
     }
 
     pub fn finished(text: &str) -> Self {
@@ -85,11 +88,21 @@ impl Bench {
         invoke(&self.plan, self.dir.path(), log, steps)
     }
 
-    /// Runs the unfinished cells; returns the notes, and the method and sample count of each render.
+    /// Runs the unfinished cells; returns the notes, and the method and sample count of each
+    /// render.
     pub fn again(&self) -> Result<(Vec<String>, Renders), RunError> {
         let (stop, log) = (AtomicBool::new(false), log());
-        let mut steps = Steps { stop: &stop, left: usize::MAX, notes: Vec::new() };
-        run(&self.plan, &mut fakes(&log) as &mut MakeRenderer, &options(self.dir.path(), &stop), &mut steps)?;
+        let mut steps = Steps {
+            stop: &stop,
+            left: usize::MAX,
+            notes: Vec::new(),
+        };
+        run(
+            &self.plan,
+            &mut fakes(&log) as &mut MakeRenderer,
+            &options(self.dir.path(), &stop),
+            &mut steps,
+        )?;
         let renders = log.borrow().renders.clone();
         Ok((steps.notes, renders))
     }
@@ -116,15 +129,36 @@ impl Bench {
 }
 
 pub fn options<'a>(dir: &Path, stop: &'a AtomicBool) -> RunOptions<'a> {
-    let command_line = vec!["splitsum".to_owned(), "run".to_owned(), "tiny.toml".to_owned()];
-    RunOptions { command_line, ..RunOptions::new(dir, stop) }
+    let command_line = vec![
+        "splitsum".to_owned(),
+        "run".to_owned(),
+        "tiny.toml".to_owned(),
+    ];
+    RunOptions {
+        command_line,
+        ..RunOptions::new(dir, stop)
+    }
 }
 
 /// One invocation that stops after `steps` steps.
-pub fn invoke(plan: &Plan, dir: &Path, log: &Rc<RefCell<Log>>, steps: usize) -> Result<Outcome, RunError> {
+pub fn invoke(
+    plan: &Plan,
+    dir: &Path,
+    log: &Rc<RefCell<Log>>,
+    steps: usize,
+) -> Result<Outcome, RunError> {
     let stop = AtomicBool::new(false);
-    let mut progress = Steps { stop: &stop, left: steps, notes: Vec::new() };
-    answered(run(plan, &mut fakes(log) as &mut MakeRenderer, &options(dir, &stop), &mut progress))
+    let mut progress = Steps {
+        stop: &stop,
+        left: steps,
+        notes: Vec::new(),
+    };
+    answered(run(
+        plan,
+        &mut fakes(log) as &mut MakeRenderer,
+        &options(dir, &stop),
+        &mut progress,
+    ))
 }
 
 /// Writes the answers of a run, as the command line does.
@@ -148,21 +182,42 @@ pub fn finished(plan: &Plan, dir: &Path) -> PathBuf {
     dir.to_owned()
 }
 
-/// Checks that a folder equals the folder of a fresh run of the plan: the same tables, images and records. Times and
-/// the list of invocations differ.
+/// Checks that a folder equals the folder of a fresh run of the plan: the same tables, images and
+/// records. Times and the list of invocations differ.
 pub fn assert_like_whole(dir: &Path, plan: &Plan) {
     let whole = tempfile::tempdir().unwrap();
     finished(plan, whole.path());
     let is_alike = |name: &String| {
-        let differs = ["provenance.json", "summary.md", ".lock", "cells/", "timings", "timing_", "answers/", "shards/"];
+        let differs = [
+            "provenance.json",
+            "summary.md",
+            ".lock",
+            "cells/",
+            "timings",
+            "timing_",
+            "answers/",
+            "shards/",
+        ];
         !differs.iter().any(|start| name.starts_with(start))
     };
-    let left = |dir: &Path| contents(dir).into_iter().filter(|(name, _)| is_alike(name)).collect::<BTreeMap<_, _>>();
+    let left = |dir: &Path| {
+        contents(dir)
+            .into_iter()
+            .filter(|(name, _)| is_alike(name))
+            .collect::<BTreeMap<_, _>>()
+    };
     let (found, due) = (left(dir), left(whole.path()));
     let odd = |a: &BTreeMap<String, Vec<u8>>, b: &BTreeMap<String, Vec<u8>>| -> Vec<String> {
-        a.keys().filter(|name| !b.contains_key(*name)).cloned().collect()
+        a.keys()
+            .filter(|name| !b.contains_key(*name))
+            .cloned()
+            .collect()
     };
-    assert_eq!([odd(&found, &due), odd(&due, &found)], [[""; 0]; 2], "files that only one of them has");
+    assert_eq!(
+        [odd(&found, &due), odd(&due, &found)],
+        [[""; 0]; 2],
+        "files that only one of them has"
+    );
     for (name, bytes) in &due {
         assert!(found[name] == *bytes, "{name} differs");
     }
@@ -178,7 +233,8 @@ pub fn assert_like_whole(dir: &Path, plan: &Plan) {
 }
 
 pub fn read(path: impl AsRef<Path>) -> Vec<u8> {
-    std::fs::read(path.as_ref()).unwrap_or_else(|error| panic!("{}: {error}", path.as_ref().display()))
+    std::fs::read(path.as_ref())
+        .unwrap_or_else(|error| panic!("{}: {error}", path.as_ref().display()))
 }
 
 /// Every file below `dir` with its content and, for files, its modification time.
@@ -187,10 +243,17 @@ pub fn snapshot(dir: &Path) -> BTreeMap<String, (Vec<u8>, std::time::SystemTime)
     for entry in std::fs::read_dir(dir).unwrap().map(Result::unwrap) {
         if entry.path().is_dir() {
             let name = entry.file_name().into_string().unwrap();
-            files.extend(snapshot(&entry.path()).into_iter().map(|(k, v)| (format!("{name}/{k}"), v)));
+            files.extend(
+                snapshot(&entry.path())
+                    .into_iter()
+                    .map(|(k, v)| (format!("{name}/{k}"), v)),
+            );
         } else {
             let time = entry.metadata().unwrap().modified().unwrap();
-            files.insert(entry.file_name().into_string().unwrap(), (std::fs::read(entry.path()).unwrap(), time));
+            files.insert(
+                entry.file_name().into_string().unwrap(),
+                (std::fs::read(entry.path()).unwrap(), time),
+            );
         }
     }
     files
@@ -198,6 +261,13 @@ pub fn snapshot(dir: &Path) -> BTreeMap<String, (Vec<u8>, std::time::SystemTime)
 
 /// Every file below `dir` with its content; empty without the folder.
 pub fn contents(dir: &Path) -> BTreeMap<String, Vec<u8>> {
-    let files = if dir.exists() { snapshot(dir) } else { BTreeMap::new() };
-    files.into_iter().map(|(name, (bytes, _))| (name, bytes)).collect()
+    let files = if dir.exists() {
+        snapshot(dir)
+    } else {
+        BTreeMap::new()
+    };
+    files
+        .into_iter()
+        .map(|(name, (bytes, _))| (name, bytes))
+        .collect()
 }

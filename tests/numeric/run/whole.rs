@@ -24,17 +24,39 @@ fn a_run_renders_each_radiance_once_and_leaves_everything() {
     let (dir, log, plan) = (tempfile::tempdir().unwrap(), log(), plan(EXPERIMENT));
     let outcome = invoke(&plan, dir.path(), &log, usize::MAX).unwrap();
     assert!(outcome.failures.is_empty() && !outcome.is_stopped);
-    // 2 models x 2 alphas, each with one reference, three sample counts and split-sum; two exposures share all of them.
+    // 2 models x 2 alphas, each with one reference, three sample counts and split-sum; two
+    // exposures share all of them.
     let renders = log.borrow().renders.clone();
     assert_eq!(renders.len(), 4 * 5);
-    assert_eq!(renders.iter().filter(|r| **r == ("reference".to_owned(), 64)).count(), 4);
+    assert_eq!(
+        renders
+            .iter()
+            .filter(|r| **r == ("reference".to_owned(), 64))
+            .count(),
+        4
+    );
 
     let table = Table::read(&dir.path().join("errors.csv")).unwrap();
     assert_eq!(table.rows.len(), 32);
-    assert_eq!(table.columns[..7], ["cell", "brdf", "method", "samples", "alpha", "perceptual_roughness", "exposure"]);
+    assert_eq!(
+        table.columns[..7],
+        [
+            "cell",
+            "brdf",
+            "method",
+            "samples",
+            "alpha",
+            "perceptual_roughness",
+            "exposure"
+        ]
+    );
     // Columns with one value come last.
     let place = |name: &str| table.column(name).unwrap();
-    assert!(place("environment") > place("verdict") && place("size") > place("verdict"), "{:?}", table.columns);
+    assert!(
+        place("environment") > place("verdict") && place("size") > place("verdict"),
+        "{:?}",
+        table.columns
+    );
     for (row, cell) in table.rows.iter().zip(&plan.cells) {
         assert_eq!(row[0], cell.id);
     }
@@ -49,25 +71,43 @@ fn a_run_renders_each_radiance_once_and_leaves_everything() {
         };
         assert_eq!(row[method] == "split-sum", samples[i].is_none());
         // All error of the fake is a factor; f32 pixels hold it to about 1e-7.
-        assert!((bias[i].unwrap() - f64::from(expected)).abs() < 1e-5, "{row:?}");
+        assert!(
+            (bias[i].unwrap() - f64::from(expected)).abs() < 1e-5,
+            "{row:?}"
+        );
         assert_eq!(row[verdict], "resolved");
     }
     for metric in splitsum::metrics::linear_metrics() {
         let floors = crate::table::numbers(&table, &format!("{}_noise_floor", metric.name));
-        assert!(floors.iter().all(|floor| floor.is_some_and(|f| f > 0.0)), "{}", metric.name);
+        assert!(
+            floors.iter().all(|floor| floor.is_some_and(|f| f > 0.0)),
+            "{}",
+            metric.name
+        );
     }
 
     let bins = Table::read(&dir.path().join("errors_by_n_dot_v.csv")).unwrap();
     let counts = crate::table::numbers(&bins, "pixel_count");
     let cells: Vec<&str> = bins.rows.iter().map(|row| row[0].as_str()).collect();
-    let of_first: f64 =
-        counts.iter().zip(&cells).filter(|(_, id)| **id == plan.cells[0].id).map(|(n, _)| n.unwrap()).sum();
+    let of_first: f64 = counts
+        .iter()
+        .zip(&cells)
+        .filter(|(_, id)| **id == plan.cells[0].id)
+        .map(|(n, _)| n.unwrap())
+        .sum();
     let inside = |i: usize| (i as f64 + 0.5) / 24.0 * 2.1 - 1.05;
-    let disc = (0..24 * 24).filter(|i| inside(i % 24).powi(2) + inside(i / 24).powi(2) < 1.0).count();
+    let disc = (0..24 * 24)
+        .filter(|i| inside(i % 24).powi(2) + inside(i / 24).powi(2) < 1.0)
+        .count();
     assert_eq!(of_first, disc as f64);
 
     let files = snapshot(dir.path());
-    let count = |folder: &str, end: &str| files.keys().filter(|f| f.starts_with(folder) && f.ends_with(end)).count();
+    let count = |folder: &str, end: &str| {
+        files
+            .keys()
+            .filter(|f| f.starts_with(folder) && f.ends_with(end))
+            .count()
+    };
     assert_eq!(count("images/", ".exr"), 20);
     // The exposure has no effect on the linear error.
     assert_eq!(count("images/", ".error.png"), 16);
@@ -78,47 +118,68 @@ fn a_run_renders_each_radiance_once_and_leaves_everything() {
     assert_eq!(count("tables/", ".svg"), 2);
     assert_eq!(count("cells/", ".json"), 32);
     assert_eq!(files["experiment.toml"].0, EXPERIMENT.as_bytes());
-    assert!(files.keys().all(|f| !f.ends_with(".part")), "temporary files are left: {:?}", files.keys());
+    assert!(
+        files.keys().all(|f| !f.ends_with(".part")),
+        "temporary files are left: {:?}",
+        files.keys()
+    );
 }
 
 /// A cell's scores do not depend on the cells before it: every tone curve has its own displays.
 /// The fake's frames without noise have half its radiance.
 #[test]
 fn the_lag_of_a_sequence_is_scored_against_the_reference() {
-    let (dir, plan) =
-        (tempfile::tempdir().unwrap(), plan(&EXPERIMENT.replace("exposure = [1, 10]", "frames = [1, 4]")));
+    let (dir, plan) = (
+        tempfile::tempdir().unwrap(),
+        plan(&EXPERIMENT.replace("exposure = [1, 10]", "frames = [1, 4]")),
+    );
     invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
     let table = Table::read(&dir.path().join("errors.csv")).unwrap();
-    let [frames, lag, bias, relmse] =
-        ["frames", "lag_bias", "bias_rel", "relmse"].map(|name| crate::table::numbers(&table, name));
+    let [frames, lag, bias, relmse] = ["frames", "lag_bias", "bias_rel", "relmse"]
+        .map(|name| crate::table::numbers(&table, name));
     for i in 0..table.rows.len() {
         let is_sequence = f64::from(u8::from(frames[i] == Some(4.0)));
         let expected = is_sequence * (0.5 - 0.5 / bias[i].unwrap()).powi(2) * relmse[i].unwrap();
-        assert!((lag[i].unwrap_or(0.0) - expected).abs() <= 1e-4 * expected, "{:?}", table.rows[i]);
+        assert!(
+            (lag[i].unwrap_or(0.0) - expected).abs() <= 1e-4 * expected,
+            "{:?}",
+            table.rows[i]
+        );
     }
 }
 
 #[test]
 fn a_cells_record_does_not_depend_on_other_cells() {
     let records = |exposures: &str, contrasts: &str| -> BTreeMap<String, serde_json::Value> {
-        let text = EXPERIMENT.replace("exposure = [1, 10]", &format!("exposure = {exposures}\ncontrast = {contrasts}"));
+        let text = EXPERIMENT.replace(
+            "exposure = [1, 10]",
+            &format!("exposure = {exposures}\ncontrast = {contrasts}"),
+        );
         let bench = Bench::finished(&text);
         let record = |cell: &splitsum::experiment::Cell| {
             let mut record = bench.json(&format!("cells/{}.json", cell.id));
             // A sweep of tone curves has one more image.
-            record.as_object_mut().unwrap().retain(|name, _| !["checksum", "files"].contains(&name.as_str()));
+            record
+                .as_object_mut()
+                .unwrap()
+                .retain(|name, _| !["checksum", "files"].contains(&name.as_str()));
             (cell.id.clone(), record)
         };
         bench.plan.cells.iter().map(record).collect()
     };
     let values = ["[1]", "[10]"];
-    let apart = values.map(|e| values.map(|c| records(e, c))).into_iter().flatten().flatten();
+    let apart = values
+        .map(|e| values.map(|c| records(e, c)))
+        .into_iter()
+        .flatten()
+        .flatten();
     assert_eq!(records("[1, 10]", "[1, 10]"), apart.collect());
 }
 
 #[test]
 fn each_row_has_the_count_at_which_its_reference_stopped() {
-    // The fake stops at 16 of 64 samples if the requested error is 1/1000 or more, else it takes all.
+    // The fake stops at 16 of 64 samples if the requested error is 1/1000 or more, else it takes
+    // all.
     for (asked, samples, stopped_by) in [
         ("", 64.0, "samples"),
         (", relative_error = 2e-3", 16.0, "relative-error"),
@@ -126,24 +187,48 @@ fn each_row_has_the_count_at_which_its_reference_stopped() {
     ] {
         let text = EXPERIMENT.replace("samples = 64", &format!("samples = 64{asked}"));
         let (dir, plan) = (tempfile::tempdir().unwrap(), plan(&text));
-        // A run stopped between two cells of one reference and resumed: the second invocation reads that reference back.
+        // A run stopped between two cells of one reference and resumed: the second invocation reads
+        // that reference back.
         invoke(&plan, dir.path(), &log(), 3).unwrap();
         invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
         let table = Table::read(&dir.path().join("errors.csv")).unwrap();
         assert_eq!(table.rows.len(), 32);
-        assert!(crate::table::numbers(&table, "reference_samples").iter().all(|n| *n == Some(samples)), "{asked}");
-        assert!(crate::table::numbers(&table, "reference_relative_error").iter().all(|x| *x == Some(1e-3)), "{asked}");
+        assert!(
+            crate::table::numbers(&table, "reference_samples")
+                .iter()
+                .all(|n| *n == Some(samples)),
+            "{asked}"
+        );
+        assert!(
+            crate::table::numbers(&table, "reference_relative_error")
+                .iter()
+                .all(|x| *x == Some(1e-3)),
+            "{asked}"
+        );
         let column = table.column("reference_stopped_by").unwrap();
-        assert!(table.rows.iter().all(|row| row[column] == stopped_by), "{asked}");
+        assert!(
+            table.rows.iter().all(|row| row[column] == stopped_by),
+            "{asked}"
+        );
         let says = match asked {
             "" => "64 samples per pixel (relative standard error: median 0.0010, largest 0.0010)",
             _ if stopped_by == "samples" => "64 samples per pixel at most; 0 of 4 stopped earlier",
-            _ => "64 samples per pixel at most; 4 of 4 stopped earlier at a relative standard error of 0.002",
+            _ => {
+                "64 samples per pixel at most; 4 of 4 stopped earlier at a relative standard error \
+                 of 0.002"
+            }
         };
-        assert!(summary(dir.path()).contains(says), "{}", summary(dir.path()));
+        assert!(
+            summary(dir.path()).contains(says),
+            "{}",
+            summary(dir.path())
+        );
         let whole = tempfile::tempdir().unwrap();
         invoke(&plan, whole.path(), &log(), usize::MAX).unwrap();
-        assert!(read(dir.path().join("errors.csv")) == read(whole.path().join("errors.csv")), "{asked}");
+        assert!(
+            read(dir.path().join("errors.csv")) == read(whole.path().join("errors.csv")),
+            "{asked}"
+        );
     }
 }
 
@@ -154,9 +239,23 @@ fn the_provenance_names_inputs_and_sessions() {
     bench.invoke(&log(), usize::MAX).unwrap();
     let value = bench.json("provenance.json");
     assert_eq!(value["plan_hash"], bench.plan.hash);
-    assert_eq!(value["inputs"]["builtin:constant"].as_str().unwrap().len(), 64);
-    assert_eq!(value["metrics"].as_array().unwrap().len(), splitsum::metrics::METRICS.len());
-    let [first, second] = &value["sessions"].as_array().unwrap()[..] else { panic!("{value:#}") };
-    assert_eq!((&first["device"]["name"], first["program_hash"].as_str().unwrap().len()), (&"fake".into(), 64));
+    assert_eq!(
+        value["inputs"]["builtin:constant"].as_str().unwrap().len(),
+        64
+    );
+    assert_eq!(
+        value["metrics"].as_array().unwrap().len(),
+        splitsum::metrics::METRICS.len()
+    );
+    let [first, second] = &value["sessions"].as_array().unwrap()[..] else {
+        panic!("{value:#}")
+    };
+    assert_eq!(
+        (
+            &first["device"]["name"],
+            first["program_hash"].as_str().unwrap().len()
+        ),
+        (&"fake".into(), 64)
+    );
     assert!(second["wall_s"].as_f64().unwrap() > 0.0);
 }

@@ -18,7 +18,11 @@ fn builtin(name: &str) -> Scene {
 /// Every built-in scene, camera kind and size.
 fn for_each_camera(mut check: impl FnMut(&Scene, &Camera, [u32; 2])) {
     // The scene `design` is not a picture, so nothing is framed.
-    for scene in SCENES.iter().map(|entry| builtin(entry.name)).filter(|scene| !scene.is_design) {
+    for scene in SCENES
+        .iter()
+        .map(|entry| builtin(entry.name))
+        .filter(|scene| !scene.is_design)
+    {
         for &kind in CameraKind::all() {
             for size in SIZES {
                 check(&scene, &Camera::for_scene(kind, &scene, size), size);
@@ -29,12 +33,20 @@ fn for_each_camera(mut check: impl FnMut(&Scene, &Camera, [u32; 2])) {
 
 /// The points that determine whether a scene fits: mesh corners, and points on the spheres.
 fn points(scene: &Scene) -> Vec<DVec3> {
-    let mut points: Vec<DVec3> = scene.meshes.iter().flat_map(|mesh| mesh.corners()).collect();
+    let mut points: Vec<DVec3> = scene
+        .meshes
+        .iter()
+        .flat_map(|mesh| mesh.corners())
+        .collect();
     for sphere in &scene.spheres {
         for i in 0..180 {
             for j in 0..360 {
                 let (theta, phi) = ((f64::from(i) + 0.5).to_radians(), f64::from(j).to_radians());
-                let n = DVec3::new(theta.sin() * phi.cos(), theta.cos(), theta.sin() * phi.sin());
+                let n = DVec3::new(
+                    theta.sin() * phi.cos(),
+                    theta.cos(),
+                    theta.sin() * phi.sin(),
+                );
                 points.push(sphere.center + sphere.radius * n);
             }
         }
@@ -75,13 +87,19 @@ fn pixels_are_square_and_the_short_side_keeps_its_extent() {
     for &kind in CameraKind::all() {
         let [_, contract] = Camera::for_scene(kind, &sphere, [100, 100]).extent(1.0);
         for (size, [x, y]) in [([200, 100], [2.0, 1.0]), ([100, 300], [1.0, 3.0])] {
-            let extent = Camera::for_scene(kind, &sphere, size).extent(f64::from(size[0]) / f64::from(size[1]));
+            let extent = Camera::for_scene(kind, &sphere, size)
+                .extent(f64::from(size[0]) / f64::from(size[1]));
             assert!(
-                (extent[0] - x * contract).abs() < ROUNDING && (extent[1] - y * contract).abs() < ROUNDING,
+                (extent[0] - x * contract).abs() < ROUNDING
+                    && (extent[1] - y * contract).abs() < ROUNDING,
                 "{kind:?} {size:?}: {extent:?}"
             );
-            let ball = Camera::for_scene(CameraKind::Perspective, &builtin("shader-ball"), size).extent(x / y);
-            assert!((ball[0].min(ball[1]) - 16f64.to_radians().tan()).abs() < ROUNDING, "{size:?}: {ball:?}");
+            let ball = Camera::for_scene(CameraKind::Perspective, &builtin("shader-ball"), size)
+                .extent(x / y);
+            assert!(
+                (ball[0].min(ball[1]) - 16f64.to_radians().tan()).abs() < ROUNDING,
+                "{size:?}: {ball:?}"
+            );
         }
     }
 }
@@ -107,7 +125,13 @@ fn clip_space_and_rays_agree_at_every_pixel_centre() {
         let aspect = f64::from(size[0]) / f64::from(size[1]);
         let clip_from_world = clip_from_world(camera, aspect);
         let world_from_clip = clip_from_world.inverse();
-        for (x, y) in [(0, 0), (size[0] - 1, 0), (7, 11), (size[0] / 2, size[1] / 2), (size[0] - 1, size[1] - 1)] {
+        for (x, y) in [
+            (0, 0),
+            (size[0] - 1, 0),
+            (7, 11),
+            (size[0] / 2, size[1] / 2),
+            (size[0] - 1, size[1] - 1),
+        ] {
             let (origin, direction) = camera.ray(x, y, size);
             let mut last_depth = 0.0;
             for part in [0.01, 0.3, 0.6, 0.99] {
@@ -115,15 +139,30 @@ fn clip_space_and_rays_agree_at_every_pixel_centre() {
                 let p = origin + direction * (along / direction.dot(camera.forward));
                 let clip = clip_from_world * p.extend(1.0);
                 let ndc = clip.xyz() / clip.w;
-                let expected =
-                    [f64::from(2 * x + 1) / f64::from(size[0]) - 1.0, f64::from(2 * y + 1) / f64::from(size[1]) - 1.0];
+                let expected = [
+                    f64::from(2 * x + 1) / f64::from(size[0]) - 1.0,
+                    f64::from(2 * y + 1) / f64::from(size[1]) - 1.0,
+                ];
                 let off = ndc.xy() - DVec2::from_array(expected);
-                assert!(off.abs().max_element() < ROUNDING, "{} {size:?} ({x}, {y}): {ndc}", scene.name);
-                assert!(ndc.z > last_depth && ndc.z < 1.0, "{}: depth {} after {last_depth}", scene.name, ndc.z);
+                assert!(
+                    off.abs().max_element() < ROUNDING,
+                    "{} {size:?} ({x}, {y}): {ndc}",
+                    scene.name
+                );
+                assert!(
+                    ndc.z > last_depth && ndc.z < 1.0,
+                    "{}: depth {} after {last_depth}",
+                    scene.name,
+                    ndc.z
+                );
                 last_depth = ndc.z;
                 let back = world_from_clip * clip;
                 let off = (back.xyz() / back.w - p).length();
-                assert!(off < ROUNDING * p.length(), "{}: {back} is not {p}", scene.name);
+                assert!(
+                    off < ROUNDING * p.length(),
+                    "{}: {back} is not {p}",
+                    scene.name
+                );
             }
         }
     });
@@ -138,24 +177,50 @@ fn cameras_frame_their_scene_tightly() {
         for p in points(scene) {
             let clip = clip_from_world * p.extend(1.0);
             let ndc = clip.xyz() / clip.w;
-            assert!(clip.w > 0.0 && ndc.z > 0.0 && ndc.z < 1.0, "{}: {p} is cut off by near or far", scene.name);
+            assert!(
+                clip.w > 0.0 && ndc.z > 0.0 && ndc.z < 1.0,
+                "{}: {p} is cut off by near or far",
+                scene.name
+            );
             largest = largest.max(ndc.x.abs()).max(ndc.y.abs());
         }
         // The sphere under the perspective camera has the contract's margin, 1.10.
-        assert!(largest < 1.0 && largest > 0.9, "{} in {size:?} fills {largest}", scene.name);
+        assert!(
+            largest < 1.0 && largest > 0.9,
+            "{} in {size:?} fills {largest}",
+            scene.name
+        );
     });
 }
 
 #[test]
 fn an_override_reaches_every_material_and_the_hash() {
     let scene = builtin("spheres");
-    let values = MaterialOverride { alpha: Some(0.4), f0: Some([1.0, 0.5, 0.25]), ..MaterialOverride::default() };
+    let values = MaterialOverride {
+        alpha: Some(0.4),
+        f0: Some([1.0, 0.5, 0.25]),
+        ..MaterialOverride::default()
+    };
     let changed = scene.apply(&values);
-    assert!(changed.materials.iter().all(|material| material.alpha == 0.4 && material.f0 == [1.0, 0.5, 0.25]));
-    let metallic = |scene: &Scene| scene.materials.iter().map(|material| material.metallic).collect::<Vec<_>>();
+    assert!(
+        changed
+            .materials
+            .iter()
+            .all(|material| material.alpha == 0.4 && material.f0 == [1.0, 0.5, 0.25])
+    );
+    let metallic = |scene: &Scene| {
+        scene
+            .materials
+            .iter()
+            .map(|material| material.metallic)
+            .collect::<Vec<_>>()
+    };
     assert_eq!(metallic(&changed), metallic(&scene));
     assert_ne!(changed.hash, scene.hash);
     assert_eq!(scene.apply(&MaterialOverride::default()).hash, scene.hash);
-    let hashes: HashSet<String> = SCENES.iter().map(|entry| builtin(entry.name).hash).collect();
+    let hashes: HashSet<String> = SCENES
+        .iter()
+        .map(|entry| builtin(entry.name).hash)
+        .collect();
     assert_eq!(hashes.len(), SCENES.len());
 }

@@ -7,7 +7,8 @@ use splitsum::scene::{Camera, CameraKind, MaterialOverride, Scene};
 use splitsum::spelling::Listed;
 use std::path::Path;
 
-/// Two exact renderers may differ in pixels whose centre is this near to the silhouette (in pixels).
+/// Two exact renderers may differ in pixels whose centre is this near to the silhouette (in
+/// pixels).
 const RIM_PIXELS: f64 = 1e-3;
 
 fn xyz(texel: [f64; 4]) -> DVec3 {
@@ -15,13 +16,19 @@ fn xyz(texel: [f64; 4]) -> DVec3 {
 }
 
 fn golden_mask(name: &str) -> GrayImage {
-    exr::read(&Path::new("tests/golden").join(name)).unwrap().rgb.map(|[mask, ..]| mask)
+    exr::read(&Path::new("tests/golden").join(name))
+        .unwrap()
+        .rgb
+        .map(|[mask, ..]| mask)
 }
 
 /// Masks made by another renderer from the same contract.
 #[test]
 fn masks_equal_the_goldens() {
-    for (kind, name) in [(CameraKind::Ortho, "mask_ortho.exr"), (CameraKind::Perspective, "mask_persp.exr")] {
+    for (kind, name) in [
+        (CameraKind::Ortho, "mask_ortho.exr"),
+        (CameraKind::Perspective, "mask_persp.exr"),
+    ] {
         let golden = golden_mask(name);
         let size = [golden.width, golden.height];
         let scene = Scene::load("sphere", Path::new("")).expect("built in");
@@ -67,7 +74,9 @@ fn a_sphere_is_exact_and_misses_are_zero() {
                 }
                 let sphere = &scene.spheres[f0[3] as usize];
                 hit_count[f0[3] as usize] += 1;
-                assert!((xyz(position) - sphere.center - sphere.radius * xyz(normal)).length() < 1e-12);
+                assert!(
+                    (xyz(position) - sphere.center - sphere.radius * xyz(normal)).length() < 1e-12
+                );
                 assert!((xyz(normal).length() - 1.0).abs() < 1e-12);
                 assert!(n_dot_v.get(x, y) >= 0.0);
                 let (origin, direction) = camera.ray(x, y, size);
@@ -81,7 +90,10 @@ fn a_sphere_is_exact_and_misses_are_zero() {
                 assert!((f0[0] - f64::from(expected)).abs() < 1e-7);
             }
         }
-        assert!(hit_count.iter().all(|&count| count > 50), "{kind:?}: {hit_count:?}");
+        assert!(
+            hit_count.iter().all(|&count| count > 50),
+            "{kind:?}: {hit_count:?}"
+        );
     }
 }
 
@@ -99,8 +111,9 @@ fn a_mesh_is_shaded_on_both_sides() {
     assert!((below.forward.cross(below.up) - below.right).length() < 1e-12);
     for (camera, normal) in [(above, DVec3::Y), (below, DVec3::NEG_Y)] {
         let images = gbuffer(&plane, &camera, size);
-        let hits: Vec<usize> =
-            (0..images.position_mask.data.len()).filter(|&i| images.position_mask.data[i][3] == 1.0).collect();
+        let hits: Vec<usize> = (0..images.position_mask.data.len())
+            .filter(|&i| images.position_mask.data[i][3] == 1.0)
+            .collect();
         assert!(hits.len() > 300, "{} pixels", hits.len());
         for i in hits {
             assert_eq!(xyz(images.normal_alpha.data[i]), normal);
@@ -109,11 +122,16 @@ fn a_mesh_is_shaded_on_both_sides() {
     }
 }
 
-/// Metals take their f0 from the albedo, dielectrics keep theirs; the albedo itself is stored as it is.
+/// Metals take their f0 from the albedo, dielectrics keep theirs; the albedo itself is stored as it
+/// is.
 #[test]
 fn f0_follows_metallic() {
     let scene = Scene::load("sphere", Path::new("")).expect("built in");
-    for (metallic, f0) in [(0.0, [0.1, 0.2, 0.3]), (1.0, [0.9, 0.5, 0.1]), (0.5, [0.5, 0.35, 0.2])] {
+    for (metallic, f0) in [
+        (0.0, [0.1, 0.2, 0.3]),
+        (1.0, [0.9, 0.5, 0.1]),
+        (0.5, [0.5, 0.35, 0.2]),
+    ] {
         let values = MaterialOverride {
             albedo: Some([0.9, 0.5, 0.1]),
             f0: Some([0.1, 0.2, 0.3]),

@@ -15,19 +15,29 @@ use splitsum::scene::{Camera, CameraKind, MaterialOverride, Mesh, Projection, Sc
 /// Rounding of f32 numbers of order 1.
 pub const F32: f64 = 1e-6;
 
-/// The square [-1, 1]² of the plane z = 0 with its front to +z; u grows to +x, v, as glTF counts it, to -y.
+/// The square [-1, 1]² of the plane z = 0 with its front to +z; u grows to +x, v, as glTF counts
+/// it, to -y.
 pub fn quad() -> Value {
     let positions = [-1., 1., 0., -1., -1., 0., 1., -1., 0., 1., 1., 0.];
     let normals = [0., 0., 1.].repeat(4);
     let uvs = [0., 0., 0., 1., 1., 1., 1., 0.];
-    mesh(&[("POSITION", 3, &positions), ("NORMAL", 3, &normals), ("TEXCOORD_0", 2, &uvs)], &[0, 1, 2, 0, 2, 3])
+    mesh(
+        &[
+            ("POSITION", 3, &positions),
+            ("NORMAL", 3, &normals),
+            ("TEXCOORD_0", 2, &uvs),
+        ],
+        &[0, 1, 2, 0, 2, 3],
+    )
 }
 
 /// A model as a binary file without a binary part.
 pub fn glb(model: &Value) -> Vec<u8> {
     let text = model.to_string();
     let padded = format!("{text:<width$}", width = text.len().next_multiple_of(4));
-    let words = [2, 20 + padded.len() as u32, padded.len() as u32].map(u32::to_le_bytes).concat();
+    let words = [2, 20 + padded.len() as u32, padded.len() as u32]
+        .map(u32::to_le_bytes)
+        .concat();
     [b"glTF", &words[..], b"JSON", padded.as_bytes()].concat()
 }
 
@@ -47,7 +57,8 @@ pub fn seen(scene: &Scene, size: [u32; 2], toward_viewer: DVec3) -> Gbuffer<f64>
         forward: -toward_viewer,
         up: DVec3::Y,
         right: DVec3::Y.cross(toward_viewer),
-        // Half of the height; the width follows from the image's aspect, so the square is as wide as the image.
+        // Half of the height; the width follows from the image's aspect, so the square is as wide
+        // as the image.
         projection: Projection::Ortho { half_height: 1.0 },
         ..front
     };
@@ -69,18 +80,30 @@ fn a_node_that_is_turned_is_the_model_turned() {
         let (before, after) = (&loaded(&plain).meshes[0], &loaded(&model).meshes[0]);
         assert_eq!(after.positions.len(), 4);
         for i in 0..4 {
-            let to_world = |p: DVec3| scale * (turn * p + DVec3::new(1.0, 2.0, 3.0)) + DVec3::new(0.5, -1.0, 2.0);
+            let to_world = |p: DVec3| {
+                scale * (turn * p + DVec3::new(1.0, 2.0, 3.0)) + DVec3::new(0.5, -1.0, 2.0)
+            };
             let position = to_world(vector(before.positions[i]));
-            assert!((vector(after.positions[i]) - position).length() < 5.0 * F32, "position {i}");
-            // A normal stays perpendicular to the surface: it is divided by the scale, not multiplied.
+            assert!(
+                (vector(after.positions[i]) - position).length() < 5.0 * F32,
+                "position {i}"
+            );
+            // A normal stays perpendicular to the surface: it is divided by the scale, not
+            // multiplied.
             let normal = (turn * vector(before.normals[i]) / scale).normalize();
-            assert!((vector(after.normals[i]) - normal).length() < F32, "normal {i}, scale {scale}");
+            assert!(
+                (vector(after.normals[i]) - normal).length() < F32,
+                "normal {i}, scale {scale}"
+            );
         }
         // The front stays the front, also after mirroring.
         for mesh in [before, after] {
             for triangle in mesh.triangles() {
                 let [a, b, c] = triangle.map(|i| vector(mesh.positions[i as usize]));
-                let sum: DVec3 = triangle.iter().map(|&i| vector(mesh.normals[i as usize])).sum();
+                let sum: DVec3 = triangle
+                    .iter()
+                    .map(|&i| vector(mesh.normals[i as usize]))
+                    .sum();
                 assert!((b - a).cross(c - a).dot(sum) > 0.0, "scale {scale}");
             }
         }
@@ -88,19 +111,30 @@ fn a_node_that_is_turned_is_the_model_turned() {
     let mut columns = plain.clone();
     columns["nodes"][0]["matrix"] = json!([0, 1, 0, 0, -1, 0, 0, 0, 0, 0, 1, 0, 5, 6, 7, 1]);
     let turned = &loaded(&columns).meshes[0];
-    assert!((vector(turned.positions[0]) - DVec3::new(6.0, 5.0, 7.0)).length() < F32, "a quarter turn about z");
+    assert!(
+        (vector(turned.positions[0]) - DVec3::new(6.0, 5.0, 7.0)).length() < F32,
+        "a quarter turn about z"
+    );
 }
 
 fn triangle_corners(mesh: &Mesh) -> Vec<[DVec3; 3]> {
-    mesh.triangles().map(|triangle| triangle.map(|i| vector(mesh.positions[i as usize]))).collect()
+    mesh.triangles()
+        .map(|triangle| triangle.map(|i| vector(mesh.positions[i as usize])))
+        .collect()
 }
 
-/// Strips and fans reverse every other triangle; bytes, strides and sparse elements are other encodings of the same numbers.
+/// Strips and fans reverse every other triangle; bytes, strides and sparse elements are other
+/// encodings of the same numbers.
 #[test]
 fn every_form_of_a_mesh_gives_the_same_triangles() {
     let plain = quad();
     let expected = triangle_corners(&loaded(&plain).meshes[0]);
-    let area = |corners: &[[DVec3; 3]]| -> DVec3 { corners.iter().map(|[a, b, c]| 0.5 * (b - a).cross(c - a)).sum() };
+    let area = |corners: &[[DVec3; 3]]| -> DVec3 {
+        corners
+            .iter()
+            .map(|[a, b, c]| 0.5 * (b - a).cross(c - a))
+            .sum()
+    };
     assert!((area(&expected) - DVec3::new(0.0, 0.0, 4.0)).length() < F32);
     for (mode, indices) in [(5, [1u16, 2, 0, 3]), (6, [0, 1, 2, 3])] {
         let positions = [-1., 1., 0., -1., -1., 0., 1., -1., 0., 1., 1., 0.];
@@ -108,12 +142,23 @@ fn every_form_of_a_mesh_gives_the_same_triangles() {
         model["meshes"][0]["primitives"][0]["mode"] = json!(mode);
         let corners = triangle_corners(&loaded(&model).meshes[0]);
         assert_eq!(corners.len(), 2);
-        assert!(corners.iter().all(|corners| (area(&[*corners]) - DVec3::new(0.0, 0.0, 2.0)).length() < F32), "{mode}");
+        assert!(
+            corners
+                .iter()
+                .all(|corners| (area(&[*corners]) - DVec3::new(0.0, 0.0, 2.0)).length() < F32),
+            "{mode}"
+        );
     }
     let mut bare = plain.clone();
-    bare["meshes"][0]["primitives"][0]["attributes"].as_object_mut().unwrap().remove("NORMAL");
+    bare["meshes"][0]["primitives"][0]["attributes"]
+        .as_object_mut()
+        .unwrap()
+        .remove("NORMAL");
     let flat = &loaded(&bare).meshes[0];
-    assert!(flat.normals.iter().all(|normal| *normal == [0.0, 0.0, 1.0]), "the triangles' own normals");
+    assert!(
+        flat.normals.iter().all(|normal| *normal == [0.0, 0.0, 1.0]),
+        "the triangles' own normals"
+    );
 
     // Application-specific attributes are ignored.
     let mut named = plain.clone();
@@ -122,14 +167,25 @@ fn every_form_of_a_mesh_gives_the_same_triangles() {
 
     // Interleaved positions and normals; a sparse element moves the last corner.
     let bent = loaded(&sheet()).meshes.remove(0);
-    let rows: Vec<f32> = (0..4).flat_map(|i| [bent.positions[i], bent.normals[i]].concat()).collect();
-    let mut model = mesh(&[("POSITION", 3, &rows[..12]), ("NORMAL", 3, &rows[12..])], &[0, 1, 2, 0, 2, 3]);
-    let both: Vec<u8> = rows.iter().flat_map(|x| x.to_le_bytes()).chain([3, 0, 0, 0]).collect();
+    let rows: Vec<f32> = (0..4)
+        .flat_map(|i| [bent.positions[i], bent.normals[i]].concat())
+        .collect();
+    let mut model = mesh(
+        &[("POSITION", 3, &rows[..12]), ("NORMAL", 3, &rows[12..])],
+        &[0, 1, 2, 0, 2, 3],
+    );
+    let both: Vec<u8> = rows
+        .iter()
+        .flat_map(|x| x.to_le_bytes())
+        .chain([3, 0, 0, 0])
+        .collect();
     use base64::Engine;
-    let uri = base64::prelude::BASE64_STANDARD.encode([both, 9f32.to_le_bytes().repeat(3)].concat());
+    let uri =
+        base64::prelude::BASE64_STANDARD.encode([both, 9f32.to_le_bytes().repeat(3)].concat());
     model["buffers"][0] = json!({ "uri": format!("data:;base64,{uri}"), "byteLength": 112 });
     model["bufferViews"][0] = json!({ "buffer": 0, "byteLength": 96, "byteStride": 24 });
-    model["bufferViews"][1] = json!({ "buffer": 0, "byteOffset": 12, "byteLength": 84, "byteStride": 24 });
+    model["bufferViews"][1] =
+        json!({ "buffer": 0, "byteOffset": 12, "byteLength": 84, "byteStride": 24 });
     let views = model["bufferViews"].as_array_mut().unwrap();
     views.push(json!({ "buffer": 0, "byteOffset": 96, "byteLength": 4 }));
     views.push(json!({ "buffer": 0, "byteOffset": 100, "byteLength": 12 }));
@@ -147,22 +203,33 @@ fn every_form_of_a_mesh_gives_the_same_triangles() {
 /// `KHR_mesh_quantization`: integers are plain numbers, or fractions of the largest one from -1 on.
 #[test]
 fn quantized_positions_are_decoded() {
-    for (kind, width, largest, least) in
-        [(5120, 1, 127, -128), (5121, 1, 255, 0), (5122, 2, 32767, -32768), (5123, 2, 65535, 0)]
-    {
-        let corners: [[i32; 3]; 4] =
-            [[least, 0, 3], [largest, 0, 3], [largest, largest / 3, 3], [least, largest / 3, 3]];
+    for (kind, width, largest, least) in [
+        (5120, 1, 127, -128),
+        (5121, 1, 255, 0),
+        (5122, 2, 32767, -32768),
+        (5123, 2, 65535, 0),
+    ] {
+        let corners: [[i32; 3]; 4] = [
+            [least, 0, 3],
+            [largest, 0, 3],
+            [largest, largest / 3, 3],
+            [least, largest / 3, 3],
+        ];
         // Rows of four numbers, as elements begin at multiples of four bytes.
         let rows = corners.iter().flat_map(|[x, y, z]| [*x, *y, *z, 0]);
-        let bytes: Vec<u8> = rows.flat_map(|x| x.to_le_bytes()[..width].to_vec()).collect();
+        let bytes: Vec<u8> = rows
+            .flat_map(|x| x.to_le_bytes()[..width].to_vec())
+            .collect();
         for is_fraction in [false, true] {
             let mut model = quad();
             use base64::Engine;
             let uri = base64::prelude::BASE64_STANDARD.encode(&bytes);
             model["extensionsUsed"] = json!(["KHR_mesh_quantization"]);
             model["extensionsRequired"] = json!(["KHR_mesh_quantization"]);
-            model["buffers"][0] = json!({ "uri": format!("data:;base64,{uri}"), "byteLength": bytes.len() });
-            model["bufferViews"][0] = json!({ "buffer": 0, "byteLength": bytes.len(), "byteStride": 4 * width });
+            model["buffers"][0] =
+                json!({ "uri": format!("data:;base64,{uri}"), "byteLength": bytes.len() });
+            model["bufferViews"][0] =
+                json!({ "buffer": 0, "byteLength": bytes.len(), "byteStride": 4 * width });
             model["accessors"][0]["componentType"] = json!(kind);
             model["accessors"][0]["normalized"] = json!(is_fraction);
             let scene = loaded(&model);
@@ -171,7 +238,10 @@ fn quantized_positions_are_decoded() {
                 let fraction = |x: i32| (f64::from(x) / f64::from(largest)).max(-1.0);
                 let wanted = corner.map(|x| if is_fraction { fraction(x) } else { x.into() });
                 let error = (vector(*found) - DVec3::from_array(wanted)).length();
-                assert!(error < F32, "{kind}, {is_fraction}: {found:?} for {wanted:?}");
+                assert!(
+                    error < F32,
+                    "{kind}, {is_fraction}: {found:?} for {wanted:?}"
+                );
             }
         }
     }
@@ -189,7 +259,11 @@ fn a_textured_square_has_the_texels_of_its_textures() {
             "baseColorTexture": { "index": 0 }, "metallicRoughnessTexture": { "index": 1 },
         },
     });
-    let scene = loaded(&textured(quad(), material, &[png(4, 4, color), png(4, 4, surface)]));
+    let scene = loaded(&textured(
+        quad(),
+        material,
+        &[png(4, 4, color), png(4, 4, surface)],
+    ));
     assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
     let images = seen(&scene, size, DVec3::Z);
     let byte = |x: u8| f64::from(x) / 255.0;
@@ -199,11 +273,24 @@ fn a_textured_square_has_the_texels_of_its_textures() {
         let [_, green, blue] = surface(x, y);
         let alpha = alpha_from_perceptual_roughness(0.75 * byte(green));
         let expected = [albedo.x, albedo.y, albedo.z, 0.5 * byte(blue)];
-        let (surface, normal) = (images.albedo_metallic.get(x, y), images.normal_alpha.get(x, y));
-        assert!((0..4).all(|c| (surface[c] - expected[c]).abs() < F32), "({x}, {y}): {surface:?}, {expected:?}");
-        assert!((normal[3] - alpha).abs() < F32, "({x}, {y}): alpha {} for {alpha}", normal[3]);
+        let (surface, normal) = (
+            images.albedo_metallic.get(x, y),
+            images.normal_alpha.get(x, y),
+        );
+        assert!(
+            (0..4).all(|c| (surface[c] - expected[c]).abs() < F32),
+            "({x}, {y}): {surface:?}, {expected:?}"
+        );
+        assert!(
+            (normal[3] - alpha).abs() < F32,
+            "({x}, {y}): alpha {} for {alpha}",
+            normal[3]
+        );
         let f0 = DVec3::splat(0.04).lerp(albedo, expected[3]);
-        assert!((0..3).all(|c| (images.f0_material.get(x, y)[c] - f0[c]).abs() < F32), "f0 of ({x}, {y})");
+        assert!(
+            (0..3).all(|c| (images.f0_material.get(x, y)[c] - f0[c]).abs() < F32),
+            "f0 of ({x}, {y})"
+        );
     }
 }
 
@@ -221,57 +308,109 @@ fn a_normal_map_turns_the_normal_into_its_frame() {
         DVec3::new(normal[0], normal[1], normal[2])
     };
     let map = |model: Value, scale: f64| {
-        let material = json!({ "doubleSided": true, "normalTexture": { "index": 0, "scale": scale } });
+        let material =
+            json!({ "doubleSided": true, "normalTexture": { "index": 0, "scale": scale } });
         textured(model, material, &[png(1, 1, |_, _| texel)])
     };
     let expect = |what: &str, actual: DVec3, expected: DVec3| {
-        assert!((actual - expected.normalize()).length() < F32, "{what}: {actual}, expected {}", expected.normalize());
+        assert!(
+            (actual - expected.normalize()).length() < F32,
+            "{what}: {actual}, expected {}",
+            expected.normalize()
+        );
     };
     // Red to the right, green up, as the specification has it (3.9.3), though v grows downward.
     expect("as it is", normal_of(map(quad(), 1.0), DVec3::Z), m);
-    expect("scaled", normal_of(map(quad(), 0.5), DVec3::Z), m * DVec3::new(0.5, 0.5, 1.0));
+    expect(
+        "scaled",
+        normal_of(map(quad(), 0.5), DVec3::Z),
+        m * DVec3::new(0.5, 0.5, 1.0),
+    );
     expect("from behind", normal_of(map(quad(), 1.0), DVec3::NEG_Z), -m);
 
     let uvs: Vec<f32> = vec![1., 0., 1., 1., 0., 1., 0., 0.];
     let positions = [-1., 1., 0., -1., -1., 0., 1., -1., 0., 1., 1., 0.];
     let normals = [0., 0., 1.].repeat(4);
-    let attributes: [(&str, usize, &[f32]); 3] =
-        [("POSITION", 3, &positions), ("NORMAL", 3, &normals), ("TEXCOORD_0", 2, &uvs)];
+    let attributes: [(&str, usize, &[f32]); 3] = [
+        ("POSITION", 3, &positions),
+        ("NORMAL", 3, &normals),
+        ("TEXCOORD_0", 2, &uvs),
+    ];
     let mirrored = mesh(&attributes, &[0, 1, 2, 0, 2, 3]);
-    expect("u to the left", normal_of(map(mirrored, 1.0), DVec3::Z), m * DVec3::new(-1.0, 1.0, 1.0));
+    expect(
+        "u to the left",
+        normal_of(map(mirrored, 1.0), DVec3::Z),
+        m * DVec3::new(-1.0, 1.0, 1.0),
+    );
 
     // Tangents of the file instead of computed ones: a quarter turn, with the other handedness.
     let tangents = [0., 1., 0., -1.].repeat(4);
-    let given = mesh(&[&attributes[..], &[("TANGENT", 4, &tangents)]].concat(), &[0, 1, 2, 0, 2, 3]);
+    let given = mesh(
+        &[&attributes[..], &[("TANGENT", 4, &tangents)]].concat(),
+        &[0, 1, 2, 0, 2, 3],
+    );
     // The bitangent is -(z x y) = x.
-    expect("given", normal_of(map(given.clone(), 1.0), DVec3::Z), DVec3::new(m.y, m.x, m.z));
+    expect(
+        "given",
+        normal_of(map(given.clone(), 1.0), DVec3::Z),
+        DVec3::new(m.y, m.x, m.z),
+    );
     let mut given = map(given, 1.0);
     given["nodes"][0]["scale"] = json!([-1, 1, 1]);
-    expect("given, mirrored", normal_of(given, DVec3::Z), DVec3::new(-m.y, m.x, m.z));
+    expect(
+        "given, mirrored",
+        normal_of(given, DVec3::Z),
+        DVec3::new(-m.y, m.x, m.z),
+    );
 
     // After a quarter turn about y the square faces +x; mirrored in x, its picture is mirrored.
     let half = std::f64::consts::FRAC_1_SQRT_2;
     let mut turned = map(quad(), 1.0);
     turned["nodes"][0]["rotation"] = json!([0, half, 0, half]);
-    expect("turned", normal_of(turned, DVec3::X), DVec3::new(m.z, m.y, -m.x));
+    expect(
+        "turned",
+        normal_of(turned, DVec3::X),
+        DVec3::new(m.z, m.y, -m.x),
+    );
     let mut flipped = map(quad(), 1.0);
     flipped["nodes"][0]["scale"] = json!([-1, 1, 1]);
-    expect("mirrored", normal_of(flipped, DVec3::Z), m * DVec3::new(-1.0, 1.0, 1.0));
+    expect(
+        "mirrored",
+        normal_of(flipped, DVec3::Z),
+        m * DVec3::new(-1.0, 1.0, 1.0),
+    );
 }
 
-/// A constant map of (0.5, 0.5, 1) has no effect; 8 bits have no such number, so its texels are set directly.
+/// A constant map of (0.5, 0.5, 1) has no effect; 8 bits have no such number, so its texels are set
+/// directly.
 #[test]
 fn a_flat_normal_map_changes_nothing() {
     let plain = sheet();
     let material = json!({ "doubleSided": true, "normalTexture": { "index": 0 } });
-    let mut mapped = loaded(&textured(plain.clone(), material, &[png(2, 2, |_, _| [128, 128, 255])]));
+    let mut mapped = loaded(&textured(
+        plain.clone(),
+        material,
+        &[png(2, 2, |_, _| [128, 128, 255])],
+    ));
     let decoded = mapped.textures[0].levels[0].data[0];
-    assert!(decoded[..2].iter().all(|x| (x - 1.0 / 255.0).abs() < 1e-6) && decoded[2] == 1.0, "{decoded:?}");
+    assert!(
+        decoded[..2].iter().all(|x| (x - 1.0 / 255.0).abs() < 1e-6) && decoded[2] == 1.0,
+        "{decoded:?}"
+    );
     mapped.textures[0] = Texture::new(RgbImage::filled(2, 2, [0.0, 0.0, 1.0]), Wrap::REPEAT);
     let tangents = &mapped.meshes[0].tangents;
-    assert!(tangents.iter().all(|t| (vector([t[0], t[1], t[2]]).length() - 1.0).abs() < F32 && t[3].abs() == 1.0));
+    assert!(
+        tangents
+            .iter()
+            .all(|t| (vector([t[0], t[1], t[2]]).length() - 1.0).abs() < F32 && t[3].abs() == 1.0)
+    );
     let [with, without] = [&mapped, &loaded(&plain)].map(|scene| seen(scene, [9, 9], DVec3::Z));
-    for (a, b) in with.normal_alpha.data.iter().zip(&without.normal_alpha.data) {
+    for (a, b) in with
+        .normal_alpha
+        .data
+        .iter()
+        .zip(&without.normal_alpha.data)
+    {
         assert!((0..4).all(|c| (a[c] - b[c]).abs() < 1e-12), "{a:?}, {b:?}");
     }
 }
@@ -293,20 +432,41 @@ fn axes_replace_factors() {
         f0: Some([f0; 3]),
         ..MaterialOverride::default()
     };
-    let images = [loaded(&model), loaded(&quad()).apply(&values)].map(|scene| seen(&scene, [3, 3], DVec3::Z));
-    let all = |g: &Gbuffer<f64>| [&g.normal_alpha, &g.albedo_metallic, &g.f0_material].map(|image| image.data.concat());
-    for (a, b) in all(&images[0]).iter().flatten().zip(all(&images[1]).iter().flatten()) {
+    let images = [loaded(&model), loaded(&quad()).apply(&values)]
+        .map(|scene| seen(&scene, [3, 3], DVec3::Z));
+    let all = |g: &Gbuffer<f64>| {
+        [&g.normal_alpha, &g.albedo_metallic, &g.f0_material].map(|image| image.data.concat())
+    };
+    for (a, b) in all(&images[0])
+        .iter()
+        .flatten()
+        .zip(all(&images[1]).iter().flatten())
+    {
         assert!((a - b).abs() < 1e-7, "{a}, {b}");
     }
     // A material without properties is a rough white metal; a value of an axis replaces the map.
     let default = &loaded(&quad()).materials[0];
-    assert_eq!((default.albedo, default.metallic, default.alpha, default.f0), ([1.0; 3], 1.0, 1.0, [0.04; 3]));
-    let material = json!({ "pbrMetallicRoughness": { "metallicRoughnessTexture": { "index": 0 } } });
-    let mapped = loaded(&textured(quad(), material, &[png(1, 1, |_, _| [0, 51, 102])]));
-    let set = mapped.apply(&MaterialOverride { alpha: Some(0.5), ..MaterialOverride::default() });
+    assert_eq!(
+        (default.albedo, default.metallic, default.alpha, default.f0),
+        ([1.0; 3], 1.0, 1.0, [0.04; 3])
+    );
+    let material =
+        json!({ "pbrMetallicRoughness": { "metallicRoughnessTexture": { "index": 0 } } });
+    let mapped = loaded(&textured(
+        quad(),
+        material,
+        &[png(1, 1, |_, _| [0, 51, 102])],
+    ));
+    let set = mapped.apply(&MaterialOverride {
+        alpha: Some(0.5),
+        ..MaterialOverride::default()
+    });
     let texel = |scene: &Scene| {
         let images = seen(scene, [1, 1], DVec3::Z);
-        [images.normal_alpha.data[0][3], images.albedo_metallic.data[0][3]]
+        [
+            images.normal_alpha.data[0][3],
+            images.albedo_metallic.data[0][3],
+        ]
     };
     let near = |[a, b]: [f64; 2], [c, d]: [f64; 2]| (a - c).abs() < F32 && (b - d).abs() < F32;
     assert!(near(texel(&mapped), [0.04, 0.4]), "{:?}", texel(&mapped));
@@ -316,12 +476,27 @@ fn axes_replace_factors() {
 #[test]
 fn only_double_sided_materials_show_their_back() {
     let mut model = quad();
-    let hits = |model: &Value, toward| seen(&loaded(model), [3, 3], toward).mask().data.iter().sum::<f32>();
-    assert_eq!([hits(&model, DVec3::Z), hits(&model, DVec3::NEG_Z)], [9.0, 9.0]);
+    let hits = |model: &Value, toward| {
+        seen(&loaded(model), [3, 3], toward)
+            .mask()
+            .data
+            .iter()
+            .sum::<f32>()
+    };
+    assert_eq!(
+        [hits(&model, DVec3::Z), hits(&model, DVec3::NEG_Z)],
+        [9.0, 9.0]
+    );
     model["materials"] = json!([{}]);
-    assert_eq!([hits(&model, DVec3::Z), hits(&model, DVec3::NEG_Z)], [9.0, 0.0]);
+    assert_eq!(
+        [hits(&model, DVec3::Z), hits(&model, DVec3::NEG_Z)],
+        [9.0, 0.0]
+    );
     model["nodes"][0]["scale"] = json!([1, 1, -1]);
-    assert_eq!([hits(&model, DVec3::Z), hits(&model, DVec3::NEG_Z)], [0.0, 9.0]);
+    assert_eq!(
+        [hits(&model, DVec3::Z), hits(&model, DVec3::NEG_Z)],
+        [0.0, 9.0]
+    );
 }
 
 #[test]
@@ -332,52 +507,97 @@ fn unsupported_and_broken_files_are_refused() {
             m["nodes"][0]["skin"] = json!(0);
             m["skins"] = json!([{ "joints": [0] }]);
         }),
-        ("a morph target", |m| m["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": 0 }])),
+        ("a morph target", |m| {
+            m["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": 0 }])
+        }),
         ("a coat's texture that does not exist", |m| {
-            m["materials"] =
-                json!([{ "extensions": { "KHR_materials_clearcoat": { "clearcoatTexture": { "index": 7 } } } }]);
+            m["materials"] = json!([{ "extensions": { "KHR_materials_clearcoat": { "clearcoatTexture": { "index": 7 } } } }]);
         }),
         ("a coat that is not one", |m| {
             m["materials"] = json!([{ "extensions": { "KHR_materials_clearcoat": { "clearcoatFactor": "much" } } }]);
         }),
         ("a sheen that is not one", |m| {
-            m["materials"] = json!([{ "extensions": { "KHR_materials_sheen": { "sheenColorFactor": [1] } } }]);
+            m["materials"] =
+                json!([{ "extensions": { "KHR_materials_sheen": { "sheenColorFactor": [1] } } }]);
         }),
-        ("an extension", |m| m["extensionsRequired"] = json!(["KHR_draco_mesh_compression"])),
-        ("two extensions", |m| m["extensionsRequired"] = json!(["KHR_a", "KHR_b"])),
+        ("an extension", |m| {
+            m["extensionsRequired"] = json!(["KHR_draco_mesh_compression"])
+        }),
+        ("two extensions", |m| {
+            m["extensionsRequired"] = json!(["KHR_a", "KHR_b"])
+        }),
         ("an extension in the place of a view", |m| {
             m["extensionsUsed"] = json!(["KHR_draco_mesh_compression"]);
-            m["accessors"][0].as_object_mut().unwrap().remove("bufferView");
+            m["accessors"][0]
+                .as_object_mut()
+                .unwrap()
+                .remove("bufferView");
         }),
         ("version 1", |m| m["asset"]["version"] = json!("1.0")),
-        ("a ring of nodes", |m| m["nodes"][0]["children"] = json!([0])),
-        ("a node of two parents", |m| m["nodes"] = json!([{ "mesh": 0, "children": [1, 1] }, {}])),
+        ("a ring of nodes", |m| {
+            m["nodes"][0]["children"] = json!([0])
+        }),
+        ("a node of two parents", |m| {
+            m["nodes"] = json!([{ "mesh": 0, "children": [1, 1] }, {}])
+        }),
         ("no scene", |m| {
             m.as_object_mut().unwrap().remove("scene");
             m["scenes"] = json!([]);
         }),
         ("no area", |m| m["nodes"][0]["scale"] = json!([0, 1, 0])),
-        ("far away", |m| m["nodes"][0]["translation"] = json!([1e16, 0, 0])),
-        ("an index too large", |m| m["buffers"][3]["uri"] = json!("data:;base64,CQAJAAkACQAJAAkA")),
-        ("a short buffer", |m| m["buffers"][0]["byteLength"] = json!(49)),
-        ("a long view", |m| m["bufferViews"][0]["byteLength"] = json!(60)),
-        ("a view too far", |m| m["bufferViews"][0]["byteOffset"] = json!(1)),
-        ("an element too many", |m| m["accessors"][0]["count"] = json!(5)),
-        ("no such accessor", |m| m["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(9)),
+        ("far away", |m| {
+            m["nodes"][0]["translation"] = json!([1e16, 0, 0])
+        }),
+        ("an index too large", |m| {
+            m["buffers"][3]["uri"] = json!("data:;base64,CQAJAAkACQAJAAkA")
+        }),
+        ("a short buffer", |m| {
+            m["buffers"][0]["byteLength"] = json!(49)
+        }),
+        ("a long view", |m| {
+            m["bufferViews"][0]["byteLength"] = json!(60)
+        }),
+        ("a view too far", |m| {
+            m["bufferViews"][0]["byteOffset"] = json!(1)
+        }),
+        ("an element too many", |m| {
+            m["accessors"][0]["count"] = json!(5)
+        }),
+        ("no such accessor", |m| {
+            m["meshes"][0]["primitives"][0]["attributes"]["POSITION"] = json!(9)
+        }),
         ("no elements", |m| m["accessors"][0]["count"] = json!(0)),
-        ("four thousand million elements", |m| m["accessors"][0]["count"] = json!(4_000_000_000u64)),
-        ("four numbers", |m| m["accessors"][0]["type"] = json!("VEC4")),
-        ("whole numbers", |m| m["accessors"][0]["componentType"] = json!(5125)),
+        ("four thousand million elements", |m| {
+            m["accessors"][0]["count"] = json!(4_000_000_000u64)
+        }),
+        ("four numbers", |m| {
+            m["accessors"][0]["type"] = json!("VEC4")
+        }),
+        ("whole numbers", |m| {
+            m["accessors"][0]["componentType"] = json!(5125)
+        }),
         ("fractions as indices", |m| {
             m["accessors"][3]["componentType"] = json!(5126);
             m["accessors"][3]["count"] = json!(3);
         }),
-        ("no such file", |m| m["buffers"][0]["uri"] = json!("a%20b.bin")),
-        ("a file elsewhere", |m| m["buffers"][0]["uri"] = json!("../a.bin")),
-        ("a file elsewhere, by Windows", |m| m["buffers"][0]["uri"] = json!("a\\..\\..\\b.bin")),
-        ("a whole path", |m| m["buffers"][0]["uri"] = json!("/etc/passwd")),
-        ("data of another form", |m| m["buffers"][0]["uri"] = json!("data:,x")),
-        ("no address", |m| m["buffers"][0] = json!({ "byteLength": 48 })),
+        ("no such file", |m| {
+            m["buffers"][0]["uri"] = json!("a%20b.bin")
+        }),
+        ("a file elsewhere", |m| {
+            m["buffers"][0]["uri"] = json!("../a.bin")
+        }),
+        ("a file elsewhere, by Windows", |m| {
+            m["buffers"][0]["uri"] = json!("a\\..\\..\\b.bin")
+        }),
+        ("a whole path", |m| {
+            m["buffers"][0]["uri"] = json!("/etc/passwd")
+        }),
+        ("data of another form", |m| {
+            m["buffers"][0]["uri"] = json!("data:,x")
+        }),
+        ("no address", |m| {
+            m["buffers"][0] = json!({ "byteLength": 48 })
+        }),
         ("no object", |m| *m = json!([1])),
     ];
     let mut cases: Vec<(&str, Value)> = Vec::new();
@@ -386,18 +606,34 @@ fn unsupported_and_broken_files_are_refused() {
         edit(&mut model);
         cases.push((case, model));
     }
-    let normal = |image: Value| textured(quad(), json!({ "normalTexture": { "index": 0 } }), &[image]);
+    let normal =
+        |image: Value| textured(quad(), json!({ "normalTexture": { "index": 0 } }), &[image]);
     cases.push(("an image of nothing", normal(json!({}))));
-    cases.push(("an image without a type", normal(json!({ "bufferView": 0 }))));
-    cases.push(("an image that is none", normal(json!({ "uri": "data:image/png;base64,AAAA" }))));
+    cases.push((
+        "an image without a type",
+        normal(json!({ "bufferView": 0 })),
+    ));
+    cases.push((
+        "an image that is none",
+        normal(json!({ "uri": "data:image/png;base64,AAAA" })),
+    ));
     let mapped = |material| textured(quad(), material, &[png(1, 1, |_, _| [0; 3])]);
     // The g-buffer has room for one set of texture coordinates.
     let base = |set: u32| json!({ "baseColorTexture": { "index": 0, "texCoord": set } });
-    let two = json!({ "normalTexture": { "index": 0, "texCoord": 1 }, "pbrMetallicRoughness": base(0) });
+    let two =
+        json!({ "normalTexture": { "index": 0, "texCoord": 1 }, "pbrMetallicRoughness": base(0) });
     cases.push(("two sets of texture coordinates", mapped(two)));
-    cases.push(("a set that the mesh lacks", mapped(json!({ "pbrMetallicRoughness": base(1) }))));
-    let shown = cases.iter().map(|(case, model)| format!("{case}: {}", load(model).expect_err(case)));
-    assert_snapshot("gltf_files_that_are_refused", &shown.collect::<Vec<_>>().join("\n"));
+    cases.push((
+        "a set that the mesh lacks",
+        mapped(json!({ "pbrMetallicRoughness": base(1) })),
+    ));
+    let shown = cases
+        .iter()
+        .map(|(case, model)| format!("{case}: {}", load(model).expect_err(case)));
+    assert_snapshot(
+        "gltf_files_that_are_refused",
+        &shown.collect::<Vec<_>>().join("\n"),
+    );
 }
 
 #[test]
@@ -405,9 +641,16 @@ fn ignored_features_cause_a_warning() {
     let mut model = quad();
     model["materials"] = json!([{ "emissiveFactor": [1, 0, 0], "alphaMode": "MASK" }]);
     model["extensionsUsed"] = json!(["KHR_lights_punctual"]);
-    assert_eq!(loaded(&model).warnings, ["not read: KHR_lights_punctual, emission, transparency"]);
-    model["materials"][0] = json!({ "extensions": { "KHR_materials_clearcoat": { "clearcoatFactor": 2 } } });
-    assert_eq!(loaded(&model).warnings, ["not read: KHR_lights_punctual, factors outside [0, 1] (clamped)"]);
+    assert_eq!(
+        loaded(&model).warnings,
+        ["not read: KHR_lights_punctual, emission, transparency"]
+    );
+    model["materials"][0] =
+        json!({ "extensions": { "KHR_materials_clearcoat": { "clearcoatFactor": 2 } } });
+    assert_eq!(
+        loaded(&model).warnings,
+        ["not read: KHR_lights_punctual, factors outside [0, 1] (clamped)"]
+    );
 }
 
 /// A truncated `.glb`, or one with wrong lengths, is reported as such.
@@ -419,10 +662,16 @@ fn a_truncated_container_is_refused() {
         std::fs::write(folder.path().join("x.glb"), bytes).unwrap();
         Scene::load("x.glb", folder.path()).map_err(|error| error.to_string())
     };
-    assert_eq!(read(&glb).expect("a readable file").hash, loaded(&quad()).hash);
+    assert_eq!(
+        read(&glb).expect("a readable file").hash,
+        loaded(&quad()).hash
+    );
     for length in (0..24).chain((24..glb.len()).step_by(97)) {
         let error = read(&glb[..length]).expect_err("a cut file");
-        assert!(error.contains("x.glb: ") && error.lines().count() == 1, "{error:?}");
+        assert!(
+            error.contains("x.glb: ") && error.lines().count() == 1,
+            "{error:?}"
+        );
     }
     for (at, value) in [(4, 1u32), (8, 3), (8, u32::MAX), (12, u32::MAX), (12, 7)] {
         let mut bytes = glb.clone();

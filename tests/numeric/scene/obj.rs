@@ -29,16 +29,26 @@ fn loaded(text: &str) -> Scene {
 
 fn of_material(lines: &str) -> Result<Scene, String> {
     let obj = format!("mtllib m.mtl\n{QUAD}usemtl m\nf 1 2 3 4\n");
-    load(&[("scene.obj", obj.as_bytes()), ("m.mtl", format!("newmtl m\n{lines}\n").as_bytes())])
+    load(&[
+        ("scene.obj", obj.as_bytes()),
+        ("m.mtl", format!("newmtl m\n{lines}\n").as_bytes()),
+    ])
 }
 
 fn areas(mesh: &Mesh) -> Vec<DVec3> {
     let corners: Vec<DVec3> = mesh.corners().collect();
-    corners.chunks_exact(3).map(|p| 0.5 * (p[1] - p[0]).cross(p[2] - p[0])).collect()
+    corners
+        .chunks_exact(3)
+        .map(|p| 0.5 * (p[1] - p[0]).cross(p[2] - p[0]))
+        .collect()
 }
 
 fn triangle_count(scene: &Scene) -> usize {
-    scene.meshes.iter().map(|mesh| mesh.triangles().count()).sum()
+    scene
+        .meshes
+        .iter()
+        .map(|mesh| mesh.triangles().count())
+        .sum()
 }
 
 const QUAD: &str = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
@@ -70,7 +80,11 @@ fn normals_of_some_corners_are_replaced() {
     let expected = loaded(&format!("{QUAD}f 1 2 3 4\n"));
     let scene = loaded(&format!("{QUAD}vn 1 0 0\nf 1//-1 2// 3 4//1\n"));
     assert_eq!(scene.hash, expected.hash);
-    assert!(scene.warnings[0].contains("1 groups of faces lack some normals"), "{:?}", scene.warnings);
+    assert!(
+        scene.warnings[0].contains("1 groups of faces lack some normals"),
+        "{:?}",
+        scene.warnings
+    );
 }
 
 /// Positions, faces, materials: each wrong line is reported with the expected form.
@@ -103,20 +117,42 @@ fn wrong_files_are_refused_with_the_line() {
     let scenes = scenes.map(|text| (text, load_text(text)));
     let huge = format!("v 0 0 0\nf{}\n", " 1".repeat(70_000));
     let said = load_text(&huge).expect_err("a face of 70,000 corners");
-    assert!(said.contains("scene.obj:2: f: 70000 corners; expected 3 to 65536"), "{said}");
-    let materials = ["Kd 1 1", "Kd 1 1 x", "Kd spectral a.rfl", "Ns inf", "Ns 1e999", "Pr", "map_Kd", "newmtl"];
+    assert!(
+        said.contains("scene.obj:2: f: 70000 corners; expected 3 to 65536"),
+        "{said}"
+    );
+    let materials = [
+        "Kd 1 1",
+        "Kd 1 1 x",
+        "Kd spectral a.rfl",
+        "Ns inf",
+        "Ns 1e999",
+        "Pr",
+        "map_Kd",
+        "newmtl",
+    ];
     let materials = materials.map(|text| (text, of_material(text)));
     let shown = scenes.into_iter().chain(materials).map(|(text, scene)| {
         let message = scene.expect_err(text);
-        format!("{text:?}\n    {}", &message[message.find("scene.obj").or(message.find("m.mtl")).unwrap_or(0)..])
+        format!(
+            "{text:?}\n    {}",
+            &message[message
+                .find("scene.obj")
+                .or(message.find("m.mtl"))
+                .unwrap_or(0)..]
+        )
     });
-    assert_snapshot("obj_files_that_are_refused", &shown.collect::<Vec<_>>().join("\n"));
+    assert_snapshot(
+        "obj_files_that_are_refused",
+        &shown.collect::<Vec<_>>().join("\n"),
+    );
 }
 
 #[test]
 fn materials_and_groups_keep_their_faces() {
     let text = format!(
-        "mtllib missing.mtl\nmtllib two words.mtl\nmtllib a.mtl b.mtl\n{QUAD}v 0 0 1\nusemtl red one\nf 1 2 3\no other\nusemtl gold\nf 1 3 4\n\
+        "mtllib missing.mtl\nmtllib two words.mtl\nmtllib a.mtl b.mtl\n{QUAD}v 0 0 1\nusemtl red \
+         one\nf 1 2 3\no other\nusemtl gold\nf 1 3 4\n\
          usemtl nowhere\nf 1 2 5\nusemtl red one\nf 2 3 5\nl 1 2\n"
     );
     let scene = load(&[
@@ -129,20 +165,53 @@ fn materials_and_groups_keep_their_faces() {
     let counts: Vec<(&str, usize)> = scene
         .meshes
         .iter()
-        .map(|mesh| (scene.materials[mesh.material].name.as_str(), mesh.triangles().count()))
+        .map(|mesh| {
+            (
+                scene.materials[mesh.material].name.as_str(),
+                mesh.triangles().count(),
+            )
+        })
         .collect();
     assert_eq!(counts, [("red one", 2), ("gold", 1), ("default", 1)]);
-    let [red, gold, default] = &scene.materials[..] else { panic!("{:?}", scene.materials) };
-    assert_eq!((red.albedo, red.alpha, red.metallic, red.f0), ([1.0, 0.0, 0.0], 0.25, 0.0, [0.04; 3]));
-    assert_eq!((gold.albedo, gold.alpha, gold.metallic), ([1.0, 1.0, 0.5], 0.25, 1.0));
+    let [red, gold, default] = &scene.materials[..] else {
+        panic!("{:?}", scene.materials)
+    };
+    assert_eq!(
+        (red.albedo, red.alpha, red.metallic, red.f0),
+        ([1.0, 0.0, 0.0], 0.25, 0.0, [0.04; 3])
+    );
+    assert_eq!(
+        (gold.albedo, gold.alpha, gold.metallic),
+        ([1.0, 1.0, 0.5], 0.25, 1.0)
+    );
     assert!((gold.f0[0] - 0.04).abs() < 1e-7);
     assert_eq!((default.albedo, default.alpha), ([0.8; 3], 0.25));
     let gold = "a.mtl: material \"gold\": Kd 2 is outside";
-    let expected = ["1 x l", "missing.mtl: cannot read", gold, "material \"nowhere\" is not defined"];
+    let expected = [
+        "1 x l",
+        "missing.mtl: cannot read",
+        gold,
+        "material \"nowhere\" is not defined",
+    ];
     assert_eq!(scene.warnings.len(), expected.len(), "{:?}", scene.warnings);
-    assert!(scene.warnings.iter().zip(expected).all(|(warning, part)| warning.contains(part)), "{:?}", scene.warnings);
+    assert!(
+        scene
+            .warnings
+            .iter()
+            .zip(expected)
+            .all(|(warning, part)| warning.contains(part)),
+        "{:?}",
+        scene.warnings
+    );
     // Callers put the scene's name before each warning.
-    assert!(scene.warnings.iter().all(|warning| !warning.contains("scene.obj")), "{:?}", scene.warnings);
+    assert!(
+        scene
+            .warnings
+            .iter()
+            .all(|warning| !warning.contains("scene.obj")),
+        "{:?}",
+        scene.warnings
+    );
 }
 
 /// Joining by copies took time quadratic in the number of lines: minutes here.
@@ -164,12 +233,18 @@ fn a_map_too_large_for_memory_is_left_out_by_its_header() {
     header.extend(crc.sum().to_be_bytes());
     header.extend(b"\0\0\0\0IDAT\x35\xaf\x06\x1e");
     let scene = load(&[
-        ("scene.obj", format!("mtllib m.mtl\n{QUAD}usemtl m\nf 1 2 3 4\n").as_bytes()),
+        (
+            "scene.obj",
+            format!("mtllib m.mtl\n{QUAD}usemtl m\nf 1 2 3 4\n").as_bytes(),
+        ),
         ("m.mtl", b"newmtl m\nmap_Kd bomb.png\n"),
         ("bomb.png", &header),
     ]);
     let warnings = scene.expect("a readable file").warnings;
-    assert!(warnings[0].contains("16384x8192 texels; expected at most 67108864"), "{warnings:?}");
+    assert!(
+        warnings[0].contains("16384x8192 texels; expected at most 67108864"),
+        "{warnings:?}"
+    );
 }
 
 #[test]
@@ -186,12 +261,20 @@ fn material_parameters_become_alpha_and_f0() {
         ("Ni 2", 0.25, 1.0 / 9.0, 0),
         ("map_Pr r.png\nnorm n.png", 0.25, 0.04, 1),
         ("map_Kd missing.png", 0.25, 0.04, 1),
-        ("map_Kd -s 1 1 -o 0.5 -clamp on missing one.png", 0.25, 0.04, 2),
+        (
+            "map_Kd -s 1 1 -o 0.5 -clamp on missing one.png",
+            0.25,
+            0.04,
+            2,
+        ),
     ];
     for (parameters, alpha, f0, warning_count) in cases {
         let scene = of_material(parameters).expect(parameters);
         let material = &scene.materials[0];
-        assert!(near(material.alpha, alpha) && near(material.f0[0], f0), "{parameters}: {material:?}");
+        assert!(
+            near(material.alpha, alpha) && near(material.f0[0], f0),
+            "{parameters}: {material:?}"
+        );
         assert_eq!(material.albedo, [0.8; 3], "{parameters}");
         assert_eq!(scene.warnings.len(), warning_count, "{parameters}");
     }
@@ -206,9 +289,17 @@ fn an_albedo_map_is_linear_and_upright() {
     texels.put_pixel(1, 0, image::Rgb([0, 255, 0]));
     texels.put_pixel(0, 1, image::Rgb([0, 0, 255]));
     texels.put_pixel(1, 1, image::Rgb([188, 188, 188]));
-    texels.save(folder.path().join("four.png")).expect("a texture");
-    std::fs::write(folder.path().join("m.mtl"), "newmtl m\nKd 0.5 0.5 0.5\nmap_Kd four.png\n").expect("a material");
-    let text = format!("mtllib m.mtl\n{QUAD}vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3 4/4\n");
+    texels
+        .save(folder.path().join("four.png"))
+        .expect("a texture");
+    std::fs::write(
+        folder.path().join("m.mtl"),
+        "newmtl m\nKd 0.5 0.5 0.5\nmap_Kd four.png\n",
+    )
+    .expect("a material");
+    let text = format!(
+        "mtllib m.mtl\n{QUAD}vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3 4/4\n"
+    );
     std::fs::write(folder.path().join("scene.obj"), text).expect("a mesh");
     let mut scene = Scene::load("scene.obj", folder.path()).expect("a readable file");
     assert_eq!(scene.warnings, Vec::<String>::new());
@@ -219,16 +310,28 @@ fn an_albedo_map_is_linear_and_upright() {
     camera.projection = splitsum::scene::Projection::Ortho { half_height: 0.5 };
     let albedo = gbuffer(&scene, &camera, size).albedo_metallic;
     // sRGB 188 is 0.50289 linear (IEC 61966-2-1).
-    let expected = [[0.5, 0.0, 0.0], [0.0, 0.5, 0.0], [0.0, 0.0, 0.5], [0.25144; 3]];
+    let expected = [
+        [0.5, 0.0, 0.0],
+        [0.0, 0.5, 0.0],
+        [0.0, 0.0, 0.5],
+        [0.25144; 3],
+    ];
     for (texel, expected) in albedo.data.iter().zip(expected) {
         let error = DVec3::new(texel[0], texel[1], texel[2]) - DVec3::from_array(expected);
         assert!(error.length() < 1e-4, "{texel:?}, expected {expected:?}");
     }
 }
 
-/// A star-shaped polygon with `n` corners in the plane through `at` spanned by `a` and `b`; radii alternate, so it is far from convex.
+/// A star-shaped polygon with `n` corners in the plane through `at` spanned by `a` and `b`; radii
+/// alternate, so it is far from convex.
 fn star(n: usize, at: DVec3, a: DVec3, b: DVec3) -> (String, f64) {
-    let radius = |i: usize| if i.is_multiple_of(2) { 1.0 } else { 0.35 + 0.1 * (i as f64).sin() };
+    let radius = |i: usize| {
+        if i.is_multiple_of(2) {
+            1.0
+        } else {
+            0.35 + 0.1 * (i as f64).sin()
+        }
+    };
     let angle = |i: usize| i as f64 / n as f64 * std::f64::consts::TAU;
     let mut text = String::new();
     for i in 0..n {
@@ -239,7 +342,9 @@ fn star(n: usize, at: DVec3, a: DVec3, b: DVec3) -> (String, f64) {
     (1..=n).for_each(|i| {
         let _ = write!(text, " {i}");
     });
-    let area = (0..n).map(|i| 0.5 * radius(i) * radius((i + 1) % n) * (angle(i + 1) - angle(i)).sin()).sum();
+    let area = (0..n)
+        .map(|i| 0.5 * radius(i) * radius((i + 1) % n) * (angle(i + 1) - angle(i)).sin())
+        .sum();
     (text, area)
 }
 
@@ -250,17 +355,27 @@ fn polygons_of_any_shape_keep_their_area() {
         (DVec3::Y, DVec3::X),
         (DVec3::Z, DVec3::X),
         (DVec3::Y, DVec3::Z),
-        (DVec3::new(1.0, 1.0, 0.0).normalize(), DVec3::new(1.0, -1.0, 2.0).normalize()),
+        (
+            DVec3::new(1.0, 1.0, 0.0).normalize(),
+            DVec3::new(1.0, -1.0, 2.0).normalize(),
+        ),
     ];
     for n in [4, 5, 8, 31, 500, 5000] {
         for (a, b) in planes {
             let (text, area) = star(n, DVec3::new(1.0, 2.0, -1.0), a, b);
             let scene = loaded(&text);
             let areas = areas(&scene.meshes[0]);
-            // All triangles face one way and their areas sum to the polygon's: none overlaps and none is missing.
+            // All triangles face one way and their areas sum to the polygon's: none overlaps and
+            // none is missing.
             let total: f64 = areas.iter().map(|area| area.length()).sum();
-            assert!((total - area).abs() < F32_ROUNDING * n as f64, "{n} corners: {total}, expected {area}");
-            assert!(areas.iter().all(|area| area.dot(a.cross(b)) > 0.0), "{n} corners, {a} {b}");
+            assert!(
+                (total - area).abs() < F32_ROUNDING * n as f64,
+                "{n} corners: {total}, expected {area}"
+            );
+            assert!(
+                areas.iter().all(|area| area.dot(a.cross(b)) > 0.0),
+                "{n} corners, {a} {b}"
+            );
             assert_eq!(areas.len(), n - 2);
             assert_eq!(scene.warnings, Vec::<String>::new());
         }
@@ -269,10 +384,15 @@ fn polygons_of_any_shape_keep_their_area() {
 
 #[test]
 fn polygons_with_odd_corners_keep_their_area() {
-    // A square with corners in the middle of its sides, a square ring cut open along a doubled edge, a repeated corner.
-    let ring = "v 0 0 0\nv 3 0 0\nv 3 3 0\nv 0 3 0\nv 1 1 0\nv 1 2 0\nv 2 2 0\nv 2 1 0\nf 1 2 3 4 1 5 6 7 8 5\n";
+    // A square with corners in the middle of its sides, a square ring cut open along a doubled
+    // edge, a repeated corner.
+    let ring = "v 0 0 0\nv 3 0 0\nv 3 3 0\nv 0 3 0\nv 1 1 0\nv 1 2 0\nv 2 2 0\nv 2 1 0\nf 1 2 3 4 \
+                1 5 6 7 8 5\n";
     let cases = [
-        ("v 0 0 0\nv 1 0 0\nv 2 0 0\nv 2 2 0\nv 1 2 0\nv 0 2 0\nv 0 1 0\nf 1 2 3 4 5 6 7\n", 4.0),
+        (
+            "v 0 0 0\nv 1 0 0\nv 2 0 0\nv 2 2 0\nv 1 2 0\nv 0 2 0\nv 0 1 0\nf 1 2 3 4 5 6 7\n",
+            4.0,
+        ),
         (ring, 8.0),
         ("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 1 2 3 3 4\n", 1.0),
         // Concave at the corner that a fan from the first corner would cross.
@@ -280,13 +400,27 @@ fn polygons_with_odd_corners_keep_their_area() {
     ];
     for (text, expected) in cases {
         let scene = loaded(text);
-        let total: f64 = areas(&scene.meshes[0]).iter().map(|area| area.length()).sum();
-        assert!((total - expected).abs() < F32_ROUNDING, "{text:?}: {total}, expected {expected}");
+        let total: f64 = areas(&scene.meshes[0])
+            .iter()
+            .map(|area| area.length())
+            .sum();
+        assert!(
+            (total - expected).abs() < F32_ROUNDING,
+            "{text:?}: {total}, expected {expected}"
+        );
     }
     // Two unequal triangles, and two equal ones, whose vector area is 0.
     for height in [1, 2] {
-        let tie = loaded(&format!("v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 {height} 0\nf 1 2 3 4\n"));
-        assert!(tie.warnings.iter().any(|warning| warning.contains("cross themselves")), "{:?}", tie.warnings);
+        let tie = loaded(&format!(
+            "v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 {height} 0\nf 1 2 3 4\n"
+        ));
+        assert!(
+            tie.warnings
+                .iter()
+                .any(|warning| warning.contains("cross themselves")),
+            "{:?}",
+            tie.warnings
+        );
     }
 }
 
@@ -298,22 +432,47 @@ fn sphere_text(rings: usize) -> String {
         for segment in 0..segments {
             let theta = std::f64::consts::PI * ring as f64 / rings as f64;
             let phi = std::f64::consts::TAU * segment as f64 / segments as f64;
-            let _ = writeln!(text, "v {} {} {}", theta.sin() * phi.sin(), theta.cos(), theta.sin() * phi.cos());
+            let _ = writeln!(
+                text,
+                "v {} {} {}",
+                theta.sin() * phi.sin(),
+                theta.cos(),
+                theta.sin() * phi.cos()
+            );
         }
     }
     // The upper pole twice, with both zeros.
     text.push_str("v 0 -1 0\nv -0 1 0\n");
     let index = |ring: usize, segment: usize| 2 + (ring - 1) * segments + segment % segments;
     for segment in 0..segments {
-        let pole = if segment < rings { 1 } else { 3 + (rings - 1) * segments };
-        let _ = writeln!(text, "f {pole} {} {}", index(1, segment), index(1, segment + 1));
+        let pole = if segment < rings {
+            1
+        } else {
+            3 + (rings - 1) * segments
+        };
+        let _ = writeln!(
+            text,
+            "f {pole} {} {}",
+            index(1, segment),
+            index(1, segment + 1)
+        );
         for ring in 1..rings - 1 {
             let [a, b] = [index(ring, segment), index(ring + 1, segment)];
             let _ = writeln!(text, "usemtl m{}", ring % 2);
-            let _ = writeln!(text, "f {a} {b} {} {}", index(ring + 1, segment + 1), index(ring, segment + 1));
+            let _ = writeln!(
+                text,
+                "f {a} {b} {} {}",
+                index(ring + 1, segment + 1),
+                index(ring, segment + 1)
+            );
         }
         let last = 2 + (rings - 1) * segments;
-        let _ = writeln!(text, "f {} {last} {}", index(rings - 1, segment), index(rings - 1, segment + 1));
+        let _ = writeln!(
+            text,
+            "f {} {last} {}",
+            index(rings - 1, segment),
+            index(rings - 1, segment + 1)
+        );
     }
     text
 }
@@ -321,7 +480,8 @@ fn sphere_text(rings: usize) -> String {
 #[test]
 fn computed_normals_of_a_sphere_point_along_its_radii() {
     let materials = ("m.mtl", b"newmtl m0\nnewmtl m1\n".as_slice());
-    let scene = load(&[("scene.obj", sphere_text(24).as_bytes()), materials]).expect("a readable file");
+    let scene =
+        load(&[("scene.obj", sphere_text(24).as_bytes()), materials]).expect("a readable file");
     // The normals are smooth across the seams of three meshes.
     assert_eq!(scene.meshes.len(), 3);
     let mut count = 0;
@@ -329,7 +489,8 @@ fn computed_normals_of_a_sphere_point_along_its_radii() {
         for (n, p) in mesh.normals.iter().zip(&mesh.positions) {
             let [n, p] = [n, p].map(|v| glam::Vec3::from_array(*v).as_dvec3());
             assert!((n.length() - 1.0).abs() < F32_ROUNDING);
-            // Of the order of the square of the half angle of a quad, 0.0043; flat normals would be 0.065 off.
+            // Of the order of the square of the half angle of a quad, 0.0043; flat normals would be
+            // 0.065 off.
             assert!((n - p).length() < 0.003, "normal {n} at {p}");
             count += 1;
         }

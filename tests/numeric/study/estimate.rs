@@ -29,11 +29,18 @@ struct Spread {
     luck: f64,
 }
 
-/// As with measured maps: they move break-even counts from 4 to 128, and models are near-copies of each other.
-const MEASURED: Spread = Spread { light: 1.0, model: 0.2, alpha: 0.5, luck: 0.1 };
+/// As with measured maps: they move break-even counts from 4 to 128, and models are near-copies of
+/// each other.
+const MEASURED: Spread = Spread {
+    light: 1.0,
+    model: 0.2,
+    alpha: 0.5,
+    luck: 0.1,
+};
 
-/// A study of three models, five alphas and four point sets under each environment. Effects are normal, so the truth is
-/// 1 for the geometric mean and the median alike. A case is the mean of its point sets.
+/// A study of three models, five alphas and four point sets under each environment. Effects are
+/// normal, so the truth is 1 for the geometric mean and the median alike. A case is the mean of its
+/// point sets.
 fn study(random: &mut Rng, environments: usize, spread: Spread) -> Vec<(Value, f64)> {
     let mut values = Vec::new();
     for environment in 0..environments {
@@ -41,7 +48,10 @@ fn study(random: &mut Rng, environments: usize, spread: Spread) -> Vec<(Value, f
         let light = spread.light * normal(random);
         let models: [f64; 3] = std::array::from_fn(|_| spread.model * normal(random));
         let alphas: [f64; 5] = std::array::from_fn(|_| spread.alpha * normal(random));
-        for effect in models.iter().flat_map(|model| alphas.iter().map(move |alpha| light + model + alpha)) {
+        for effect in models
+            .iter()
+            .flat_map(|model| alphas.iter().map(move |alpha| light + model + alpha))
+        {
             let luck: f64 = (0..4).map(|_| spread.luck * normal(random) / 4.0).sum();
             values.push((name.clone(), (effect + luck).exp()));
         }
@@ -50,7 +60,11 @@ fn study(random: &mut Rng, environments: usize, spread: Spread) -> Vec<(Value, f
 }
 
 /// How often the interval of studies, transformed by `seen`, contains the truth of 1.
-fn coverage(environments: usize, middle: Middle, seen: impl Fn(Vec<(Value, f64)>) -> Vec<(Value, f64)>) -> f64 {
+fn coverage(
+    environments: usize,
+    middle: Middle,
+    seen: impl Fn(Vec<(Value, f64)>) -> Vec<(Value, f64)>,
+) -> f64 {
     let mut random = Rng::with_seed(environments as u64);
     let covers = |_: &usize| {
         let rows = seen(study(&mut random, environments, MEASURED));
@@ -66,9 +80,14 @@ fn intervals_over_environments_have_their_stated_coverage() {
         // Ratios are averaged over models and alphas, break-even counts at one of each.
         let mean = coverage(environments, Middle::GeometricMean, |rows| rows);
         let pooled = coverage(environments, Middle::Median, |rows| rows);
-        let one = coverage(environments, Middle::Median, |rows| rows.into_iter().step_by(15).collect());
+        let one = coverage(environments, Middle::Median, |rows| {
+            rows.into_iter().step_by(15).collect()
+        });
         for found in [mean, pooled, one] {
-            assert!((LIMITS[0]..=LIMITS[1]).contains(&found), "{environments}: {mean} {pooled} {one}");
+            assert!(
+                (LIMITS[0]..=LIMITS[1]).contains(&found),
+                "{environments}: {mean} {pooled} {one}"
+            );
         }
     }
 }
@@ -79,13 +98,20 @@ fn prediction_intervals_hold_one_new_environment() {
         for middle in [Middle::GeometricMean, Middle::Median] {
             let mut random = Rng::with_seed(environments as u64);
             let holds = |_: &usize| {
-                let [lo, hi] =
-                    estimate(&study(&mut random, environments, MEASURED), middle).unwrap().prediction.unwrap();
-                let new = estimate(&study(&mut random, 1, MEASURED), middle).unwrap().value;
+                let [lo, hi] = estimate(&study(&mut random, environments, MEASURED), middle)
+                    .unwrap()
+                    .prediction
+                    .unwrap();
+                let new = estimate(&study(&mut random, 1, MEASURED), middle)
+                    .unwrap()
+                    .value;
                 lo <= new && new <= hi
             };
             let found = (0..STUDIES).filter(holds).count() as f64 / STUDIES as f64;
-            assert!((LIMITS[0]..=LIMITS[1]).contains(&found), "{environments}, {middle:?}: {found}");
+            assert!(
+                (LIMITS[0]..=LIMITS[1]).contains(&found),
+                "{environments}, {middle:?}: {found}"
+            );
         }
     }
     // 0 to 5: mean 2.5, variance 3.5. Below six environments there is no interval.
@@ -95,38 +121,61 @@ fn prediction_intervals_hold_one_new_environment() {
     };
     let half = 2.571 * (3.5f64 * (1.0 + 1.0 / 6.0)).sqrt();
     assert!((of(6).prediction.unwrap()[1] - (2.5 + half)).abs() < 1e-9 && of(6).interval.is_some());
-    assert!(of(5).prediction.is_none() && of(5).interval.is_none() && estimate(&[], Middle::Median).is_none());
+    assert!(
+        of(5).prediction.is_none()
+            && of(5).interval.is_none()
+            && estimate(&[], Middle::Median).is_none()
+    );
 }
 
 #[test]
 fn the_interval_of_a_median_lies_between_two_pairs_of_order_statistics() {
-    // Of six, the outermost contain it except in 2/64 of cases, the next ones except in 14/64; 0.95 lies between the
-    // two, and so do the ends.
+    // Of six, the outermost contain it except in 2/64 of cases, the next ones except in 14/64; 0.95
+    // lies between the two, and so do the ends.
     assert!((order_coverage(6, 0) - (1.0 - 2.0 / 64.0)).abs() < 1e-12);
     assert!((order_coverage(6, 1) - (1.0 - 14.0 / 64.0)).abs() < 1e-12);
     // A tenth of the way by coverage is 5/14 by place: 0.1 (6 - 1) / (1 + 0.1 (6 - 2)).
-    let values: Vec<_> = (0..6).map(|i| (Value::from(i.to_string()), f64::from(i).exp())).collect();
-    let [lo, hi] = estimate(&values, Middle::Median).unwrap().interval.unwrap().map(f64::ln);
-    assert!((lo - 5.0 / 14.0).abs() < 1e-9 && (hi - (5.0 - 5.0 / 14.0)).abs() < 1e-9, "{lo} {hi}");
+    let values: Vec<_> = (0..6)
+        .map(|i| (Value::from(i.to_string()), f64::from(i).exp()))
+        .collect();
+    let [lo, hi] = estimate(&values, Middle::Median)
+        .unwrap()
+        .interval
+        .unwrap()
+        .map(f64::ln);
+    assert!(
+        (lo - 5.0 / 14.0).abs() < 1e-9 && (hi - (5.0 - 5.0 / 14.0)).abs() < 1e-9,
+        "{lo} {hi}"
+    );
 }
 
 #[test]
 fn more_rows_of_one_environment_are_not_more_evidence() {
     let mut random = Rng::with_seed(5);
-    let few: Vec<_> = study(&mut random, 8, MEASURED).into_iter().step_by(15).collect();
+    let few: Vec<_> = study(&mut random, 8, MEASURED)
+        .into_iter()
+        .step_by(15)
+        .collect();
     let many: Vec<(Value, f64)> = few.iter().flat_map(|row| vec![row.clone(); 20]).collect();
     for middle in [Middle::GeometricMean, Middle::Median] {
         let [a, b] = [&few, &many].map(|rows| estimate(rows, middle).unwrap());
         assert_eq!((a.n, b.n), (8, 8));
         let ends = a.interval.unwrap().into_iter().zip(b.interval.unwrap());
-        assert!(ends.into_iter().all(|(a, b)| (a / b - 1.0).abs() < 1e-9), "{a:?} {b:?}");
+        assert!(
+            ends.into_iter().all(|(a, b)| (a / b - 1.0).abs() < 1e-9),
+            "{a:?} {b:?}"
+        );
     }
 }
 
 #[test]
 fn an_infinite_break_even_is_a_value() {
     let of = |counts: &[f64]| {
-        let values: Vec<_> = counts.iter().enumerate().map(|(i, n)| (Value::from(format!("{i}")), *n)).collect();
+        let values: Vec<_> = counts
+            .iter()
+            .enumerate()
+            .map(|(i, n)| (Value::from(format!("{i}")), *n))
+            .collect();
         let found = estimate(&values, Middle::Median).unwrap();
         (found.value, found.interval.unwrap())
     };
@@ -134,6 +183,9 @@ fn an_infinite_break_even_is_a_value() {
     let (middle, [lo, hi]) = of(&[4.0, 16.0, 16.0, 64.0, ABOVE, 16.0, 4.0, 64.0]);
     assert!(middle == 16.0 && lo == 4.0 && hi == ABOVE, "{lo} {hi}");
     // If half of them are above, so is the median. If all are above, so is the interval.
-    assert_eq!(of(&[4.0, 4.0, 4.0, ABOVE, ABOVE, ABOVE]), (ABOVE, [4.0, ABOVE]));
+    assert_eq!(
+        of(&[4.0, 4.0, 4.0, ABOVE, ABOVE, ABOVE]),
+        (ABOVE, [4.0, ABOVE])
+    );
     assert_eq!(of(&[ABOVE; 6]), (ABOVE, [ABOVE; 2]));
 }

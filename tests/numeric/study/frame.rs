@@ -18,7 +18,8 @@ fn flat(axes: &str) -> Finished {
 
 #[test]
 fn a_row_is_in_every_group_that_it_does_not_contradict() {
-    let run = flat("method = [\"sampled\", \"split-sum\"]\nsamples = [1, 4, 16]\nalpha = [0.1, 0.5]\n");
+    let run =
+        flat("method = [\"sampled\", \"split-sum\"]\nsamples = [1, 4, 16]\nalpha = [0.1, 0.5]\n");
     let frame = Frame::new(&run, None);
     let rows: Vec<&Row> = frame.rows.iter().collect();
     let sizes = |axes: &[&str]| -> Vec<usize> {
@@ -28,14 +29,19 @@ fn a_row_is_in_every_group_that_it_does_not_contradict() {
     assert_eq!(sizes(&["alpha"]), [4, 4]);
     // The split sum draws no samples, so it is in the group of every count.
     assert_eq!(sizes(&["samples"]), [4, 4, 4]);
-    assert_eq!(sizes(&["method", "samples"]), [2, 2, 2, 2], "with the method the two contradict each other");
+    assert_eq!(
+        sizes(&["method", "samples"]),
+        [2, 2, 2, 2],
+        "with the method the two contradict each other"
+    );
     assert_eq!(by(&rows, &[]).len(), 1);
 }
 
 #[test]
 fn a_pair_differs_in_one_axis_alone() {
     let run = flat(
-        "method = [\"sampled\", \"sampled-unfiltered\", \"split-sum\"]\nsamples = [4, 16]\nlod_bias = [0, 1]\nalpha = [0.1, 0.5]\n",
+        "method = [\"sampled\", \"sampled-unfiltered\", \"split-sum\"]\nsamples = [4, \
+         16]\nlod_bias = [0, 1]\nalpha = [0.1, 0.5]\n",
     );
     let frame = Frame::new(&run, None);
     let rows: Vec<&Row> = frame.rows.iter().collect();
@@ -47,19 +53,29 @@ fn a_pair_differs_in_one_axis_alone() {
         assert_eq!(row.point.get("alpha"), base.point.get("alpha"));
         assert_eq!(row.point.get("method"), base.point.get("method"));
     }
-    // The method without level bias is paired with the default bias of the other, at the same count and alpha.
+    // The method without level bias is paired with the default bias of the other, at the same count
+    // and alpha.
     let methods = pair(&rows, axis("method"), &Value::from("sampled"));
-    assert_eq!(methods.len(), 4, "the split sum has no partner: it draws no samples");
+    assert_eq!(
+        methods.len(),
+        4,
+        "the split sum has no partner: it draws no samples"
+    );
     for (row, base) in &methods {
         assert_eq!(row.samples(), base.samples());
-        assert_eq!((base.point.get("lod_bias"), row.point.get("lod_bias")), (&Value::Number(0.0), &Value::Unset));
+        assert_eq!(
+            (base.point.get("lod_bias"), row.point.get("lod_bias")),
+            (&Value::Number(0.0), &Value::Unset)
+        );
     }
 }
 
 #[test]
 fn each_image_counts_once() {
-    // Black metal: neither the diffuse method nor f0 of dielectrics has an effect; methods without tables ignore their format.
-    let axes = "alpha = [0.1, 0.5]\nalbedo = [0]\nf0 = [0.04, 0.9]\nmetallic = [1]\nstorage_format = [\"f32\", \"f16\"]\n\
+    // Black metal: neither the diffuse method nor f0 of dielectrics has an effect; methods without
+    // tables ignore their format.
+    let axes = "alpha = [0.1, 0.5]\nalbedo = [0]\nf0 = [0.04, 0.9]\nmetallic = [1]\nstorage_format \
+                = [\"f32\", \"f16\"]\n\
                 method = [\"split-sum\", \"sampled\"]\nsamples = [1, 4, 16, 64]\n";
     let run = finished(axes, |_| Some(Made::error(1.0)));
     let frame = Frame::new(&run, None);
@@ -69,7 +85,9 @@ fn each_image_counts_once() {
     assert_eq!(copies + frame.rows.len(), run.cells.len());
     assert!(!frame.shape.is_swept(axis("f0")) && frame.shape.is_swept(axis("storage_format")));
     // On a surface that is not a metal, f0 has an effect.
-    let run = finished(&axes.replace("metallic = [1]", "metallic = [0]"), |_| Some(Made::error(1.0)));
+    let run = finished(&axes.replace("metallic = [1]", "metallic = [0]"), |_| {
+        Some(Made::error(1.0))
+    });
     assert_eq!(Frame::new(&run, None).rows.len(), 2 * (2 * 4 + 2 * 2));
 }
 
@@ -79,28 +97,55 @@ fn of_equal_images_the_one_with_a_score_is_kept() {
     let is_broken = |point: &Point| *point.get("f0") == Value::Color([0.04; 3]);
     let run = finished(axes, |point| (!is_broken(point)).then(|| Made::error(0.5)));
     let frame = Frame::new(&run, None);
-    let [row] = frame.rows.as_slice() else { panic!("{:?}", frame.rows) };
+    let [row] = frame.rows.as_slice() else {
+        panic!("{:?}", frame.rows)
+    };
     assert_eq!((frame.error(row), row.copies.len()), (Some(0.5), 1));
     assert!(row.copies[0] == run.cells[0].id && row.cell.id == run.cells[1].id);
 }
 
 #[test]
 fn of_several_tone_curves_the_plain_one_counts() {
-    let run = finished("exposure = [10, 1, 5]\nalpha = [0.1, 0.5]\nmethod = [\"split-sum\"]\n", |point| {
-        Some(Made { flip: point.get("exposure").number(), ..Made::error(0.3) })
-    });
+    let run = finished(
+        "exposure = [10, 1, 5]\nalpha = [0.1, 0.5]\nmethod = [\"split-sum\"]\n",
+        |point| {
+            Some(Made {
+                flip: point.get("exposure").number(),
+                ..Made::error(0.3)
+            })
+        },
+    );
     let frame = Frame::new(&run, None);
     assert_eq!(frame.rows.len(), 6);
-    assert_eq!(frame.images().iter().map(|row| row.flip()).collect::<Vec<_>>(), [Some(1.0); 2]);
+    assert_eq!(
+        frame
+            .images()
+            .iter()
+            .map(|row| row.flip())
+            .collect::<Vec<_>>(),
+        [Some(1.0); 2]
+    );
 }
 
 #[test]
 fn a_curve_has_the_geometric_mean_of_its_point_sets() {
-    let axes = "method = [\"sampled\"]\nsamples = [16, 4]\npoint_set = [0, 1]\nalpha = [0.1, 0.5]\n";
+    let axes =
+        "method = [\"sampled\"]\nsamples = [16, 4]\npoint_set = [0, 1]\nalpha = [0.1, 0.5]\n";
     let run = finished(axes, |point| {
-        let luck = if *point.get("point_set") == Value::Count(0) { 4.0 } else { 0.25 };
-        let floor = if *point.get("samples") == Value::Count(4) { 1e-12 } else { 0.02 };
-        Some(Made { floor, ..Made::error(luck * 2.0) })
+        let luck = if *point.get("point_set") == Value::Count(0) {
+            4.0
+        } else {
+            0.25
+        };
+        let floor = if *point.get("samples") == Value::Count(4) {
+            1e-12
+        } else {
+            0.02
+        };
+        Some(Made {
+            floor,
+            ..Made::error(luck * 2.0)
+        })
     });
     let frame = Frame::new(&run, None);
     let images = frame.images();
@@ -108,28 +153,62 @@ fn a_curve_has_the_geometric_mean_of_its_point_sets() {
     assert_eq!(curves.len(), 2);
     for curve in &curves {
         assert_eq!(curve.tried(), [4, 16]);
-        assert!(curve.points.iter().all(|point| (point.error - 2.0).abs() < F64 && point.rows.len() == 2));
+        assert!(
+            curve
+                .points
+                .iter()
+                .all(|point| (point.error - 2.0).abs() < F64 && point.rows.len() == 2)
+        );
         // 0.5 is 25 floors of a mean square, 5 in units of the difference: not above the noise.
-        assert_eq!(curve.points.iter().map(|point| point.is_resolved).collect::<Vec<_>>(), [true, false]);
+        assert_eq!(
+            curve
+                .points
+                .iter()
+                .map(|point| point.is_resolved)
+                .collect::<Vec<_>>(),
+            [true, false]
+        );
     }
 }
 
 #[test]
 fn a_line_has_the_slope_and_the_standard_error_of_least_squares() {
-    let exact: Vec<[f64; 2]> = (0..5).map(|i| [f64::from(i), 3.0 - 2.0 * f64::from(i)]).collect();
+    let exact: Vec<[f64; 2]> = (0..5)
+        .map(|i| [f64::from(i), 3.0 - 2.0 * f64::from(i)])
+        .collect();
     let line = Line::of(&exact).unwrap();
     assert!((line.slope + 2.0).abs() < F64 && line.standard_error < F64);
-    // Residuals 1/6, -1/3, 1/6 of (0, 0), (1, 0), (2, 1): slope 1/2, variance 1/6 over one degree of freedom, Sxx 2.
+    // Residuals 1/6, -1/3, 1/6 of (0, 0), (1, 0), (2, 1): slope 1/2, variance 1/6 over one degree
+    // of freedom, Sxx 2.
     let bent = Line::of(&[[0.0, 0.0], [1.0, 0.0], [2.0, 1.0]]).unwrap();
-    assert!((bent.slope - 0.5).abs() < F64 && (bent.standard_error - (1.0f64 / 12.0).sqrt()).abs() < F64, "{bent:?}");
+    assert!(
+        (bent.slope - 0.5).abs() < F64
+            && (bent.standard_error - (1.0f64 / 12.0).sqrt()).abs() < F64,
+        "{bent:?}"
+    );
     assert_eq!(Line::of(&exact[..2]), None, "two points have no residual");
-    assert_eq!(Line::of(&[[1.0, 0.0], [1.0, 1.0], [1.0, 2.0]]), None, "one x has no slope");
-    assert_eq!(Line::of(&[[0.0, 0.0], [1.0, f64::NEG_INFINITY], [2.0, 1.0]]), None, "ln 0");
+    assert_eq!(
+        Line::of(&[[1.0, 0.0], [1.0, 1.0], [1.0, 2.0]]),
+        None,
+        "one x has no slope"
+    );
+    assert_eq!(
+        Line::of(&[[0.0, 0.0], [1.0, f64::NEG_INFINITY], [2.0, 1.0]]),
+        None,
+        "ln 0"
+    );
 }
 
 #[test]
 fn quantiles_of_student_meet_tables_and_their_normal_limit() {
-    for (degrees, t) in [(1, 12.706), (5, 2.571), (10, 2.228), (12, 2.179), (30, 2.042), (100, 1.984)] {
+    for (degrees, t) in [
+        (1, 12.706),
+        (5, 2.571),
+        (10, 2.228),
+        (12, 2.179),
+        (30, 2.042),
+        (100, 1.984),
+    ] {
         assert!((t_95(degrees) / t - 1.0).abs() < 1e-3, "{degrees}");
     }
     assert!(t_95(0).is_infinite());

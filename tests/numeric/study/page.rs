@@ -20,13 +20,18 @@ fn json_in_a_script_element_cannot_end_it() {
     let value = serde_json::json!({ "</script><!--": ["<script>", "]]>", "\u{2028}", "\"=1+1"] });
     let text = in_script(&value);
     assert!(!text.contains('<'), "{text}");
-    assert_eq!(serde_json::from_str::<serde_json::Value>(&text).unwrap(), value);
+    assert_eq!(
+        serde_json::from_str::<serde_json::Value>(&text).unwrap(),
+        value
+    );
 }
 
 /// Decodes as the page does: base64, inflate, sum of differences.
 pub fn decoded(text: &str, plane: usize) -> Vec<u8> {
     let mut bytes = Vec::new();
-    DeflateDecoder::new(BASE64_STANDARD.decode(text).unwrap().as_slice()).read_to_end(&mut bytes).unwrap();
+    DeflateDecoder::new(BASE64_STANDARD.decode(text).unwrap().as_slice())
+        .read_to_end(&mut bytes)
+        .unwrap();
     for plane in bytes.chunks_mut(plane) {
         for i in 1..plane.len() {
             plane[i] = plane[i].wrapping_add(plane[i - 1]);
@@ -37,20 +42,36 @@ pub fn decoded(text: &str, plane: usize) -> Vec<u8> {
 
 #[test]
 fn an_encoded_image_decodes_to_its_nearest_halves() {
-    let image = RgbImage::from_fn(5, 3, |x, y| [0.1 * x as f32, 1e-7 * y as f32, 30_000.0 * (x * y) as f32]);
+    let image = RgbImage::from_fn(5, 3, |x, y| {
+        [0.1 * x as f32, 1e-7 * y as f32, 30_000.0 * (x * y) as f32]
+    });
     let encoded = packed::texels(&image);
     let bytes = decoded(&encoded.base64, 15);
     for (i, texel) in image.data.iter().enumerate() {
         for (channel, value) in texel.iter().enumerate() {
             let at = channel * 30 + i;
             let half = f16::from_bits(u16::from_be_bytes([bytes[at], bytes[at + 15]]));
-            assert_eq!(half, f16::from_f32(value.min(HALF_MAX)), "texel {i}, channel {channel}");
+            assert_eq!(
+                half,
+                f16::from_f32(value.min(HALF_MAX)),
+                "texel {i}, channel {channel}"
+            );
         }
     }
-    assert_eq!(encoded.clamped_count, image.data.iter().filter(|texel| texel[2] > HALF_MAX).count());
+    assert_eq!(
+        encoded.clamped_count,
+        image
+            .data
+            .iter()
+            .filter(|texel| texel[2] > HALF_MAX)
+            .count()
+    );
     assert!(encoded.clamped_count > 0);
     let mask = GrayImage::from_fn(4, 4, |x, y| if x > y { 1.0 } else { 0.0 });
-    assert_eq!(decoded(&packed::mask(&mask), 16), mask.data.iter().map(|m| *m as u8).collect::<Vec<u8>>());
+    assert_eq!(
+        decoded(&packed::mask(&mask), 16),
+        mask.data.iter().map(|m| *m as u8).collect::<Vec<u8>>()
+    );
 }
 
 const EXPERIMENT: &str = r#"
@@ -96,31 +117,73 @@ fn a_page_is_the_same_each_time_and_holds_every_cell_and_answer_once() {
     write(&PageOptions::in_folder(&run), &page_runs).unwrap();
     assert!(std::fs::read(&written.path).unwrap() == before);
     let page = String::from_utf8(before).unwrap();
-    assert!(!page.contains("src=\"http") && !page.contains("href=\"http") && page.contains("default-src 'none'"));
+    assert!(
+        !page.contains("src=\"http")
+            && !page.contains("href=\"http")
+            && page.contains("default-src 'none'")
+    );
     let model = model_of(&page);
     let (finished, answers) = &runs[0];
-    assert_eq!(model["rows"].as_array().unwrap().len(), finished.cells.len());
-    let columns: Vec<&str> = model["columns"].as_array().unwrap().iter().filter_map(Value::as_str).collect();
+    assert_eq!(
+        model["rows"].as_array().unwrap().len(),
+        finished.cells.len()
+    );
+    let columns: Vec<&str> = model["columns"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .filter_map(Value::as_str)
+        .collect();
     let place = |name: &str| columns.iter().position(|column| *column == name).unwrap();
-    let axis = |name: &str| model["axes"].as_array().unwrap().iter().find(|axis| axis["name"] == name).unwrap().clone();
-    let roles =
-        ["alpha", "samples", "method", "exposure", "brdf"].map(|name| axis(name)["role"].as_str().unwrap().to_owned());
+    let axis = |name: &str| {
+        model["axes"]
+            .as_array()
+            .unwrap()
+            .iter()
+            .find(|axis| axis["name"] == name)
+            .unwrap()
+            .clone()
+    };
+    let roles = ["alpha", "samples", "method", "exposure", "brdf"]
+        .map(|name| axis(name)["role"].as_str().unwrap().to_owned());
     assert_eq!(roles, ["scene", "variant", "variant", "display", "fixed"]);
-    for (row, cell) in model["rows"].as_array().unwrap().iter().zip(&finished.cells) {
+    for (row, cell) in model["rows"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .zip(&finished.cells)
+    {
         assert_eq!(row[place("cell")], json!(cell.id));
         let alpha = row[place("alpha")].as_u64().unwrap() as usize;
-        assert_eq!(axis("alpha")["values"][alpha], json!(cell.point.get("alpha").to_string()));
-        assert_eq!(row[place("rmse")].as_f64(), cell.scores.as_ref().unwrap().get("rmse"));
+        assert_eq!(
+            axis("alpha")["values"][alpha],
+            json!(cell.point.get("alpha").to_string())
+        );
+        assert_eq!(
+            row[place("rmse")].as_f64(),
+            cell.scores.as_ref().unwrap().get("rmse")
+        );
     }
     // The page holds the answers unchanged: sentence, table, both widths of the figure.
     assert!(!answers.is_empty());
     for (answer, shown) in answers.iter().zip(model["answers"].as_array().unwrap()) {
         assert_eq!(shown["name"], answer.question.name);
-        assert_eq!(shown["rows"].as_array().unwrap().len(), answer.finding.table.rows.len());
+        assert_eq!(
+            shown["rows"].as_array().unwrap().len(),
+            answer.finding.table.rows.len()
+        );
         assert!(page.contains(&format!("id=\"{}\"", answer.question.name)));
         for width in splitsum::figure::svg::WIDTHS {
-            let figure = answer.finding.figure.as_ref().map(|figure| splitsum::report::write::drawing(figure, width));
-            assert!(figure.is_none_or(|figure| page.contains(figure.trim_end())), "{}", answer.question.name);
+            let figure = answer
+                .finding
+                .figure
+                .as_ref()
+                .map(|figure| splitsum::report::write::drawing(figure, width));
+            assert!(
+                figure.is_none_or(|figure| page.contains(figure.trim_end())),
+                "{}",
+                answer.question.name
+            );
         }
     }
 }
@@ -138,12 +201,30 @@ fn images_over_the_budget_are_linked() {
     let budget = bytes(&whole.payloads) / 2;
     let cut = collect(&runs, Choice::Automatic, budget);
     // Whole images in the order of the cells, each reference before its images.
-    let embedded = cut.images.iter().take_while(|image| image.payload.is_some()).count();
-    assert!((4..7).contains(&embedded) && bytes(&cut.payloads) <= budget, "{embedded}");
-    assert!(cut.images[embedded..].iter().all(|image| image.payload.is_none() && image.mask.is_none()));
-    assert_eq!(cut.images[0].payload.map(|payload| &cut.payloads[payload]), whole.payloads.first());
+    let embedded = cut
+        .images
+        .iter()
+        .take_while(|image| image.payload.is_some())
+        .count();
+    assert!(
+        (4..7).contains(&embedded) && bytes(&cut.payloads) <= budget,
+        "{embedded}"
+    );
+    assert!(
+        cut.images[embedded..]
+            .iter()
+            .all(|image| image.payload.is_none() && image.mask.is_none())
+    );
+    assert_eq!(
+        cut.images[0].payload.map(|payload| &cut.payloads[payload]),
+        whole.payloads.first()
+    );
     let note = format!("{} of 10 images exceed", 10 - embedded);
-    assert!(cut.notes.len() == 1 && cut.notes[0].contains(&note), "{:?}", cut.notes);
+    assert!(
+        cut.notes.len() == 1 && cut.notes[0].contains(&note),
+        "{:?}",
+        cut.notes
+    );
     let none = collect(&runs, Choice::None, BUDGET_BYTES);
     assert!(none.payloads.is_empty() && none.notes.len() == 1);
 }

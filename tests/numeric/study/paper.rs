@@ -1,4 +1,5 @@
-//! Finished runs that were never rendered: the cells of a plan with scores by a formula, or rows with given errors, bins, lights and times.
+//! Finished runs that were never rendered: the cells of a plan with scores by a formula, or rows
+//! with given errors, bins, lights and times.
 
 use crate::run::runs;
 use splitsum::experiment::Plan;
@@ -46,7 +47,8 @@ fn cell_of(id: String, point: Point) -> FinishedCell {
     }
 }
 
-pub const HEAD: &str = "name = \"made\"\nsize = [16, 16]\nreference = { samples = 32 }\n[axes]\ndiffuse = [\"none\"]\n";
+pub const HEAD: &str = "name = \"made\"\nsize = [16, 16]\nreference = { samples = 32 \
+                        }\n[axes]\ndiffuse = [\"none\"]\n";
 
 /// Synthetic data of a cell.
 #[derive(Clone, Copy, Debug)]
@@ -59,7 +61,11 @@ pub struct Made {
 impl Made {
     /// An error far above the noise, with an invisible difference.
     pub fn error(error: f64) -> Self {
-        Self { error, floor: 1e-12, flip: 0.01 }
+        Self {
+            error,
+            floor: 1e-12,
+            flip: 0.01,
+        }
     }
 }
 
@@ -72,15 +78,30 @@ pub fn finished_of(text: &str, cell: impl Fn(&Point) -> Option<Made>) -> Finishe
     let plan: Plan = runs::plan(text);
     let of = |planned: &splitsum::experiment::Cell| {
         let made = cell(&planned.point);
-        let scores = |made: Made| MetricValues::of(|name| Some(if name == "flip" { made.flip } else { made.error }));
+        let scores = |made: Made| {
+            MetricValues::of(|name| {
+                Some(if name == "flip" {
+                    made.flip
+                } else {
+                    made.error
+                })
+            })
+        };
         FinishedCell {
             scores: made.map(scores),
-            noise_floors: MetricValues::of(|name| made.filter(|_| name != "flip").map(|made| made.floor)),
+            noise_floors: MetricValues::of(|name| {
+                made.filter(|_| name != "flip").map(|made| made.floor)
+            }),
             ..cell_of(planned.id.clone(), planned.point.clone())
         }
     };
     let cells = plan.cells.iter().map(of).collect();
-    Finished { experiment: plan.config.text.clone(), cells, config: Some(plan.config), ..empty("made") }
+    Finished {
+        experiment: plan.config.text.clone(),
+        cells,
+        config: Some(plan.config),
+        ..empty("made")
+    }
 }
 
 /// Multiplies every number of the cells by a factor that depends on the point.
@@ -89,11 +110,25 @@ pub fn scaled(run: &mut Finished, factor: impl Fn(&Point) -> f64) {
     for cell in &mut run.cells {
         let factor = factor(&cell.point);
         let by = |values: &MetricValues| {
-            assert!(names().all(|name| values.get(name).is_none_or(|value| value >= 0.0 || name == "bias_rel")));
-            MetricValues::of(|name| values.get(name).map(|value| if name == "flip" { value } else { value * factor }))
+            assert!(names().all(|name| {
+                values
+                    .get(name)
+                    .is_none_or(|value| value >= 0.0 || name == "bias_rel")
+            }));
+            MetricValues::of(|name| {
+                values.get(name).map(|value| {
+                    if name == "flip" {
+                        value
+                    } else {
+                        value * factor
+                    }
+                })
+            })
         };
         cell.scores = cell.scores.as_ref().map(by);
-        std::sync::Arc::make_mut(&mut cell.bins).iter_mut().for_each(|bin| bin.scores = by(&bin.scores));
+        std::sync::Arc::make_mut(&mut cell.bins)
+            .iter_mut()
+            .for_each(|bin| bin.scores = by(&bin.scores));
     }
 }
 
@@ -105,16 +140,24 @@ pub struct Paper {
 
 impl Paper {
     pub fn new(axes: &'static [&'static str]) -> Self {
-        Self { axes, run: empty("paper") }
+        Self {
+            axes,
+            run: empty("paper"),
+        }
     }
 
-    /// A cell with this error in the headline metric, far above its noise; an empty text leaves an axis unset.
+    /// A cell with this error in the headline metric, far above its noise; an empty text leaves an
+    /// axis unset.
     pub fn add(&mut self, values: &[&str], error: f64) -> &mut FinishedCell {
         assert_eq!(values.len(), self.axes.len());
         let mut point = Point::default();
         for (name, text) in self.axes.iter().zip(values) {
             let axis = index_of(name).unwrap_or_else(|| panic!("no axis {name}"));
-            point[axis] = if text.is_empty() { Value::Unset } else { AXES[axis].kind.parse_text(text).unwrap() };
+            point[axis] = if text.is_empty() {
+                Value::Unset
+            } else {
+                AXES[axis].kind.parse_text(text).unwrap()
+            };
         }
         self.run.cells.push(FinishedCell {
             scores: Some(MetricValues::of(|name| (name == HEADLINE).then_some(error))),
@@ -135,7 +178,10 @@ impl Paper {
 }
 
 pub fn finding(run: &Finished, name: &str) -> Finding {
-    let (frame, question) = (Frame::new(run, None), question(name).unwrap_or_else(|| panic!("no question {name}")));
+    let (frame, question) = (
+        Frame::new(run, None),
+        question(name).unwrap_or_else(|| panic!("no question {name}")),
+    );
     assert_eq!((question.lacks)(&frame.shape), None, "{name}");
     (question.answer)(&frame).unwrap_or_else(|| panic!("{name} is not answered"))
 }
@@ -143,7 +189,9 @@ pub fn finding(run: &Finished, name: &str) -> Finding {
 pub fn bins(metric: &str, values: &[f64]) -> Vec<Bin> {
     let width = 1.0 / values.len() as f64;
     let of = |(i, value): (usize, &f64)| {
-        bin([i as f64 * width, (i + 1) as f64 * width], |name| (name == metric).then_some(*value))
+        bin([i as f64 * width, (i + 1) as f64 * width], |name| {
+            (name == metric).then_some(*value)
+        })
     };
     values.iter().enumerate().map(of).collect()
 }
@@ -167,7 +215,15 @@ fn cells<'t>(table: &'t Table, name: &str) -> impl Iterator<Item = &'t Cell> {
 
 /// As text; numbers with all their digits.
 pub fn column(table: &Table, name: &str) -> Vec<String> {
-    cells(table, name).map(|cell| if let Cell::Number(x) = cell { x.to_string() } else { shown(cell) }).collect()
+    cells(table, name)
+        .map(|cell| {
+            if let Cell::Number(x) = cell {
+                x.to_string()
+            } else {
+                shown(cell)
+            }
+        })
+        .collect()
 }
 
 /// The numbers of a column; NaN for an empty cell.
@@ -183,7 +239,18 @@ pub fn numbers(table: &Table, name: &str) -> Vec<f64> {
 
 pub fn only(table: &Table, wanted: &[(&str, &str)]) -> Table {
     let columns: Vec<Vec<String>> = wanted.iter().map(|(name, _)| column(table, name)).collect();
-    let is_it = |i: &usize| columns.iter().zip(wanted).all(|(column, (_, text))| column[*i] == *text);
-    let rows = (0..table.rows.len()).filter(is_it).map(|i| table.rows[i].clone()).collect();
-    Table { columns: table.columns.clone(), rows }
+    let is_it = |i: &usize| {
+        columns
+            .iter()
+            .zip(wanted)
+            .all(|(column, (_, text))| column[*i] == *text)
+    };
+    let rows = (0..table.rows.len())
+        .filter(is_it)
+        .map(|i| table.rows[i].clone())
+        .collect();
+    Table {
+        columns: table.columns.clone(),
+        rows,
+    }
 }

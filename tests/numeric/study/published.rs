@@ -26,39 +26,67 @@ fn published_pages_match_their_runs() {
     std::fs::create_dir(dir.path().join("docs")).unwrap();
     std::os::unix::fs::symlink(file("results"), dir.path().join("results")).unwrap();
     std::fs::copy(file("README.md"), dir.path().join("README.md")).unwrap();
-    for page in
-        std::fs::read_dir(file("docs")).unwrap().map(|entry| entry.unwrap().path()).filter(|path| path.is_file())
+    for page in std::fs::read_dir(file("docs"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.is_file())
     {
-        std::fs::copy(&page, dir.path().join("docs").join(page.file_name().unwrap())).unwrap();
+        std::fs::copy(
+            &page,
+            dir.path().join("docs").join(page.file_name().unwrap()),
+        )
+        .unwrap();
     }
     let filled = fill_pages(&dir.path().join("results")).unwrap();
     assert!(filled.contains(&dir.path().join("README.md")), "{filled:?}");
     for page in filled {
         let name = page.strip_prefix(dir.path()).unwrap().display().to_string();
-        assert!(std::fs::read_to_string(&page).unwrap() == text(&name), "{name} does not show what results/ says");
+        assert!(
+            std::fs::read_to_string(&page).unwrap() == text(&name),
+            "{name} does not show what results/ says"
+        );
     }
 }
 
 /// Runs whose answers need only the tables that are published with them.
 #[test]
 fn published_answers_follow_from_their_tables() {
-    for name in ["exposure-and-contrast", "ghosts", "lobes", "source-document-0", "timing"] {
+    for name in [
+        "exposure-and-contrast",
+        "ghosts",
+        "lobes",
+        "source-document-0",
+        "timing",
+    ] {
         let run = Finished::read(&file("results").join(name)).unwrap();
         for answer in answers(&run, None) {
             let (question, Finding { table, digest, .. }) = (answer.question.name, answer.finding);
             for (part, own) in [("", Some(table)), ("_digest", digest)] {
                 let Some(own) = own else { continue };
                 let published = format!("results/{name}/answers/{question}{part}.csv");
-                assert!(own.csv() == text(&published), "{published} is not the answer");
+                assert!(
+                    own.csv() == text(&published),
+                    "{published} is not the answer"
+                );
             }
         }
     }
     // Each run can run again: its experiment is the one of its record.
-    for dir in std::fs::read_dir(file("results")).unwrap().map(|entry| entry.unwrap().path()) {
-        let Ok(record) = std::fs::read(dir.join("provenance.json")) else { continue };
+    for dir in std::fs::read_dir(file("results"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+    {
+        let Ok(record) = std::fs::read(dir.join("provenance.json")) else {
+            continue;
+        };
         let record: serde_json::Value = serde_json::from_slice(&record).unwrap();
         let experiment = std::fs::read_to_string(dir.join("experiment.toml")).unwrap();
-        assert_eq!(record["experiment_hash"], experiment_hash(&experiment), "{}", dir.display());
+        assert_eq!(
+            record["experiment_hash"],
+            experiment_hash(&experiment),
+            "{}",
+            dir.display()
+        );
     }
 }
 
@@ -67,28 +95,52 @@ fn blocks_choose_rows_and_columns_and_name_their_faults() {
     let dir = tempfile::tempdir().unwrap();
     let answers = dir.path().join("run/answers");
     std::fs::create_dir_all(&answers).unwrap();
-    let csv = "alpha,model,n·v below 0.2,empty\n0.1,ggx,0.012345,\n0.10,phong,3,\n0.5,ggx,more than 512,\n";
+    let csv = "alpha,model,n·v below 0.2,empty\n0.1,ggx,0.012345,\n0.10,phong,3,\n0.5,ggx,more \
+               than 512,\n";
     std::fs::write(answers.join("q.csv"), csv).unwrap();
-    let run = |head: &str| fill(&format!("a\n<!-- {head} -->old<!-- /csv -->\nb"), dir.path());
+    let run = |head: &str| {
+        fill(
+            &format!("a\n<!-- {head} -->old<!-- /csv -->\nb"),
+            dir.path(),
+        )
+    };
     let content = |head: &str| {
         let page = run(head).unwrap_or_else(|error| panic!("{error}"));
-        page.split_once("-->").unwrap().1.split_once("<!-- /csv").unwrap().0.to_owned()
+        page.split_once("-->")
+            .unwrap()
+            .1
+            .split_once("<!-- /csv")
+            .unwrap()
+            .0
+            .to_owned()
     };
     // The same number in any notation; no filtered and no empty column.
-    let table = "\n| model | n·v below 0.2 |\n|-------|--------------:|\n| ggx   |        0.0123 |\n| phong |             3 |\n";
+    let table = "\n| model | n·v below 0.2 |\n|-------|--------------:|\n| ggx   |        0.0123 \
+                 |\n| phong |             3 |\n";
     assert_eq!(content("csv run/answers/q.csv alpha=0.1"), table);
     assert_eq!(content("csv run/answers/q.csv alpha=0.5 show=model"), "ggx");
     // Two digits within a sentence.
-    assert_eq!(content("csv run/answers/q.csv alpha=0.1 model=ggx show=\"n·v below 0.2\""), "0.012");
+    assert_eq!(
+        content("csv run/answers/q.csv alpha=0.1 model=ggx show=\"n·v below 0.2\""),
+        "0.012"
+    );
     assert_eq!(content("csv elsewhere/q.csv"), "old");
     let faults = [
-        "csv run/answers/none.csv", "csv run/answers/q.csv beta=1", "csv run/answers/q.csv alpha=0.2",
-        "csv run/answers/q.csv alpha", "csv run/answers/q.csv show=beta",
+        "csv run/answers/none.csv",
+        "csv run/answers/q.csv beta=1",
+        "csv run/answers/q.csv alpha=0.2",
+        "csv run/answers/q.csv alpha",
+        "csv run/answers/q.csv show=beta",
     ];
-    let faults =
-        faults.map(|head| run(head).unwrap_err()).into_iter().chain([fill("<!-- csv run", dir.path()).unwrap_err()]);
+    let faults = faults
+        .map(|head| run(head).unwrap_err())
+        .into_iter()
+        .chain([fill("<!-- csv run", dir.path()).unwrap_err()]);
     let faults = faults.map(|fault| fault.replace(&dir.path().display().to_string(), "RESULTS"));
-    assert_snapshot("blocks_that_are_wrong", &faults.collect::<Vec<_>>().join("\n"));
+    assert_snapshot(
+        "blocks_that_are_wrong",
+        &faults.collect::<Vec<_>>().join("\n"),
+    );
 }
 
 #[test]
@@ -105,17 +157,28 @@ fn every_column_of_every_table_is_explained() {
     let (dir, plan) = (tempfile::tempdir().unwrap(), plan(&text));
     invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
     let axes = splitsum::experiment::axis::Named::all().map(|axis| axis.name());
-    let metrics: Vec<&str> = splitsum::metrics::METRICS.iter().map(|metric| metric.name).collect();
-    let known: Vec<&str> = axes.chain(metrics.iter().copied()).chain([CELL.name]).collect();
+    let metrics: Vec<&str> = splitsum::metrics::METRICS
+        .iter()
+        .map(|metric| metric.name)
+        .collect();
+    let known: Vec<&str> = axes
+        .chain(metrics.iter().copied())
+        .chain([CELL.name])
+        .collect();
     for (file, columns, _) in TABLES {
         let table = Table::read(&dir.path().join(file)).unwrap();
         for name in &table.columns {
             let bare = name.strip_suffix("_noise_floor").unwrap_or(name);
-            let is_known = known.contains(&bare) || columns.iter().any(|column| column.name == *name);
+            let is_known =
+                known.contains(&bare) || columns.iter().any(|column| column.name == *name);
             assert!(is_known, "{file}: the column {name} is not explained");
         }
         for column in *columns {
-            assert!(table.columns.iter().any(|name| name == column.name), "{file} has no column {}", column.name);
+            assert!(
+                table.columns.iter().any(|name| name == column.name),
+                "{file} has no column {}",
+                column.name
+            );
         }
     }
 }

@@ -26,8 +26,13 @@ use std::sync::{Arc, OnceLock};
 /// Texts of the experiments in a folder, by name.
 fn experiments(folder: &str) -> Vec<(String, String)> {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join(folder);
-    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    let files = files.filter(|path| path.extension().is_some_and(|extension| extension == "toml"));
+    let files = std::fs::read_dir(folder)
+        .unwrap()
+        .map(|entry| entry.unwrap().path());
+    let files = files.filter(|path| {
+        path.extension()
+            .is_some_and(|extension| extension == "toml")
+    });
     let named = |path: PathBuf| {
         let name = path.file_stem().unwrap().to_string_lossy().into_owned();
         (name, std::fs::read_to_string(path).unwrap())
@@ -42,7 +47,8 @@ const SYNTHETIC: &str = "tests/golden/questions";
 const SHIPPED: &str = "experiments";
 const LIGHTS: &str = "builtin:constant,builtin:sky,builtin:studio";
 
-/// The runs of the experiments, and each again with errors that depend on alpha, environment and method.
+/// The runs of the experiments, and each again with errors that depend on alpha, environment and
+/// method.
 fn runs() -> &'static [Finished] {
     static RUNS: OnceLock<Vec<Finished>> = OnceLock::new();
     RUNS.get_or_init(|| {
@@ -76,30 +82,47 @@ fn factor(point: &Point) -> f64 {
 
 fn asked(run: &Finished) -> Vec<(&'static Question, Finding)> {
     let frame = Frame::new(run, None);
-    let serves = QUESTIONS.iter().filter(|question| (question.lacks)(&frame.shape).is_none());
+    let serves = QUESTIONS
+        .iter()
+        .filter(|question| (question.lacks)(&frame.shape).is_none());
     let name = run.text("/name");
     let answer = |asked: &&'static Question| {
         let finding = (asked.answer)(&frame);
-        // The synthetic renderer has no error in the diffuse term, so a ratio of its errors has no meaning.
-        assert!(finding.is_some() || name == "diffuse", "{}: no answer of {name}", asked.name);
+        // The synthetic renderer has no error in the diffuse term, so a ratio of its errors has no
+        // meaning.
+        assert!(
+            finding.is_some() || name == "diffuse",
+            "{}: no answer of {name}",
+            asked.name
+        );
         Some((*asked, finding?))
     };
     serves.filter_map(answer).collect()
 }
 
 pub fn figures() -> Vec<Figure> {
-    runs().iter().flat_map(asked).filter_map(|(_, finding)| finding.figure).collect()
+    runs()
+        .iter()
+        .flat_map(asked)
+        .filter_map(|(_, finding)| finding.figure)
+        .collect()
 }
 
 fn each(check: impl Fn(&Finished, &'static Question, &Finding)) {
     for run in runs() {
-        asked(run).iter().for_each(|(question, finding)| check(run, question, finding));
+        asked(run)
+            .iter()
+            .for_each(|(question, finding)| check(run, question, finding));
     }
 }
 
 #[test]
 fn every_question_is_served_by_a_synthetic_run() {
-    let served: Vec<&str> = runs().iter().flat_map(asked).map(|(question, _)| question.name).collect();
+    let served: Vec<&str> = runs()
+        .iter()
+        .flat_map(asked)
+        .map(|(question, _)| question.name)
+        .collect();
     for question in QUESTIONS {
         assert!(served.contains(&question.name), "{}", question.name);
     }
@@ -122,11 +145,36 @@ fn every_question_has_a_table_of_its_columns() {
     each(|_, question, finding| {
         let names = &finding.table.columns;
         assert!(!finding.table.rows.is_empty(), "{}", question.name);
-        assert!(names.iter().all(|name| !name.is_empty() && !name.contains('-')), "{names:?}");
+        assert!(
+            names
+                .iter()
+                .all(|name| !name.is_empty() && !name.contains('-')),
+            "{names:?}"
+        );
         let is_axis = |name: &String| Named::all().any(|named| named.name() == name);
-        let own: Vec<&str> = names.iter().filter(|name| !is_axis(name)).map(String::as_str).collect();
-        assert_eq!(own, question.columns.iter().map(|column| column.name).collect::<Vec<_>>(), "{}", question.name);
-        assert!(question.columns.iter().all(|column| column.about.ends_with('.')), "{}", question.name);
+        let own: Vec<&str> = names
+            .iter()
+            .filter(|name| !is_axis(name))
+            .map(String::as_str)
+            .collect();
+        assert_eq!(
+            own,
+            question
+                .columns
+                .iter()
+                .map(|column| column.name)
+                .collect::<Vec<_>>(),
+            "{}",
+            question.name
+        );
+        assert!(
+            question
+                .columns
+                .iter()
+                .all(|column| column.about.ends_with('.')),
+            "{}",
+            question.name
+        );
         assert!(question.asks.ends_with('?'), "{}", question.asks);
     });
 }
@@ -135,16 +183,33 @@ fn every_question_has_a_table_of_its_columns() {
 fn sentences_are_short() {
     each(|_, question, finding| {
         let said = sentences(&finding.sentence);
-        assert!((1..=3).contains(&said.len()), "{}: {}", question.name, finding.sentence);
+        assert!(
+            (1..=3).contains(&said.len()),
+            "{}: {}",
+            question.name,
+            finding.sentence
+        );
         for sentence in said {
             // A formula in backticks is one word.
-            let bare: String =
-                sentence.split('`').enumerate().map(|(i, part)| if i % 2 == 1 { "formula" } else { part }).collect();
+            let bare: String = sentence
+                .split('`')
+                .enumerate()
+                .map(|(i, part)| if i % 2 == 1 { "formula" } else { part })
+                .collect();
             let count = word_count(&bare);
             assert!(count <= 25, "{}: {count} words: {sentence}", question.name);
-            assert!(sentence.ends_with('.') && !sentence.contains("  "), "{sentence}");
-            assert!(!sentence.contains("NaN") && !sentence.contains("inf"), "{sentence}");
-            assert!(!sentence.contains("1 cases") && !sentence.contains("of 1 case"), "{sentence}");
+            assert!(
+                sentence.ends_with('.') && !sentence.contains("  "),
+                "{sentence}"
+            );
+            assert!(
+                !sentence.contains("NaN") && !sentence.contains("inf"),
+                "{sentence}"
+            );
+            assert!(
+                !sentence.contains("1 cases") && !sentence.contains("of 1 case"),
+                "{sentence}"
+            );
         }
     });
 }
@@ -153,26 +218,59 @@ fn sentences_are_short() {
 fn every_number_of_a_sentence_is_one_of_its_tables() {
     each(|run, question, finding| {
         let missing = unfounded(finding);
-        let digest = finding.digest.as_ref().map(|digest| digest.markdown()).unwrap_or_default();
+        let digest = finding
+            .digest
+            .as_ref()
+            .map(|digest| digest.markdown())
+            .unwrap_or_default();
         let name = run.text("/name");
-        assert!(missing.is_empty(), "{} of {name}: {missing:?} in: {}\n{digest}", question.name, finding.sentence);
+        assert!(
+            missing.is_empty(),
+            "{} of {name}: {missing:?} in: {}\n{digest}",
+            question.name,
+            finding.sentence
+        );
     });
 }
 
 #[test]
 fn every_figure_is_well_formed_and_its_cells_exist() {
     each(|run, question, finding| {
-        let Some(figure) = &finding.figure else { return };
+        let Some(figure) = &finding.figure else {
+            return;
+        };
         for width in WIDTHS {
-            assert_eq!(roxmltree::Document::parse(&svg(figure, width)).err(), None, "{}", question.name);
+            assert_eq!(
+                roxmltree::Document::parse(&svg(figure, width)).err(),
+                None,
+                "{}",
+                question.name
+            );
         }
         let marks = || figure.panels.iter().flat_map(|panel| &panel.marks);
-        assert!(marks().next().is_some(), "{}: nothing is drawn", question.name);
+        assert!(
+            marks().next().is_some(),
+            "{}: nothing is drawn",
+            question.name
+        );
         for mark in marks() {
-            assert!(mark.series.is_none_or(|series| series < figure.series.len()), "{}: {mark:?}", question.name);
+            assert!(
+                mark.series
+                    .is_none_or(|series| series < figure.series.len()),
+                "{}: {mark:?}",
+                question.name
+            );
             if let Some(id) = &mark.cell {
-                assert!(run.cells.iter().any(|cell| cell.id == *id), "{}: no cell {id}", question.name);
-                assert!(!mark.tip.is_empty(), "{}: a link without words", question.name);
+                assert!(
+                    run.cells.iter().any(|cell| cell.id == *id),
+                    "{}: no cell {id}",
+                    question.name
+                );
+                assert!(
+                    !mark.tip.is_empty(),
+                    "{}: a link without words",
+                    question.name
+                );
             }
         }
     });
@@ -190,35 +288,62 @@ fn a_failed_cell_does_not_prevent_an_answer() {
             for (question, before) in &whole {
                 let Some(after) = (question.answer)(&frame) else {
                     // The resolved part of so small a run may be too small.
-                    assert!(before.table.rows.len() <= 4, "{} says nothing", question.name);
+                    assert!(
+                        before.table.rows.len() <= 4,
+                        "{} says nothing",
+                        question.name
+                    );
                     continue;
                 };
-                assert!(2 * after.table.rows.len() >= before.table.rows.len(), "{}", question.name);
-                assert_eq!(unfounded(&after), Vec::<String>::new(), "{}: {}", question.name, after.sentence);
+                assert!(
+                    2 * after.table.rows.len() >= before.table.rows.len(),
+                    "{}",
+                    question.name
+                );
+                assert_eq!(
+                    unfounded(&after),
+                    Vec::<String>::new(),
+                    "{}: {}",
+                    question.name,
+                    after.sentence
+                );
                 let is_sound = |text: &str| !text.contains("NaN") && !text.contains("inf");
-                assert!(is_sound(&after.sentence) && is_sound(&after.table.csv()), "{}", question.name);
+                assert!(
+                    is_sound(&after.sentence) && is_sound(&after.table.csv()),
+                    "{}",
+                    question.name
+                );
             }
         }
     }
 }
 
 fn run_scrambled(plan: &Plan, dir: &Path) {
-    let log = Log { is_scrambled: true, ..Log::default() };
+    let log = Log {
+        is_scrambled: true,
+        ..Log::default()
+    };
     invoke(plan, dir, &Rc::new(RefCell::new(log)), usize::MAX).unwrap();
 }
 
 fn scrambled(plan: &Plan) -> String {
     let dir = tempfile::tempdir().unwrap();
     run_scrambled(plan, dir.path());
-    write(&PageOptions::in_folder(dir.path()), &PageRun::of_runs(&[read(dir.path())])).unwrap();
+    write(
+        &PageOptions::in_folder(dir.path()),
+        &PageRun::of_runs(&[read(dir.path())]),
+    )
+    .unwrap();
     kept::folder(dir.path())
 }
 
-/// Errors, shares and times differ in every cell, three times, so a slip in a table, an answer or a figure moves a number.
+/// Errors, shares and times differ in every cell, three times, so a slip in a table, an answer or a
+/// figure moves a number.
 #[test]
 fn numbers_of_scrambled_runs_are_kept() {
     for (name, text) in experiments(SYNTHETIC) {
-        let kept = ["20, 14", "22, 15", "24, 17"].map(|size| scrambled(&plan(&text.replacen("16, 16", size, 1))));
+        let kept = ["20, 14", "22, 15", "24, 17"]
+            .map(|size| scrambled(&plan(&text.replacen("16, 16", size, 1))));
         assert_snapshot(&format!("run_{name}"), &kept.join("\n"));
     }
 }
@@ -231,14 +356,24 @@ fn numbers_of_scrambled_experiments_are_kept() {
         let zipped = root.get("zip").map(ToString::to_string).unwrap_or_default();
         let short = |(axis, values): (&String, &toml::Value)| match values {
             toml::Value::Array(all)
-                if all.len() > 2 && axis != "method" && !zipped.contains(&format!("\"{axis}\"")) =>
+                if all.len() > 2
+                    && axis != "method"
+                    && !zipped.contains(&format!("\"{axis}\"")) =>
             {
-                let short = all[..2].iter().map(|value| value.to_string().replace('"', "")).collect::<Vec<_>>();
+                let short = all[..2]
+                    .iter()
+                    .map(|value| value.to_string().replace('"', ""))
+                    .collect::<Vec<_>>();
                 Some(format!("{axis}={}", short.join(",")))
             }
             _ => None,
         };
-        let mut set: Vec<String> = root["axes"].as_table().unwrap().iter().filter_map(short).collect();
+        let mut set: Vec<String> = root["axes"]
+            .as_table()
+            .unwrap()
+            .iter()
+            .filter_map(short)
+            .collect();
         set.retain(|set| !set.starts_with("environment="));
         set.extend((!zipped.contains("size\"")).then(|| "size=24x17".to_owned()));
         set.push(format!("environment={LIGHTS}"));
@@ -256,7 +391,11 @@ fn scrambled_runs() -> Vec<Finished> {
         Finished::read(&dir).unwrap()
     };
     // Of `counts` some images are equal, whose errors the fake renderer makes unequal.
-    experiments(SYNTHETIC).into_iter().filter(|(name, _)| name != "counts").map(read).collect()
+    experiments(SYNTHETIC)
+        .into_iter()
+        .filter(|(name, _)| name != "counts")
+        .map(read)
+        .collect()
 }
 
 /// What a run answers, with the lines of tables in the order of their text.
@@ -264,12 +403,21 @@ fn said(run: &Finished) -> Vec<(&'static str, String)> {
     let frame = Frame::new(run, None);
     let said = |question: &'static Question| {
         let finding = (question.answer)(&frame)?;
-        let digest = finding.digest.as_ref().map(|digest| digest.markdown()).unwrap_or_default();
+        let digest = finding
+            .digest
+            .as_ref()
+            .map(|digest| digest.markdown())
+            .unwrap_or_default();
         let mut lines: Vec<&str> = digest.lines().chain([finding.sentence.as_str()]).collect();
         lines.sort_unstable();
         Some((question.name, lines.join("\n")))
     };
-    QUESTIONS.iter().copied().filter(|question| (question.lacks)(&frame.shape).is_none()).filter_map(said).collect()
+    QUESTIONS
+        .iter()
+        .copied()
+        .filter(|question| (question.lacks)(&frame.shape).is_none())
+        .filter_map(said)
+        .collect()
 }
 
 /// Cells that bring a new value of an axis come first, because the first value is the base.
@@ -279,20 +427,42 @@ fn order_and_failed_twins_of_cells_change_no_answer() {
         let (before, mut seen) = (said(&run), BTreeSet::new());
         let is_first: BTreeMap<&str, bool> = (run.cells.iter())
             .map(|cell| {
-                (cell.id.as_str(), (0..AXES.len()).any(|axis| seen.insert((axis, cell.point[axis].to_string()))))
+                (
+                    cell.id.as_str(),
+                    (0..AXES.len()).any(|axis| seen.insert((axis, cell.point[axis].to_string()))),
+                )
             })
             .collect();
         // A failed cell beside a finished one of its point is irrelevant.
         let mut more = run.clone();
-        let failed =
-            |cell: &FinishedCell| FinishedCell { id: format!("{}-failed", cell.id), scores: None, ..cell.clone() };
+        let failed = |cell: &FinishedCell| FinishedCell {
+            id: format!("{}-failed", cell.id),
+            scores: None,
+            ..cell.clone()
+        };
         more.cells.extend(run.cells.iter().map(failed));
-        assert_eq!(said(&more), before, "{} with failed cells", run.text("/name"));
+        assert_eq!(
+            said(&more),
+            before,
+            "{} with failed cells",
+            run.text("/name")
+        );
         for seed in 0..3 {
             let mut shuffled = run.clone();
             let hash = |id: &str| *blake3::hash(format!("{seed} {id}").as_bytes()).as_bytes();
-            shuffled.cells.sort_by_key(|cell| if is_first[cell.id.as_str()] { [0; 32] } else { hash(&cell.id) });
-            assert_eq!(said(&shuffled), before, "{} by seed {seed}", run.text("/name"));
+            shuffled.cells.sort_by_key(|cell| {
+                if is_first[cell.id.as_str()] {
+                    [0; 32]
+                } else {
+                    hash(&cell.id)
+                }
+            });
+            assert_eq!(
+                said(&shuffled),
+                before,
+                "{} by seed {seed}",
+                run.text("/name")
+            );
         }
     }
 }
@@ -305,15 +475,22 @@ fn the_unit_of_the_metric_changes_no_ratio() {
         scaled(&mut quadrupled, |_| 4.0);
         let by_four = |floors: &mut MetricValues| {
             let old = floors.clone();
-            *floors =
-                MetricValues::of(|name| old.get(name).map(|floor| if name == "flip" { floor } else { 4.0 * floor }));
+            *floors = MetricValues::of(|name| {
+                old.get(name)
+                    .map(|floor| if name == "flip" { floor } else { 4.0 * floor })
+            });
         };
         for cell in &mut quadrupled.cells {
             by_four(&mut cell.noise_floors);
-            Arc::make_mut(&mut cell.bins).iter_mut().for_each(|bin| by_four(&mut bin.noise_floors));
+            Arc::make_mut(&mut cell.bins)
+                .iter_mut()
+                .for_each(|bin| by_four(&mut bin.noise_floors));
         }
         let ratios = |run: &Finished| {
-            said(run).into_iter().filter(|(name, _)| ["break-even", "effect"].contains(name)).collect::<Vec<_>>()
+            said(run)
+                .into_iter()
+                .filter(|(name, _)| ["break-even", "effect"].contains(name))
+                .collect::<Vec<_>>()
         };
         assert_eq!(ratios(&quadrupled), ratios(&run), "{}", run.text("/name"));
     }
@@ -322,17 +499,33 @@ fn the_unit_of_the_metric_changes_no_ratio() {
 /// A question that no experiment asks would never be answered.
 #[test]
 fn every_question_is_asked_by_an_experiment() {
-    let asked: Vec<String> = experiments(SHIPPED).iter().flat_map(|(_, text)| asks(text)).collect();
+    let asked: Vec<String> = experiments(SHIPPED)
+        .iter()
+        .flat_map(|(_, text)| asks(text))
+        .collect();
     for question in QUESTIONS {
-        assert!(asked.iter().any(|asked| asked == question.name), "no experiment asks {}", question.name);
+        assert!(
+            asked.iter().any(|asked| asked == question.name),
+            "no experiment asks {}",
+            question.name
+        );
     }
     for name in &asked {
-        assert!(question(name).is_some(), "{name} is asked and is not a question");
+        assert!(
+            question(name).is_some(),
+            "{name} is asked and is not a question"
+        );
     }
 }
 
 fn asks(text: &str) -> Vec<String> {
     let root: toml::Table = text.parse().unwrap();
-    let name = |ask: &toml::Value| ask.get("question").unwrap_or(ask).as_str().unwrap().to_owned();
+    let name = |ask: &toml::Value| {
+        ask.get("question")
+            .unwrap_or(ask)
+            .as_str()
+            .unwrap()
+            .to_owned()
+    };
     root["asks"].as_array().unwrap().iter().map(name).collect()
 }

@@ -13,7 +13,10 @@ pub fn sentences(text: &str) -> Vec<&str> {
 
 /// Words of a sentence: parts with a letter or digit.
 pub fn word_count(sentence: &str) -> usize {
-    sentence.split_whitespace().filter(|word| word.contains(char::is_alphanumeric)).count()
+    sentence
+        .split_whitespace()
+        .filter(|word| word.contains(char::is_alphanumeric))
+        .count()
 }
 
 /// The text without its code spans, which are names, not words.
@@ -21,7 +24,8 @@ fn without_names(text: &str) -> String {
     text.split('`').step_by(2).collect::<Vec<_>>().join(" ")
 }
 
-/// Every number as written: `16`, `-0.95`, `1.3e-6`, `1234` of `1,234`. A minus between letters or digits is a hyphen.
+/// Every number as written: `16`, `-0.95`, `1.3e-6`, `1234` of `1,234`. A minus between letters or
+/// digits is a hyphen.
 pub fn numbers(text: &str) -> Vec<String> {
     let letters: Vec<char> = text.replace('−', "-").chars().collect();
     let is_digit = |i: usize| letters.get(i).is_some_and(char::is_ascii_digit);
@@ -33,7 +37,8 @@ pub fn numbers(text: &str) -> Vec<String> {
             continue;
         }
         let mut number = String::new();
-        let is_signed = i > 0 && letters[i - 1] == '-' && (i < 2 || !letters[i - 2].is_alphanumeric());
+        let is_signed =
+            i > 0 && letters[i - 1] == '-' && (i < 2 || !letters[i - 2].is_alphanumeric());
         number.extend(is_signed.then_some('-'));
         loop {
             match letters.get(i) {
@@ -42,7 +47,11 @@ pub fn numbers(text: &str) -> Vec<String> {
                 // Thousands.
                 Some(',') if (i + 1..i + 4).all(is_digit) && !is_digit(i + 4) => {}
                 Some('e') if is_digit(i + 1) && !number.contains('e') => number.push('e'),
-                Some('e') if letters.get(i + 1) == Some(&'-') && is_digit(i + 2) && !number.contains('e') => {
+                Some('e')
+                    if letters.get(i + 1) == Some(&'-')
+                        && is_digit(i + 2)
+                        && !number.contains('e') =>
+                {
                     number.push_str("e-");
                     i += 1;
                 }
@@ -83,8 +92,9 @@ fn known(table: &Table, found: &mut HashSet<String>) {
     }
 }
 
-/// Numbers in a sentence of a finding that its table and digest lack: they are neither numbers there, nor counts of rows, of rows with one
-/// name in a column, or of distinct values of a column. The 95 of "95 %" is the size of every interval.
+/// Numbers in a sentence of a finding that its table and digest lack: they are neither numbers
+/// there, nor counts of rows, of rows with one name in a column, or of distinct values of a column.
+/// The 95 of "95 %" is the size of every interval.
 pub fn unfounded(finding: &Finding) -> Vec<String> {
     let mut known_numbers = HashSet::new();
     [Some(&finding.table), finding.digest.as_ref()]
@@ -92,5 +102,8 @@ pub fn unfounded(finding: &Finding) -> Vec<String> {
         .flatten()
         .for_each(|table| known(table, &mut known_numbers));
     let text = without_names(&finding.sentence).replace("95 %", "");
-    numbers(&text).into_iter().filter(|number| !known_numbers.contains(number)).collect()
+    numbers(&text)
+        .into_iter()
+        .filter(|number| !known_numbers.contains(number))
+        .collect()
 }

@@ -1,8 +1,8 @@
-//! Methods in files of the user: GLSL that defines `vec3 specular_radiance(Surface s)` like the files of
-//! `shaders/shade/method/`, compiled when it is named.
+//! Methods in files of the user: GLSL that defines `vec3 specular_radiance(Surface s)` like the
+//! files of `shaders/shade/method/`, compiled when it is named.
 //!
-//! It may include the same files (`lib/split_sum.glsl`, `lib/filtering.glsl`, `selected/brdf.glsl`, ...). The
-//! bindings that it reads determine which parameters it depends on.
+//! It may include the same files (`lib/split_sum.glsl`, `lib/filtering.glsl`, `selected/brdf.glsl`,
+//! ...). The bindings that it reads determine which parameters it depends on.
 
 #[cfg(feature = "gpu")]
 mod load;
@@ -26,20 +26,32 @@ pub const FUNCTION: &str = "specular_radiance";
 /// Methods by name: `file:PATH`.
 static LOADED: RwLock<BTreeMap<String, &'static Method>> = RwLock::new(BTreeMap::new());
 
-/// Returns the method `file:PATH` as loaded last. If it was never loaded or does not compile, returns one that gives
-/// nothing: a name in a finished run may outlive its file.
+/// Returns the method `file:PATH` as loaded last. If it was never loaded or does not compile,
+/// returns one that gives nothing: a name in a finished run may outlive its file.
 pub fn loaded(name: &str) -> Option<&'static Method> {
     name.strip_prefix(FILE_PREFIX)?;
     // A panic cannot leave the map half-changed: entries are added in one step.
-    let known = LOADED.read().unwrap_or_else(PoisonError::into_inner).get(name).copied();
+    let known = LOADED
+        .read()
+        .unwrap_or_else(PoisonError::into_inner)
+        .get(name)
+        .copied();
     Some(known.unwrap_or_else(|| keep(absent(name.to_owned()))))
 }
 
 fn absent(name: String) -> Method {
-    let title = std::path::Path::new(name.trim_start_matches(FILE_PREFIX)).file_stem().unwrap_or_default();
+    let title = std::path::Path::new(name.trim_start_matches(FILE_PREFIX))
+        .file_stem()
+        .unwrap_or_default();
     let title = format!("{} (file)", title.to_string_lossy());
-    let [name, title] = [name, title].map(|text| -> &'static str { Box::leak(text.into_boxed_str()) });
-    Method::plain(name, title, "a method in a file", Twin::Estimator(|_, _, _| DVec3::ZERO))
+    let [name, title] =
+        [name, title].map(|text| -> &'static str { Box::leak(text.into_boxed_str()) });
+    Method::plain(
+        name,
+        title,
+        "a method in a file",
+        Twin::Estimator(|_, _, _| DVec3::ZERO),
+    )
 }
 
 /// Derives the flags of a method from the names that its shader reads.
@@ -53,7 +65,9 @@ pub fn of_names_read(method: Method, reads: &BTreeSet<String>, stem: String) -> 
         // Not counted: more than one lookup counts as one.
         lookups: reads("prefiltered").into(),
         uses_dfg: reads("dfg"),
-        tap_table: TapCount::ALL.into_iter().find(|count| reads(count.sampler())),
+        tap_table: TapCount::ALL
+            .into_iter()
+            .find(|count| reads(count.sampler())),
         ..method
     }
 }
