@@ -3,58 +3,26 @@
 
 use super::convention::{Convention, PRESETS, Preset};
 use super::source::{Reading, read};
-use crate::environment::layout::{LAYOUTS, MapLayout};
+use crate::environment::layout::LAYOUTS;
 use crate::glsl::constants::FILE_PREFIX;
 use crate::pixels::RgbImage;
+use crate::precompute::given::{CENTRES, Given, GivenMap, GivenTable, OWN};
 use crate::precompute::prefilter::{LEVEL_MAPPINGS, LevelMapping};
 use crate::spelling::Listed;
 use glam::DVec2;
 use std::path::Path;
 use std::sync::Arc;
 
-pub const OWN: &str = "own";
-/// Selects our DFG table sampled at texel centres, as engines do.
-pub const CENTRES: &str = "centres";
 const PRESET: char = '#';
 /// Largest difference of a width from its mapping's.
 const ALPHA_WITHIN: f64 = 1e-4;
 
-#[derive(Debug)]
-pub struct GivenMap {
-    pub name: String,
-    /// Hash of the texels and the mapping.
-    pub hash: String,
-    pub layout: &'static MapLayout,
-    /// Side of a face of level 0, texels.
-    pub side: u32,
-    pub mapping: &'static LevelMapping,
-    /// Levels, each with its faces one after the other.
-    pub levels: Vec<Vec<[f32; 4]>>,
-}
-
-#[derive(Debug)]
-pub struct GivenTable {
-    pub name: String,
-    pub hash: String,
-    pub side: u32,
-    /// (A, B, 0, 1), row by row.
-    pub texels: Vec<[f32; 4]>,
-}
-
-#[derive(Clone, Debug, Default)]
-pub struct Given {
-    pub prefiltered: Option<Arc<GivenMap>>,
-    pub dfg: Option<Arc<GivenTable>>,
-}
-
-impl Given {
-    /// Loads the tables of two values, relative to `dir`.
-    pub fn load(prefiltered: &str, dfg: &str, dir: &Path) -> Result<Self, String> {
-        Ok(Self {
-            prefiltered: map(prefiltered, dir)?,
-            dfg: table(dfg, dir)?,
-        })
-    }
+/// Loads the tables of two values, relative to `dir`.
+pub fn load(prefiltered: &str, dfg: &str, dir: &Path) -> Result<Given, String> {
+    Ok(Given {
+        prefiltered: map(prefiltered, dir)?,
+        dfg: table(dfg, dir)?,
+    })
 }
 
 /// Loads the map of a value, relative to `dir`; `None` for [`OWN`].

@@ -85,8 +85,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         ..seen.view()
     };
     let curve = settings.curve;
-    let given =
-        given::Given::load(&settings.prefiltered, &settings.dfg, here).map_err(Failure::input)?;
+    let given = given::load(&settings.prefiltered, &settings.dfg, here).map_err(Failure::input)?;
     let request = settings.request(&environment, &scene, &view, given);
     progress::doing("rendering");
     let mut pipeline = seen.device.open().map_err(Failure::opening)?;

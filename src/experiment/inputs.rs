@@ -3,8 +3,9 @@
 use super::axis::{DFG_TABLE, ENVIRONMENT, METHOD, PREFILTERED, SCENE, Settings};
 use super::config::Config;
 use super::fault::Faults;
-use crate::bakes::given::{self, Given, GivenMap, GivenTable};
+use crate::bakes::given;
 use crate::environment::{BUILTIN_PREFIX, Environment, LoadOptions};
+use crate::precompute::given::{Given, GivenMap, GivenTable};
 use crate::scene::Scene;
 use crate::shade::{FILE_PREFIX, Method, own};
 use std::collections::BTreeMap;

@@ -5,12 +5,12 @@
 //! before the key has it.
 
 use super::RenderRequest;
-use crate::bakes::given::{GivenMap, GivenTable};
 use crate::brdf::{Brdf, MaskingShadowing};
 use crate::environment::Environment;
 use crate::environment::layout::MapLayout;
 use crate::pixels::Pixels;
 use crate::precompute::dfg::DfgAxes;
+use crate::precompute::given::{GivenMap, GivenTable};
 use crate::precompute::prefilter::pass::Recipe;
 use crate::precompute::prefilter::{self, Kernel, LevelMapping};
 use crate::precompute::taps::{Chain, TapCount, TapTable};

@@ -1,12 +1,12 @@
 //! Requests to the pipeline, and its results.
 
 use super::antialias::POINTS_PER_SIDE;
-use crate::bakes::given::Given;
 use crate::environment::Environment;
 use crate::gpu::PassTime;
 use crate::metrics::Epsilon;
 use crate::pixels::{GrayImage, RgbImage};
 use crate::precompute::PrefilterBy;
+use crate::precompute::given::Given;
 use crate::scene::{Camera, CameraKind, Scene};
 use crate::shade::Shading;
 use crate::shade::reference_pass::{Convergence, Lobe, Stop};

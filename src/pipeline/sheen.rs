@@ -3,9 +3,9 @@
 use super::layers::combined;
 use super::request::Frame;
 use super::{Pipeline, PipelineError, RenderRequest};
-use crate::bakes::given::Given;
 use crate::brdf::{Brdf, Compensation, MaskingShadowing, SHEEN_ALPHA_MIN, SheenVisibility};
 use crate::precompute::PrefilterBy;
+use crate::precompute::given::Given;
 use crate::precompute::prefilter::WEIGHTS;
 use crate::shade::sheen::{SheenMap, shares};
 use crate::shade::{Diffuse, Method, NONE, Shading};

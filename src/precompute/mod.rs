@@ -3,6 +3,7 @@
 pub mod dfg;
 #[cfg(feature = "gpu")]
 pub mod filtered;
+pub mod given;
 pub mod irradiance;
 pub mod mips;
 #[cfg(feature = "gpu")]

@@ -1,7 +1,6 @@
 //! The window's state as data: it becomes requests, and by [`super::file`] commands.
 
 use super::picture::Picture;
-use crate::bakes::given::Given;
 use crate::environment::{BUILTIN_PREFIX, Environment};
 use crate::experiment::axis::{
     ALBEDO, ALPHA, AXES, ENVIRONMENT, F0, METALLIC, METHOD, Part, Point, REFERENCE, Reference,
@@ -9,6 +8,7 @@ use crate::experiment::axis::{
 };
 use crate::experiment::value::Value;
 use crate::pipeline::RenderRequest;
+use crate::precompute::given::Given;
 use crate::scene::{Camera, Orbit, Scene, scene_extensions, scene_format};
 use std::path::Path;
 use std::sync::Arc;

@@ -2,7 +2,6 @@
 
 use crate::harness::{golden_environment, request, scene, usual_tables, with_pipeline};
 use half::f16;
-use splitsum::bakes::given::{GivenMap, GivenTable};
 use splitsum::brdf::{Compensation, MaskingShadowing, WidthLaw};
 use splitsum::environment::Environment;
 use splitsum::environment::layout::LAYOUTS;
@@ -10,6 +9,7 @@ use splitsum::math::sequence::{PixelPoints, SEQUENCES};
 use splitsum::pipeline::{DiskCache, Frame, Pipeline, RenderRequest};
 use splitsum::pixels::RgbImage;
 use splitsum::precompute::dfg::DfgAxes;
+use splitsum::precompute::given::{GivenMap, GivenTable};
 use splitsum::precompute::prefilter::{LEVEL_MAPPINGS, WEIGHTS};
 use splitsum::precompute::{HALF_MAX, PrecomputeSettings, PrefilterBy, StorageFormat};
 use splitsum::scene::{Camera, CameraKind, MaterialOverride};

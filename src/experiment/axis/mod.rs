@@ -19,10 +19,10 @@ pub use settings::{Reference, Settings, Terms, View};
 pub use tables::*;
 
 use super::value::{Kind, Value};
-use crate::bakes::given::OWN;
 use crate::brdf::Compensation;
 use crate::environment::layout::{LAYOUTS, MapLayout};
 use crate::precompute::PrefilterBy;
+use crate::precompute::given::OWN;
 use crate::scene::{MaterialOverride, SCENES};
 use crate::shade::frames::Frames;
 use crate::shade::{DIFFUSE, Diffuse, METHODS, Method, Shading};

@@ -1,11 +1,11 @@
 //! Turns the values of a point into settings of the renderer.
 
-use crate::bakes::given::{Given, OWN};
 use crate::cost::child::Job;
 use crate::environment::Environment;
 use crate::experiment::value::Value;
 use crate::pipeline::RenderRequest;
 use crate::precompute::dfg::DfgAxes;
+use crate::precompute::given::{Given, OWN};
 use crate::scene::{Camera, CameraKind, MaterialOverride, Orbit, Scene};
 use crate::shade::pass::specular_shader;
 use crate::shade::{NONE, REFERENCE, Shading};

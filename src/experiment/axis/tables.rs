@@ -2,9 +2,9 @@
 
 use super::plain::{LEVELS, PLAIN, one_of, valued};
 use super::{Axis, Part, Symbol, Used};
-use crate::bakes::given::{CENTRES, OWN};
 use crate::environment::layout::MapLayout;
 use crate::experiment::value::{Kind, Value};
+use crate::precompute::given::{CENTRES, OWN};
 use crate::precompute::prefilter::level_bias::LEVEL_BIASES;
 use crate::precompute::prefilter::{LevelMapping, Weight};
 use crate::precompute::{PrecomputeSettings, PrefilterBy, StorageFormat};

@@ -18,6 +18,7 @@ use splitsum::environment::layout::LAYOUTS;
 use splitsum::environment::{Environment, LoadOptions};
 use splitsum::math::spherical_harmonics::{basis, irradiance};
 use splitsum::pixels::RgbImage;
+use splitsum::precompute::given::OWN;
 use splitsum::precompute::prefilter::{Kernel, LevelMapping};
 use splitsum::precompute::taps;
 use splitsum::spelling::Listed;
@@ -318,7 +319,7 @@ fn given_tables_are_turned_to_our_axes() {
             .unwrap_err()
             .contains("has no DFG table")
     );
-    assert!(given::map(given::OWN, dir.path()).unwrap().is_none());
+    assert!(given::map(OWN, dir.path()).unwrap().is_none());
 }
 
 /// Godot loads complete chains only. The levels behind the last one that its shader reads are
