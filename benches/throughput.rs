@@ -6,17 +6,17 @@
 //! `reference`, `convergence`; `--record` runs all but the last, and adds a row with a figure of
 //! each to benches/record.md.
 
-use splitsum::brdf::{Brdf, MODELS};
-use splitsum::environment::layout::MapLayout;
-use splitsum::environment::{Environment, LoadOptions};
-use splitsum::metrics::{Comparison, HEADLINE, Metric};
-use splitsum::pipeline::{Frame, Options, Pipeline, RenderRequest};
-use splitsum::precompute::PrefilterBy;
+use splitsum::base::names::Listed;
+use splitsum::instrument::brdf::{Brdf, MODELS};
+use splitsum::instrument::environment::layout::MapLayout;
+use splitsum::instrument::environment::{Environment, LoadOptions};
+use splitsum::instrument::metrics::{Comparison, HEADLINE, Metric};
+use splitsum::instrument::pipeline::{Frame, Options, Pipeline, RenderRequest};
+use splitsum::instrument::precompute::PrefilterBy;
+use splitsum::instrument::scene::{CameraKind, MaterialOverride, Scene};
+use splitsum::instrument::shade::{Method, Shading};
+use splitsum::instrument::tonemap::ToneCurve;
 use splitsum::run::provenance::now_utc;
-use splitsum::scene::{CameraKind, MaterialOverride, Scene};
-use splitsum::shade::{Method, Shading};
-use splitsum::spelling::Listed;
-use splitsum::tonemap::ToneCurve;
 use std::io::Write as _;
 use std::path::Path;
 use std::process::Command;

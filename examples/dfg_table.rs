@@ -1,8 +1,8 @@
 //! Integrates a DFG table of GGX as engines lay it out, looks it up and compares with the integral.
 
-use splitsum::brdf::{Ggx, MaskingShadowing, alpha_from_perceptual_roughness};
-use splitsum::precompute::dfg::DfgAxes;
-use splitsum::precompute::dfg::reference::{dfg, table};
+use splitsum::instrument::brdf::{Ggx, MaskingShadowing, alpha_from_perceptual_roughness};
+use splitsum::instrument::precompute::dfg::DfgAxes;
+use splitsum::instrument::precompute::dfg::reference::{dfg, table};
 
 fn main() {
     let (masking, axes) = (MaskingShadowing::Correlated, DfgAxes::Centres);

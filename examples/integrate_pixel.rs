@@ -1,10 +1,10 @@
 //! Integrates one pixel exactly, with error bounds.
 
 use glam::DVec3;
-use splitsum::brdf::{Ggx, MaskingShadowing};
-use splitsum::environment::Environment;
-use splitsum::precompute::exact_quadrature;
-use splitsum::shade::reference::{Surface, TOLERANCE, integrate};
+use splitsum::instrument::brdf::{Ggx, MaskingShadowing};
+use splitsum::instrument::environment::Environment;
+use splitsum::instrument::precompute::exact_quadrature;
+use splitsum::instrument::shade::reference::{Surface, TOLERANCE, integrate};
 use std::error::Error;
 
 fn main() -> Result<(), Box<dyn Error>> {

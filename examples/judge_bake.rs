@@ -1,12 +1,12 @@
 //! Judges the tables of a bake: `cargo run --example judge_bake -- MAP FILES...`; without
 //! arguments, its own bake.
 
-use splitsum::bakes::check::Judging;
-use splitsum::bakes::convention::Preset;
-use splitsum::bakes::make::{Making, make};
-use splitsum::bakes::source::{Reading, read};
-use splitsum::environment::Environment;
-use splitsum::spelling::Listed;
+use splitsum::bake::convention::Preset;
+use splitsum::bake::judge::Judging;
+use splitsum::bake::make::{Making, make};
+use splitsum::bake::source::{Reading, read};
+use splitsum::base::names::Listed;
+use splitsum::instrument::environment::Environment;
 use std::{env, error::Error};
 
 fn main() -> Result<(), Box<dyn Error>> {

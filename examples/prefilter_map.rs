@@ -1,10 +1,10 @@
 //! Prefilters a map for an engine and saves it: `cargo run --example prefilter_map -- [MAP]
 //! [ENGINE] [FOLDER]`.
 
-use splitsum::bakes::convention::Preset;
-use splitsum::bakes::make::{Making, make};
-use splitsum::environment::Environment;
-use splitsum::spelling::Listed;
+use splitsum::bake::convention::Preset;
+use splitsum::bake::make::{Making, make};
+use splitsum::base::names::Listed;
+use splitsum::instrument::environment::Environment;
 use std::{env, error::Error, path::Path};
 
 fn main() -> Result<(), Box<dyn Error>> {

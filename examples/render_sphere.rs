@@ -1,10 +1,10 @@
 //! Renders a sphere by the split sum on a Vulkan device and compares it with the reference.
 
-use splitsum::environment::Environment;
-use splitsum::pipeline::{Options, Pipeline, RenderRequest};
-use splitsum::scene::{CameraKind, Scene};
-use splitsum::shade::Method;
-use splitsum::spelling::Listed;
+use splitsum::base::names::Listed;
+use splitsum::instrument::environment::Environment;
+use splitsum::instrument::pipeline::{Options, Pipeline, RenderRequest};
+use splitsum::instrument::scene::{CameraKind, Scene};
+use splitsum::instrument::shade::Method;
 use std::{error::Error, sync::Arc};
 
 fn main() -> Result<(), Box<dyn Error>> {

@@ -1,10 +1,10 @@
 //! Looks up where the split sum should look: direction, level and weight of the taps of a GGX
 //! surface.
 
-use splitsum::brdf::{Ggx, MaskingShadowing};
-use splitsum::precompute::dfg::reference::dfg;
-use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS};
-use splitsum::precompute::taps::{Chain, TapCount, TapTable, dielectric_share};
+use splitsum::instrument::brdf::{Ggx, MaskingShadowing};
+use splitsum::instrument::precompute::dfg::reference::dfg;
+use splitsum::instrument::precompute::prefilter::{Kernel, LEVEL_MAPPINGS};
+use splitsum::instrument::precompute::taps::{Chain, TapCount, TapTable, dielectric_share};
 
 fn main() {
     let (masking, alpha, f0) = (MaskingShadowing::Correlated, 0.25, 0.04);

@@ -87,7 +87,7 @@ glsl() {
 rust() {
     command -v cargo-mutants >/dev/null || { echo "mutants: cargo install cargo-mutants" >&2; exit 2; }
     local diff=$out/changes.diff
-    git diff "$since" -- src/study src/run src/bakes src/precompute src/math src/brdf src/oracle src/ladder >"$diff"
+    git diff "$since" -- src/study src/run src/bake src/instrument/precompute src/base/math src/instrument/brdf src/oracle src/instrument/ladder >"$diff"
     # It ends with 2 if slips survive.
     cargo mutants --in-place --in-diff "$diff" --profile edit --output "$out" --shard "0/$every" --timeout 900 \
         --cargo-arg=--locked --features view -- --test numeric || [ $? -eq 2 ]

@@ -1,5 +1,5 @@
 //! Compiles every shader to SPIR-V and writes the definitions shared with Rust (see
-//! `src/glsl/source.rs`) as GLSL.
+//! `src/base/glsl/source.rs`) as GLSL.
 //!
 //! Entry points in `page/` are the report's and include the same libraries; the program writes them
 //! as GLSL ES 3.00.
@@ -10,49 +10,38 @@ use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::{env, fs, io};
 
-#[path = "../src/glsl/constants.rs"]
+#[path = "../src/base/glsl/constants.rs"]
 mod constants;
-#[path = "../src/glsl/layout.rs"]
+#[path = "../src/base/glsl/layout.rs"]
 #[allow(
     dead_code,
     reason = "the structs are for the crate; only their description is read here"
 )]
 mod layout;
-#[path = "../src/glsl/source.rs"]
+#[path = "../src/base/glsl/source.rs"]
 #[allow(dead_code, reason = "methods in files need it, in the crate")]
 mod source;
 
-/// Files and folders of `src` that no device result depends on: processing of results, and the f64
-/// twins. Tables and references on disk stay valid only if nothing else changes.
-const HOST_EXCLUDED: [&str; 23] = [
-    "bakes/check/judge.rs",
-    "bakes/check/scores.rs",
-    "main.rs",
-    "cli",
-    "cost",
-    "ladder",
-    "pipeline/frames.rs",
-    "pipeline/ladder.rs",
-    "pipeline/shader_check.rs",
-    "figure",
-    "report",
-    "study",
-    "view",
-    "experiment",
-    "run",
-    "oracle",
-    "metrics",
-    "table",
-    "tonemap",
-    "shade/method",
-    "shade/diffuse",
-    "shade/twin.rs",
-    "shade/reference.rs",
+/// Folders of `src` that results of the device depend on. Tables and references on disk stay valid
+/// while nothing in them changes.
+const HOST_FOLDERS: [&str; 2] = ["base", "instrument"];
+
+/// The parts of these folders that work on finished images, and the f64 twins.
+const HOST_EXCLUDED: [&str; 9] = [
+    "instrument/ladder",
+    "instrument/metrics",
+    "instrument/pipeline/frames.rs",
+    "instrument/pipeline/ladder.rs",
+    "instrument/shade/diffuse",
+    "instrument/shade/method",
+    "instrument/shade/reference.rs",
+    "instrument/shade/twin.rs",
+    "instrument/tonemap",
 ];
 
 pub fn main() {
     println!("cargo::rerun-if-changed=shaders");
-    println!("cargo::rerun-if-changed=src/glsl");
+    println!("cargo::rerun-if-changed=src/base/glsl");
     println!("cargo::rerun-if-changed=Cargo.lock");
     if let Err(message) = build() {
         // A panic would bury the compiler's file:line:message under a backtrace.
@@ -114,7 +103,10 @@ fn build() -> Result<(), String> {
 /// Writes the names of the host's files around the shaders, and one hash of them and of the
 /// versions of all crates.
 fn host_text() -> Result<String, String> {
-    let (mut found, mut open) = (Vec::new(), vec![PathBuf::from("src")]);
+    let mut found = Vec::new();
+    let mut open: Vec<PathBuf> = HOST_FOLDERS
+        .map(|folder| Path::new("src").join(folder))
+        .to_vec();
     while let Some(folder) = open.pop() {
         for path in files(&folder).map_err(|e| format!("{}: {e}", folder.display()))? {
             let name = path
@@ -160,7 +152,8 @@ fn host_text() -> Result<String, String> {
 }
 
 fn constants_text() -> String {
-    let mut text = String::from("// Written by shaders/compile.rs from src/glsl/constants.rs.\n");
+    let mut text =
+        String::from("// Written by shaders/compile.rs from src/base/glsl/constants.rs.\n");
     for (name, value) in constants::ALL {
         match value {
             constants::Value::Float(x) => writeln!(text, "const float {name} = {x:e};"),
@@ -172,7 +165,7 @@ fn constants_text() -> String {
 }
 
 fn layout_text() -> String {
-    let mut text = String::from("// Written by shaders/compile.rs from src/glsl/layout.rs.\n");
+    let mut text = String::from("// Written by shaders/compile.rs from src/base/glsl/layout.rs.\n");
     for (name, members) in layout::ALL {
         writeln!(text, "struct {name} {{").expect("a String takes all");
         for (ty, member) in *members {

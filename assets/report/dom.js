@@ -38,7 +38,7 @@ export function download(name, text, type) {
   setTimeout(() => URL.revokeObjectURL(link.href), 1000);
 }
 
-/** Whether a spreadsheet would run the text; same rule as src/table/csv.rs. */
+/** Whether a spreadsheet would run the text; same rule as src/base/csv.rs. */
 const isLikeFormula = (text) =>
   /^'*[=+\-@\t\r]/.test(text) &&
   !(/^[+-]/.test(text) && (Number.isFinite(Number(text)) || /^.(inf|infinity|nan)$/i.test(text)));

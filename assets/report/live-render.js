@@ -164,7 +164,7 @@ export class LiveRender {
     return columns.map((column) => column.reduce((sum, side, i) => sum + side * before[i], 0));
   }
 
-  /** ShadeParams (src/glsl/layout.rs). */
+  /** ShadeParams (src/base/glsl/layout.rs). */
   params(bias = 0, sampleCount = 0, pointCount = 0) {
     const { view, camera } = this;
     const { width, height } = this.targets.gbuffer;

@@ -4,8 +4,8 @@ use numpy::ndarray::Axis;
 use numpy::{Element, PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArray3};
 use pyo3::exceptions::{PyFileNotFoundError, PyUserWarning, PyValueError};
 use pyo3::prelude::*;
-use splitsum::environment::{BUILTIN_PREFIX, Environment, LoadOptions, checked};
-use splitsum::pixels::{Decoded, GrayImage, RgbImage, exr};
+use splitsum::instrument::environment::{BUILTIN_PREFIX, Environment, LoadOptions, checked};
+use splitsum::base::pixels::{Decoded, GrayImage, RgbImage, exr};
 use std::ffi::CString;
 use std::path::{Path, PathBuf};
 

@@ -3,19 +3,19 @@
 use crate::arrays::{Array, Source, file_error, image, shaped, value_error};
 use numpy::{PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
-use splitsum::bakes::check::{Judging, Limits, as_json};
-use splitsum::bakes::convention::{PRESETS, Preset};
-use splitsum::bakes::source::{Reading, read};
-use splitsum::brdf::Brdf;
-use splitsum::environment::{Environment, LoadOptions};
-use splitsum::math::quadrature::Tolerance;
-use splitsum::metrics::{Comparison, Epsilon, HEADLINE, Metric};
+use splitsum::bake::judge::{Judging, Limits, as_json};
+use splitsum::bake::convention::{PRESETS, Preset};
+use splitsum::bake::source::{Reading, read};
+use splitsum::instrument::brdf::Brdf;
+use splitsum::instrument::environment::{Environment, LoadOptions};
+use splitsum::base::math::quadrature::Tolerance;
+use splitsum::instrument::metrics::{Comparison, Epsilon, HEADLINE, Metric};
 use splitsum::oracle::{Kind, Queries};
-use splitsum::pixels::GrayImage;
-use splitsum::shade::reference::TOLERANCE;
-use splitsum::spelling::Listed;
-use splitsum::table::csv::Cell;
-use splitsum::tonemap::ToneCurve;
+use splitsum::base::pixels::GrayImage;
+use splitsum::instrument::shade::reference::TOLERANCE;
+use splitsum::base::names::Listed;
+use splitsum::base::csv::Cell;
+use splitsum::instrument::tonemap::ToneCurve;
 use std::path::Path;
 
 /// Lists the columns of a kind of query: required ones first.
@@ -112,5 +112,5 @@ pub fn relmse(
         let comparison = Comparison::new(&test, &reference, &mask, ToneCurve::default(), epsilon)?;
         Ok(comparison.evaluate(&[Metric::listed(HEADLINE)])[0].1)
     })
-    .map_err(|error: splitsum::metrics::MetricsError| value_error(error))
+    .map_err(|error: splitsum::instrument::metrics::MetricsError| value_error(error))
 }

@@ -4,18 +4,18 @@ use crate::arrays::{Array, Source, from_image, shaped, value_error};
 use glam::DVec3;
 use numpy::{PyReadonlyArray1, PyReadonlyArray3};
 use pyo3::prelude::*;
-use splitsum::bakes::check::{Directions, exact, has_width};
-use splitsum::bakes::container::TEXELS_MAX;
-use splitsum::bakes::convention::{Axes, Preset};
-use splitsum::bakes::{make, paste};
-use splitsum::brdf::{Brdf, MaskingShadowing};
-use splitsum::environment::layout::MapLayout;
-use splitsum::pixels::{Pixels, RgbImage};
-use splitsum::precompute::PrecomputeSettings;
-use splitsum::precompute::dfg::reference::dfg;
-use splitsum::precompute::prefilter::{Kernel, LevelMapping, harmonic};
-use splitsum::precompute::taps::{Chain, Fit, LEVEL_MIN, Lobe, Tap, TapCount, TapTable, dielectric_share, first_guess};
-use splitsum::spelling::Listed;
+use splitsum::bake::judge::{Directions, exact, has_width};
+use splitsum::bake::container::TEXELS_MAX;
+use splitsum::bake::convention::{Axes, Preset};
+use splitsum::bake::{make, paste};
+use splitsum::instrument::brdf::{Brdf, MaskingShadowing};
+use splitsum::instrument::environment::layout::MapLayout;
+use splitsum::base::pixels::{Pixels, RgbImage};
+use splitsum::instrument::precompute::PrecomputeSettings;
+use splitsum::instrument::precompute::dfg::reference::dfg;
+use splitsum::instrument::precompute::prefilter::{Kernel, LevelMapping, harmonic};
+use splitsum::instrument::precompute::taps::{Chain, Fit, LEVEL_MIN, Lobe, Tap, TapCount, TapTable, dielectric_share, first_guess};
+use splitsum::base::names::Listed;
 
 fn parse<T: Listed + ?Sized>(name: &str) -> PyResult<&'static T> {
     T::parse(name).map_err(value_error)

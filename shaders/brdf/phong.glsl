@@ -27,9 +27,9 @@ float g1_brdf(float n_dot_w, float alpha) {
     return g1_smith_rational(n_dot_w, alpha);
 }
 
-// The exact Smith masking of this distribution, derived in src/brdf/phong.rs: with N = 1 / alpha^2,
-// cos / (cos (1 - I / 2) + Gamma(N + 1/2) / (sqrt(pi) Gamma(N)) sin^2N / (2 N - 1)). Relative error
-// below 1e-6.
+// The exact Smith masking of this distribution, derived in src/instrument/brdf/phong.rs: with N = 1
+// / alpha^2, cos / (cos (1 - I / 2) + Gamma(N + 1/2) / (sqrt(pi) Gamma(N)) sin^2N / (2 N - 1)).
+// Relative error below 1e-6.
 float g1_exact_brdf(float n_dot_w, float alpha) {
     if (n_dot_w <= 0.0) {
         return 0.0;

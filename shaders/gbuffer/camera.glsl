@@ -1,5 +1,5 @@
-// The camera of src/scene/camera.rs from push constants. Camera space: x right, y up, z along the
-// view, eye at 0.
+// The camera of src/instrument/scene/camera.rs from push constants. Camera space: x right, y up, z
+// along the view, eye at 0.
 #include "generated/layout.glsl"
 
 // World to camera space. The eye is subtracted first: far from the origin a 4x4 matrix would lose

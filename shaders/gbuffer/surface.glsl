@@ -1,4 +1,4 @@
-// The four texels of the g-buffer, laid out as in src/gbuffer/mod.rs.
+// The four texels of the g-buffer, laid out as in src/instrument/gbuffer/mod.rs.
 #include "generated/layout.glsl"
 
 // The east of spheres, as math::frame::east.

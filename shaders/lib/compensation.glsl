@@ -1,5 +1,5 @@
-// Compensation of the light that single scattering loses between facets; src/brdf/compensation.rs
-// has the equations.
+// Compensation of the light that single scattering loses between facets;
+// src/instrument/brdf/compensation.rs has the equations.
 
 #include "generated/constants.glsl"
 #include "lib/prefilter_mapping.glsl"

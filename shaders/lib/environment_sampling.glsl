@@ -1,7 +1,7 @@
 // The environment as a light: exact bilinear radiance, and importance sampling proportional to its
 // luminance above a threshold, guided to the cells of a lobe, with its exact density. If the
 // density is 0, only the lobe samples the direction. The tables, their layout and the derivation:
-// src/environment/distribution.rs.
+// src/instrument/environment/distribution.rs.
 //
 // A texel of the environment holds radiance (rgb) and sampling weight (a). Directions are in the
 // environment's frame.

@@ -1,5 +1,5 @@
-// The shifted split sums of engines and a denoiser; src/shade/method/split_sum_engines.rs has the
-// sources.
+// The shifted split sums of engines and a denoiser;
+// src/instrument/shade/method/split_sum_engines.rs has the sources.
 #pragma methods split-sum-filament split-sum-frostbite split-sum-godot split-sum-nrd split-sum-unity
 
 #include "lib/split_sum.glsl"

@@ -1,5 +1,5 @@
 // Split sums of an anisotropic lobe by equal lookups along its major axis;
-// src/shade/method/split_sum_major.rs has the formula.
+// src/instrument/shade/method/split_sum_major.rs has the formula.
 #pragma methods split-sum-major-two split-sum-major-four
 
 #include "lib/split_sum.glsl"

@@ -1,5 +1,5 @@
-// Split sums of a lobe of two widths by several lookups; src/shade/method/split_sum_strips.rs has
-// the formula.
+// Split sums of a lobe of two widths by several lookups;
+// src/instrument/shade/method/split_sum_strips.rs has the formula.
 #pragma methods split-sum-strips-two split-sum-strips-four
 
 #include "lib/split_sum.glsl"

@@ -1,6 +1,6 @@
 // Visible normals of the GGX distribution, the sampler of the reference for each model that
-// includes this file; src/brdf says how well they serve it. Vectors are local (n is +z); widths are
-// in [ALPHA_MIN, 1].
+// includes this file; src/instrument/brdf says how well they serve it. Vectors are local (n is +z);
+// widths are in [ALPHA_MIN, 1].
 
 #include "lib/elementary.glsl"
 #include "lib/widths.glsl"

@@ -14,7 +14,8 @@ uniform uint ANISOTROPY;
 layout(constant_id = 7) const uint ANISOTROPY = ANISOTROPY_NONE;
 #endif
 
-// The widths for alpha and the strength s in [0, 1]; src/brdf/anisotropy.rs has the sources.
+// The widths for alpha and the strength s in [0, 1]; src/instrument/brdf/anisotropy.rs has the
+// sources.
 vec2 widths_from_strength(float alpha, float s) {
     vec2 width = vec2(alpha);
     if (ANISOTROPY == ANISOTROPY_GLTF) {

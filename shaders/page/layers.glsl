@@ -1,5 +1,5 @@
-// The layers over a base in the live view. What each counts: src/shade/coat.rs (the exact layers)
-// and src/shade/sheen.rs.
+// The layers over a base in the live view. What each counts: src/instrument/shade/coat.rs (the
+// exact layers) and src/instrument/shade/sheen.rs.
 
 #include "lib/fresnel.glsl"
 #include "lib/prefilter_mapping.glsl"

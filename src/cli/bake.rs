@@ -3,18 +3,18 @@
 use super::shared::{InputFlags, preset};
 use super::{Failure, print, progress};
 use clap::Args;
-use splitsum::bakes::container::Texel;
-use splitsum::bakes::convention::Preset;
-use splitsum::bakes::make::{self, Making};
-use splitsum::bakes::plain::{Baking, SETTINGS};
-use splitsum::brdf::MODELS;
-use splitsum::environment::Environment;
+use splitsum::bake::container::Texel;
+use splitsum::bake::convention::Preset;
+use splitsum::bake::make::{self, Making};
+use splitsum::bake::plain::{Baking, SETTINGS};
+use splitsum::base::names::{Listed, not_one_of};
 use splitsum::experiment::axis::{
     AXES, BRDF, DFG_SIZE, IRRADIANCE_SIZE, MASKING, PREFILTER_LEVEL_COUNT, PREFILTER_SIZE,
     PREFILTER_WEIGHT, Point, Settings,
 };
 use splitsum::experiment::value::Value;
-use splitsum::spelling::{Listed, not_one_of};
+use splitsum::instrument::brdf::MODELS;
+use splitsum::instrument::environment::Environment;
 use std::path::PathBuf;
 
 /// Write the prefiltered map, DFG table, taps, SH9 and irradiance map as files.

@@ -2,7 +2,7 @@
 
 use super::log;
 use clap::Args;
-use splitsum::pipeline::DiskCache;
+use splitsum::instrument::pipeline::DiskCache;
 use splitsum::run::RenderFault;
 use std::env;
 use std::path::PathBuf;

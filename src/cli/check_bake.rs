@@ -3,15 +3,15 @@
 use super::shared::{InputFlags, preset};
 use super::{Failure, print, print_data, progress};
 use clap::Args;
-use splitsum::bakes::Stated;
-use splitsum::bakes::check::{GOOD, Judged, Judging, Limits, as_json};
-use splitsum::bakes::convention::{Axes, PRESETS, Preset, TableAxes, TableChannels};
-use splitsum::bakes::source::{Reading, read};
-use splitsum::brdf::{Brdf, MaskingShadowing};
-use splitsum::environment::layout::MapLayout;
-use splitsum::precompute::prefilter::{LevelMapping, Weight};
-use splitsum::spelling::Listed;
-use splitsum::table::markdown::{Align, MarkdownTable};
+use splitsum::bake::Stated;
+use splitsum::bake::convention::{Axes, PRESETS, Preset, TableAxes, TableChannels};
+use splitsum::bake::judge::{GOOD, Judged, Judging, Limits, as_json};
+use splitsum::bake::source::{Reading, read};
+use splitsum::base::names::Listed;
+use splitsum::draw::markdown::{Align, MarkdownTable};
+use splitsum::instrument::brdf::{Brdf, MaskingShadowing};
+use splitsum::instrument::environment::layout::MapLayout;
+use splitsum::instrument::precompute::prefilter::{LevelMapping, Weight};
 
 /// Score tables baked by any tool against exact integrals, level by level.
 #[derive(Args, Debug)]

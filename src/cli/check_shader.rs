@@ -5,12 +5,12 @@ use super::shared::DeviceFlag;
 use super::{Failure, print, print_data, progress};
 use clap::Args;
 use serde_json::json;
-use splitsum::brdf::MaskingShadowing;
-use splitsum::pipeline::shader_check::{ERRORS, Row, check, verdict, worst};
+use splitsum::bake::shader_check::{ERRORS, Row, check, verdict, worst};
+use splitsum::base::names::Listed;
+use splitsum::draw::markdown::{Align, MarkdownTable};
+use splitsum::instrument::brdf::MaskingShadowing;
+use splitsum::instrument::shade::{FILE_PREFIX, own};
 use splitsum::run::RenderFault;
-use splitsum::shade::{FILE_PREFIX, own};
-use splitsum::spelling::Listed;
-use splitsum::table::markdown::{Align, MarkdownTable};
 use std::path::{Path, PathBuf};
 
 /// Compare a specular function of a shader with the exact lobe: gain, width, direction.

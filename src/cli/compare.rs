@@ -3,13 +3,13 @@
 use super::{Failure, log, print, print_data};
 use clap::Args;
 use serde_json::{Value, json};
+use splitsum::base::names::Listed;
+use splitsum::base::pixels::{Decoded, GrayImage, exr};
+use splitsum::draw::markdown::{Align, MarkdownTable, significant};
 use splitsum::experiment::axis::{AXES, CONTRAST, EXPOSURE};
 use splitsum::experiment::value::{Kind, Range};
-use splitsum::metrics::{Comparison, Epsilon, METRICS};
-use splitsum::pixels::{Decoded, GrayImage, exr};
-use splitsum::spelling::Listed;
-use splitsum::table::markdown::{Align, MarkdownTable, significant};
-use splitsum::tonemap::ToneCurve;
+use splitsum::instrument::metrics::{Comparison, Epsilon, METRICS};
+use splitsum::instrument::tonemap::ToneCurve;
 use std::path::{Path, PathBuf};
 
 /// Score a linear EXR image against a reference.

@@ -5,6 +5,7 @@ use super::shared::{check_out, own_method};
 use super::{Failure, log, print};
 use clap::builder::ValueParser;
 use clap::{Arg, ArgAction, Args};
+use splitsum::base::names::Listed;
 use splitsum::cost::child::{CompileFault, Compiler, Job, available, serve};
 use splitsum::cost::family::{FAMILIES, Family};
 use splitsum::cost::isa::Counts;
@@ -12,8 +13,7 @@ use splitsum::cost::pass::passes;
 use splitsum::cost::table::{Shaded, csv, markdown};
 use splitsum::experiment::axis::{AXES, BRDF, METHOD, Named, Point};
 use splitsum::experiment::value::Value;
-use splitsum::shade::METHODS;
-use splitsum::spelling::Listed;
+use splitsum::instrument::shade::METHODS;
 use std::path::PathBuf;
 
 const ALL: &str = "all";

@@ -1,8 +1,8 @@
 //! `splitsum devices`.
 
 use super::{Failure, print};
-use splitsum::pipeline::devices;
-use splitsum::table::markdown::{Align, MarkdownTable};
+use splitsum::draw::markdown::{Align, MarkdownTable};
+use splitsum::instrument::pipeline::devices;
 
 pub fn execute() -> Result<(), Failure> {
     let mut table = MarkdownTable::new(&[

@@ -4,12 +4,12 @@ use super::Failure;
 use super::shared::{DeviceFlag, InputFlags};
 use clap::builder::ValueParser;
 use clap::{Arg, ArgMatches, Args, Command, Error, FromArgMatches};
+use splitsum::base::names::{Listed, capitalised};
 use splitsum::experiment::axis::named::{ambiguous, hint};
 use splitsum::experiment::axis::{AXES, Named, Point, Reference, View};
 use splitsum::experiment::config::SEED;
 use splitsum::experiment::value::{COORDINATE, Kind, Value};
-use splitsum::scene::{CameraKind, Orbit, Scene};
-use splitsum::spelling::{Listed, capitalised};
+use splitsum::instrument::scene::{CameraKind, Orbit, Scene};
 
 /// Flags other than the axes.
 #[derive(Args, Clone, Debug)]

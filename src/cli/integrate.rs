@@ -3,13 +3,13 @@
 use super::shared::{InputFlags, check_out};
 use super::{Failure, log, print_data, progress};
 use clap::Args;
-use splitsum::brdf::{Brdf, MaskingShadowing, SheenVisibility, WidthLaw};
-use splitsum::math::quadrature::Tolerance;
+use splitsum::base::math::quadrature::Tolerance;
+use splitsum::base::names::Listed;
+use splitsum::instrument::brdf::{Brdf, MaskingShadowing, SheenVisibility, WidthLaw};
+use splitsum::instrument::precompute::prefilter::Weight;
+use splitsum::instrument::shade::coat::CoatLayering;
+use splitsum::instrument::shade::reference::TOLERANCE;
 use splitsum::oracle::{ALPHA_MIN, Kind, Queries};
-use splitsum::precompute::prefilter::Weight;
-use splitsum::shade::coat::CoatLayering;
-use splitsum::shade::reference::TOLERANCE;
-use splitsum::spelling::Listed;
 use std::path::PathBuf;
 
 /// Answer a table of queries exactly, in f64 on the CPU (no Vulkan).

@@ -2,20 +2,20 @@
 
 use super::{Failure, print, print_data};
 use clap::{Args, ValueEnum};
-use splitsum::environment::layout::LAYOUTS;
-use splitsum::environment::{BUILTINS, FORMATS};
+use splitsum::base::math::sequence::SEQUENCES;
+use splitsum::base::names::Listed;
+use splitsum::draw::markdown::{Align, MarkdownTable};
 use splitsum::experiment::axis::Named;
-use splitsum::math::sequence::SEQUENCES;
-use splitsum::precompute::prefilter::level_bias::LEVEL_BIASES;
-use splitsum::precompute::prefilter::{LEVEL_MAPPINGS, WEIGHTS};
-use splitsum::shade::bend::BENDS;
-use splitsum::shade::coat::COAT_RENDERERS;
-use splitsum::shade::sheen::SHEEN_LOOKUPS;
-use splitsum::spelling::Listed;
+use splitsum::instrument::environment::layout::LAYOUTS;
+use splitsum::instrument::environment::{BUILTINS, FORMATS};
+use splitsum::instrument::precompute::prefilter::level_bias::LEVEL_BIASES;
+use splitsum::instrument::precompute::prefilter::{LEVEL_MAPPINGS, WEIGHTS};
+use splitsum::instrument::shade::bend::BENDS;
+use splitsum::instrument::shade::coat::COAT_RENDERERS;
+use splitsum::instrument::shade::sheen::SHEEN_LOOKUPS;
+use splitsum::instrument::{brdf, metrics, scene, shade};
 use splitsum::study::columns;
 use splitsum::study::questions::QUESTIONS;
-use splitsum::table::markdown::{Align, MarkdownTable};
-use splitsum::{brdf, metrics, scene, shade};
 
 /// List names for files and flags.
 #[derive(Args, Debug)]

@@ -29,9 +29,9 @@ mod view;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser, Subcommand};
+use splitsum::base::names::{not_one_of, printable};
 use splitsum::cost::child::COMMAND;
 use splitsum::run::{RenderFault, RunError};
-use splitsum::spelling::{not_one_of, printable};
 use std::error::Error;
 use std::num::ParseIntError;
 use std::process::ExitCode;

@@ -9,7 +9,7 @@ use serde_json::json;
 use splitsum::experiment::axis::named::{columns, fields};
 use splitsum::experiment::fault::Lines;
 use splitsum::experiment::{Cell, Plan};
-use splitsum::pipeline::{chosen_device, is_kept};
+use splitsum::instrument::pipeline::{chosen_device, is_kept};
 use splitsum::run::RunError;
 use splitsum::run::estimate::Forecast;
 use splitsum::run::store::{Store, StoreError};

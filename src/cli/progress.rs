@@ -1,9 +1,9 @@
 //! Progress on standard error: a bar on a terminal, elsewhere a line every few seconds.
 
 use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
+use splitsum::base::names::printable;
 use splitsum::run::Progress;
 use splitsum::run::estimate::Ahead;
-use splitsum::spelling::printable;
 use std::io::{IsTerminal, Write};
 use std::sync::{Mutex, MutexGuard, Once, PoisonError};
 use std::time::{Duration, Instant};

@@ -4,15 +4,15 @@ use super::flags::{AxisFlags, Given, SeenFlags};
 use super::shared::{check_out, own_method, scene};
 use super::{Failure, log, print, progress};
 use clap::Args;
-use splitsum::bakes::given;
-use splitsum::environment::Environment;
+use splitsum::bake::given;
+use splitsum::base::pixels::png;
 use splitsum::experiment::axis::{
     AXES, BLUR, METHOD, Point, Reference, SAMPLES, View, is_blurred, motion_fault,
 };
 use splitsum::experiment::value::{Kind, Range, Value};
-use splitsum::pixels::png;
+use splitsum::instrument::environment::Environment;
+use splitsum::instrument::shade::reference_pass::pair_count;
 use splitsum::run::{RenderFault, write_radiance};
-use splitsum::shade::reference_pass::pair_count;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 

@@ -2,12 +2,12 @@
 
 use super::{Failure, print, progress, shared};
 use clap::Args;
-use splitsum::metrics::Metric;
+use splitsum::base::names::Listed;
+use splitsum::instrument::metrics::Metric;
 use splitsum::report::page::images::{BUDGET_BYTES, Choice};
 use splitsum::report::page::{
     PAGE_FILE, PageError, PageOptions, PageRun, Written, check_out, write,
 };
-use splitsum::spelling::Listed;
 use splitsum::study::finished::Finished;
 use splitsum::study::frame::Frame;
 use splitsum::study::questions::{Answer, answers};

@@ -2,14 +2,14 @@
 
 use super::{Failure, warn_all};
 use clap::Args;
-use splitsum::bakes::convention::Preset;
-use splitsum::environment::{Environment, LoadOptions};
-use splitsum::files::{RECORD_BYTES_MAX, read_text};
-use splitsum::pipeline::{DeviceChoice, Options, Pipeline};
+use splitsum::bake::convention::Preset;
+use splitsum::base::files::{RECORD_BYTES_MAX, read_text};
+use splitsum::base::names::Listed;
+use splitsum::instrument::environment::{Environment, LoadOptions};
+use splitsum::instrument::pipeline::{DeviceChoice, Options, Pipeline};
+use splitsum::instrument::scene::Scene;
+use splitsum::instrument::shade::{FILE_PREFIX, own};
 use splitsum::run::RenderFault;
-use splitsum::scene::Scene;
-use splitsum::shade::{FILE_PREFIX, own};
-use splitsum::spelling::Listed;
 use std::path::{Path, PathBuf};
 
 #[derive(Args, Clone, Copy, Debug)]

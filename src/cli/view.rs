@@ -4,16 +4,16 @@ use super::Failure;
 use super::flags::{AxisFlags, SeenFlags};
 use super::shared::{own_method, scene};
 use clap::Args;
+use splitsum::base::names::Listed;
 use splitsum::experiment::axis::{
     ALPHA, AXES, DFG_TABLE, ENVIRONMENT, METALLIC, METHOD, PREFILTERED, Point, REFERENCE, SAMPLES,
     SCENE, SIZE,
 };
 use splitsum::experiment::value::Value;
-use splitsum::pipeline::Options;
-use splitsum::scene::{is_design, scene_extensions};
-use splitsum::shade::FILE_PREFIX;
-use splitsum::shade::reference_pass::pair_count;
-use splitsum::spelling::Listed;
+use splitsum::instrument::pipeline::Options;
+use splitsum::instrument::scene::{is_design, scene_extensions};
+use splitsum::instrument::shade::FILE_PREFIX;
+use splitsum::instrument::shade::reference_pass::pair_count;
 use splitsum::view::{HOME, Picture, State, Windowed, has_materials, open};
 use std::path::PathBuf;
 

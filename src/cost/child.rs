@@ -6,7 +6,9 @@
 //! which job a compiler died on.
 
 use super::family::{FAMILIES, Family};
-use crate::gpu::{DeviceChoice, Executable, Gpu, GpuError, Options, add_shader, added_shader};
+use crate::instrument::gpu::{
+    DeviceChoice, Executable, Gpu, GpuError, Options, add_shader, added_shader,
+};
 use serde::{Deserialize, Serialize};
 use std::io::{self, BufRead, Read, Write};
 use std::path::Path;

@@ -1,6 +1,6 @@
 //! Families of GPUs to compile for.
 
-use crate::spelling::listed;
+use crate::base::names::listed;
 
 /// A family of GPUs with the same code.
 #[derive(Debug)]

@@ -3,7 +3,7 @@
 use super::child::{ASSEMBLY, CompileFault, Job, compile};
 use super::family::Family;
 use super::isa::{self, IsaFault, ShaderCounts};
-use crate::gpu::Executable;
+use crate::instrument::gpu::Executable;
 use std::path::Path;
 
 pub fn passes(

@@ -3,8 +3,8 @@
 use super::family::Family;
 use super::isa::Counts;
 use super::pass::Pass;
-use crate::table::csv::{Cell, to_text};
-use crate::table::markdown::{Align, MarkdownTable};
+use crate::base::csv::{Cell, to_text};
+use crate::draw::markdown::{Align, MarkdownTable};
 
 #[derive(Debug)]
 pub struct Shaded {

@@ -9,12 +9,12 @@ use super::config::{Config, Placed, Sweep};
 use super::fault::{Faults, Place};
 use super::inputs::Inputs;
 use super::value::Value;
-use crate::pipeline::{BUFFER_BYTES_MAX, image_buffer_bytes};
-use crate::precompute::prefilter::harmonic;
-use crate::scene::is_design;
-use crate::shade::Method;
-use crate::shade::reference_pass::pair_count;
-use crate::spelling::{Listed, expected, suggestion};
+use crate::base::names::{Listed, expected, suggestion};
+use crate::instrument::pipeline::{BUFFER_BYTES_MAX, image_buffer_bytes};
+use crate::instrument::precompute::prefilter::harmonic;
+use crate::instrument::scene::is_design;
+use crate::instrument::shade::Method;
+use crate::instrument::shade::reference_pass::pair_count;
 use indexmap::IndexSet;
 
 /// Reports values that are valid alone but not together.

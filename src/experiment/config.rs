@@ -6,10 +6,10 @@ use super::axis::{AXES, METHOD, Named, Point, Reference, SAMPLES, Terms, index_o
 use super::fault::{Faults, Place};
 use super::toml_tree::{at, checked, entries, parsed, raw, section, text, unknown_key};
 use super::value::{COORDINATE, Kind, Range, Raw, Value};
-use crate::metrics::{HEADLINE, Metric, Weight};
-use crate::scene::{CameraKind, Orbit};
-use crate::shade::{METHODS, Method, NONE};
-use crate::spelling::Listed;
+use crate::base::names::Listed;
+use crate::instrument::metrics::{HEADLINE, Metric, Weight};
+use crate::instrument::scene::{CameraKind, Orbit};
+use crate::instrument::shade::{METHODS, Method, NONE};
 use std::path::{Path, PathBuf};
 use toml::Spanned;
 use toml::de::{DeTable, DeValue};
@@ -69,7 +69,7 @@ pub struct Config {
     pub question: String,
     /// Questions to answer, unchecked; the first one leads.
     pub asks: Vec<Ask>,
-    /// Metric of the answers; one of [`crate::metrics::METRICS`].
+    /// Metric of the answers; one of [`crate::instrument::metrics::METRICS`].
     pub metric: &'static str,
     /// Weights of views, the leading one first, each with its place; unchecked. Empty for the
     /// default.

@@ -3,11 +3,11 @@
 use super::axis::{DFG_TABLE, ENVIRONMENT, METHOD, PREFILTERED, SCENE, Settings};
 use super::config::Config;
 use super::fault::Faults;
-use crate::bakes::given;
-use crate::environment::{BUILTIN_PREFIX, Environment, LoadOptions};
-use crate::precompute::given::{Given, GivenMap, GivenTable};
-use crate::scene::Scene;
-use crate::shade::{FILE_PREFIX, Method, own};
+use crate::bake::given;
+use crate::instrument::environment::{BUILTIN_PREFIX, Environment, LoadOptions};
+use crate::instrument::precompute::given::{Given, GivenMap, GivenTable};
+use crate::instrument::scene::Scene;
+use crate::instrument::shade::{FILE_PREFIX, Method, own};
 use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::path::Path;

@@ -5,7 +5,7 @@ use super::config::{Config, KEYS, METRIC_KEY, Placed, Sweep, axis_names};
 use super::fault::{Faults, Place};
 use super::toml_tree::unknown_key;
 use super::value::{Kind, Value};
-use crate::environment::BUILTIN_PREFIX;
+use crate::instrument::environment::BUILTIN_PREFIX;
 use std::path::Path;
 
 impl Config {

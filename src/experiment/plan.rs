@@ -10,10 +10,10 @@ use super::fault::{ConfigError, Faults, Place};
 use super::inputs::Inputs;
 use super::sweeps::COMBINATIONS_MAX;
 use super::value::Value;
-use crate::environment::LoadOptions;
-use crate::pipeline::{BUFFER_BYTES_EVERYWHERE, RenderRequest, image_buffer_bytes};
-use crate::spelling::Listed;
-use crate::spelling::short_number;
+use crate::base::names::Listed;
+use crate::base::names::short_number;
+use crate::instrument::environment::LoadOptions;
+use crate::instrument::pipeline::{BUFFER_BYTES_EVERYWHERE, RenderRequest, image_buffer_bytes};
 use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 
@@ -413,7 +413,7 @@ impl Plan {
         let Self { config, inputs, .. } = self;
         let mut lines = vec![
             format!("schema={SCHEMA_VERSION}"),
-            format!("shaders={}", crate::gpu::build_hash()),
+            format!("shaders={}", crate::instrument::gpu::build_hash()),
             format!("seed={seed}"),
             format!("camera={}", config.camera.name()),
             format!("background={}", config.background),

@@ -5,8 +5,8 @@ use super::config::{AXIS, Ask, Config, Exclusion, Placed, Timing, axis_names};
 use super::fault::Faults;
 use super::toml_tree::{at, checked, checked_as, list, raw, section, table, text, unknown_key};
 use super::value::{Kind, Raw};
-use crate::metrics::Weight;
-use crate::shade::reference_pass::pair_count;
+use crate::instrument::metrics::Weight;
+use crate::instrument::shade::reference_pass::pair_count;
 use toml::Spanned;
 use toml::de::DeValue;
 

@@ -3,7 +3,7 @@
 use super::axis::named::hint;
 use super::fault::{Faults, Place};
 use super::value::{Kind, Raw, Value};
-use crate::spelling::expected;
+use crate::base::names::expected;
 use serde::Deserialize;
 use toml::Spanned;
 use toml::de::{DeTable, DeValue, ValueDeserializer};

@@ -1,8 +1,8 @@
 //! Values in a file or on the command line, and their checks.
 
-use crate::glsl::constants;
-use crate::shade::FILE_PREFIX;
-use crate::spelling::{Listed, NAMES_SHOWN, not_one_of, with_article};
+use crate::base::glsl::constants;
+use crate::base::names::{Listed, NAMES_SHOWN, not_one_of, with_article};
+use crate::instrument::shade::FILE_PREFIX;
 use std::fmt;
 use std::hash::{Hash, Hasher};
 use std::sync::Arc;

@@ -1,22 +1,22 @@
 //! Answers tables of queries.
 
 use super::{Integral, Kind, LAYERS, Queries, Sheen, rungs};
-use crate::brdf::MaskingShadowing;
-use crate::math::equirect_quadrature::EquirectQuadrature;
-use crate::math::quadrature::{Bounded, Estimate, Tolerance};
-use crate::math::spherical_harmonics::COUNT;
-use crate::pixels::{PixelsError, write_atomically};
-use crate::precompute::dfg::reference::dfg;
-use crate::precompute::irradiance::reference::irradiance;
-use crate::precompute::prefilter::reference::prefilter;
-use crate::precompute::sh9::reference::project_bilinear_bounded;
-use crate::precompute::{PrecomputeSettings, exact_quadrature};
-use crate::shade::Method;
-use crate::shade::coat::{self, COAT_RENDERERS};
-use crate::shade::reference::{Surface, integrate, specular};
-use crate::shade::sheen;
-use crate::shade::twin::Twin;
-use crate::table::csv::{Cell, to_text};
+use crate::base::csv::{Cell, to_text};
+use crate::base::math::equirect_quadrature::EquirectQuadrature;
+use crate::base::math::quadrature::{Bounded, Estimate, Tolerance};
+use crate::base::math::spherical_harmonics::COUNT;
+use crate::base::pixels::{PixelsError, write_atomically};
+use crate::instrument::brdf::MaskingShadowing;
+use crate::instrument::precompute::dfg::reference::dfg;
+use crate::instrument::precompute::irradiance::reference::irradiance;
+use crate::instrument::precompute::prefilter::reference::prefilter;
+use crate::instrument::precompute::sh9::reference::project_bilinear_bounded;
+use crate::instrument::precompute::{PrecomputeSettings, exact_quadrature};
+use crate::instrument::shade::Method;
+use crate::instrument::shade::coat::{self, COAT_RENDERERS};
+use crate::instrument::shade::reference::{Surface, integrate, specular};
+use crate::instrument::shade::sheen;
+use crate::instrument::shade::twin::Twin;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use std::io::Write;

@@ -14,12 +14,12 @@ mod row;
 pub use answers::Answers;
 pub use queries::{Queries, QueryFaults};
 
-use crate::brdf::{Brdf, MaskingShadowing, SheenVisibility};
-use crate::precompute::prefilter::Kernel;
-use crate::shade::coat::CoatLayering;
-use crate::shade::reference::Surface;
-use crate::shade::{METHODS, Method};
-use crate::spelling::listed;
+use crate::base::names::listed;
+use crate::instrument::brdf::{Brdf, MaskingShadowing, SheenVisibility};
+use crate::instrument::precompute::prefilter::Kernel;
+use crate::instrument::shade::coat::CoatLayering;
+use crate::instrument::shade::reference::Surface;
+use crate::instrument::shade::{METHODS, Method};
 use glam::DVec3;
 
 /// Narrowest lobe that is integrated: a tenth of the device's limit. Near 1e-5, lobes are too

@@ -2,15 +2,15 @@
 
 use super::row::{Fault, Row};
 use super::{Integral, Kind, KindColumns, Query};
-use crate::brdf::Stretch;
-use crate::environment::{Environment, LoadOptions};
-use crate::files::{TEXT_BYTES_MAX, read_given};
-use crate::math::frame::east;
-use crate::precompute::prefilter::Kernel;
-use crate::shade::reference::Surface;
-use crate::spelling::Listed;
-use crate::spelling::suggestion;
-use crate::table::csv::Cell;
+use crate::base::csv::Cell;
+use crate::base::files::{TEXT_BYTES_MAX, read_given};
+use crate::base::math::frame::east;
+use crate::base::names::Listed;
+use crate::base::names::suggestion;
+use crate::instrument::brdf::Stretch;
+use crate::instrument::environment::{Environment, LoadOptions};
+use crate::instrument::precompute::prefilter::Kernel;
+use crate::instrument::shade::reference::Surface;
 use std::fmt;
 use std::path::{Path, PathBuf};
 

@@ -1,10 +1,10 @@
 //! Checks the cells of one row of queries.
 
 use super::{ALPHA_MIN, Coat, Sheen};
-use crate::brdf::{Brdf, MaskingShadowing, SHEEN_ALPHA_MIN, WidthLaw};
-use crate::precompute::PrecomputeSettings;
-use crate::precompute::prefilter::Weight;
-use crate::spelling::Listed;
+use crate::base::names::Listed;
+use crate::instrument::brdf::{Brdf, MaskingShadowing, SHEEN_ALPHA_MIN, WidthLaw};
+use crate::instrument::precompute::PrecomputeSettings;
+use crate::instrument::precompute::prefilter::Weight;
 use glam::DVec3;
 
 /// Largest deviation of a direction's length from 1, below which it is normalised: five digits

@@ -7,10 +7,10 @@
 //! Blocks of unpublished runs stay unchanged.
 
 use super::publish::PublishError;
-use crate::files::{TEXT_BYTES_MAX, read_text};
-use crate::pixels::write_atomically;
-use crate::table::csv;
-use crate::table::markdown::{Align, MarkdownTable, significant};
+use crate::base::csv;
+use crate::base::files::{TEXT_BYTES_MAX, read_text};
+use crate::base::pixels::write_atomically;
+use crate::draw::markdown::{Align, MarkdownTable, significant};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 

@@ -10,11 +10,11 @@ use super::page::{PAGE_FILE, PageOptions, PageRun, is_page, write as write_repor
 use super::publish::{PAGE, PublishError, io, make_folder, misuse, published};
 use super::record::AnswerRecord;
 use super::write::Written;
-use crate::files::{TEXT_BYTES_MAX, names_in, read_text, relative};
-use crate::pixels::write_atomically;
+use crate::base::files::{TEXT_BYTES_MAX, names_in, read_text, relative};
+use crate::base::pixels::write_atomically;
+use crate::draw::markdown::{inline, link_label, paragraph};
 use crate::study::finished::Finished;
 use crate::study::questions::Answer;
-use crate::table::markdown::{inline, link_label, paragraph};
 use minijinja::value::Serde;
 use minijinja::{Environment, context};
 use percent_encoding::percent_decode_str;

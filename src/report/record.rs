@@ -1,7 +1,7 @@
 //! `answer.json`: the sentences of the answers of a run.
 
-use crate::files::{RECORD_BYTES_MAX, read_text};
-use crate::pixels::PixelsError;
+use crate::base::files::{RECORD_BYTES_MAX, read_text};
+use crate::base::pixels::PixelsError;
 use crate::run::store::ANSWERS_FOLDER;
 use crate::study::questions::Answer;
 use crate::study::table::Table;

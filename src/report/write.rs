@@ -2,20 +2,20 @@
 
 use super::record::{ANSWER_FILE, AnswerRecord, AnswerSentence, WriteError};
 use super::summary;
-use crate::figure::svg::{FILE_WIDTH, svg};
-use crate::figure::{Figure, ScaleKind};
-use crate::files::holds;
-use crate::pixels::Staged;
+use crate::base::files::holds;
+use crate::base::names::Listed;
+use crate::base::pixels::Staged;
+use crate::draw::figure::svg::{FILE_WIDTH, svg};
+use crate::draw::figure::{Figure, ScaleKind};
+use crate::instrument::shade::{Method, words_in};
 use crate::run::store::ANSWERS_FOLDER;
-use crate::shade::{Method, words_in};
-use crate::spelling::Listed;
 use crate::study::finished::Finished;
 use crate::study::questions::Answer;
 use std::path::PathBuf;
 
 pub const SUMMARY_FILE: &str = "summary.md";
 
-/// Methods in the order of [`SERIES`](crate::figure::ink::SERIES): each has one colour in all
+/// Methods in the order of [`SERIES`](crate::draw::figure::ink::SERIES): each has one colour in all
 /// figures.
 const INKED: [&str; 10] = [
     "split-sum",

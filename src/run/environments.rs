@@ -2,11 +2,11 @@
 
 use super::columns::ENVIRONMENTS;
 use super::tables::Rows;
-use crate::environment::Luminance;
+use crate::base::csv::Cell as Field;
 use crate::experiment::axis::{AXES, ENVIRONMENT};
 use crate::experiment::plan::Plan;
 use crate::experiment::value::Value;
-use crate::table::csv::Cell as Field;
+use crate::instrument::environment::Luminance;
 use indexmap::IndexMap;
 
 pub fn environments(plan: &Plan) -> Rows {

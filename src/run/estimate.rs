@@ -8,9 +8,9 @@ use super::timing::{FRAME, TimingJob};
 use crate::experiment::axis::{AXES, DFG, IRRADIANCE, MIPS, PREFILTER, Point, SH9};
 use crate::experiment::plan::{Cell, Plan};
 use crate::experiment::value::Value;
-use crate::pipeline::frames::CONVERGED_SAMPLES;
-use crate::precompute::PrefilterBy;
-use crate::shade::frames::Motion;
+use crate::instrument::pipeline::frames::CONVERGED_SAMPLES;
+use crate::instrument::precompute::PrefilterBy;
+use crate::instrument::shade::frames::Motion;
 use std::collections::{BTreeSet, HashMap, HashSet};
 
 /// Kind, ns per pixel, ns per sample. A kind of one word covers all other kinds that begin with it.

@@ -2,10 +2,10 @@
 //! the folder of its files and its `--set` texts.
 
 use super::provenance::{self, experiment_hash};
-use crate::environment::LoadOptions;
+use crate::base::files::read_given;
 use crate::experiment::fault::{ConfigError, Faults, Place};
 use crate::experiment::plan::{Check, Plan, Source};
-use crate::files::read_given;
+use crate::instrument::environment::LoadOptions;
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 

@@ -3,16 +3,16 @@
 use super::columns::{CELL, IMAGES};
 use super::store::Store;
 use super::tables::{CellResult, Results, Rows};
-use crate::environment::BUILTIN_PREFIX;
+use crate::base::csv::Cell as Field;
+use crate::base::files::content_hash;
+use crate::base::names::short_number;
+use crate::base::pixels::{PixelsError, exr};
 use crate::experiment::axis::{
     ALPHA, AXES, Axis, BRDF, DIFFUSE_METHOD, ENVIRONMENT, METHOD, Named, Point, SAMPLES, SCENE,
 };
 use crate::experiment::plan::{Cell, Plan};
-use crate::files::content_hash;
-use crate::pipeline::Frame;
-use crate::pixels::{PixelsError, exr};
-use crate::spelling::short_number;
-use crate::table::csv::Cell as Field;
+use crate::instrument::environment::BUILTIN_PREFIX;
+use crate::instrument::pipeline::Frame;
 use blake3::Hash;
 use rayon::prelude::*;
 use std::borrow::Cow;

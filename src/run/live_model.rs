@@ -4,11 +4,11 @@
 //! octahedral \[Cigolle14\], in signed fractions of 32767 (error below 0.01 degrees).
 
 use super::images::short_text;
+use crate::base::pixels::packed;
 use crate::experiment::axis;
 use crate::experiment::plan::Plan;
-use crate::pipeline::RenderRequest;
-use crate::pixels::packed;
-use crate::scene::{Camera, CameraKind, Material, Mesh, Projection, Scene};
+use crate::instrument::pipeline::RenderRequest;
+use crate::instrument::scene::{Camera, CameraKind, Material, Mesh, Projection, Scene};
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;

@@ -1,9 +1,9 @@
 //! `provenance.json`: everything that is needed to repeat a run.
 
+use crate::base::files::{read_regular, relative};
+use crate::base::names::Listed;
 use crate::experiment::plan::{Plan, SCHEMA_VERSION};
-use crate::files::{read_regular, relative};
-use crate::pipeline::DeviceInfo;
-use crate::spelling::Listed;
+use crate::instrument::pipeline::DeviceInfo;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::Command;
@@ -123,7 +123,7 @@ pub fn provenance(plan: &Plan, dir: &Path) -> Value {
         EXPERIMENT_FOLDER: from_here(plan.config.files_dir()),
         SET_FOLDER: from_here(plan.config.set_files_dir()),
         "plan_hash": plan.hash,
-        "shader_hash": crate::gpu::build_hash(),
+        "shader_hash": crate::instrument::gpu::build_hash(),
         "cell_count": plan.cells.len(),
         "excluded": plan.config.exclusions.iter().zip(&plan.excluded)
             .map(|(exclusion, count)| json!({ "why": exclusion.why, "count": count })).collect::<Vec<_>>(),
@@ -134,7 +134,7 @@ pub fn provenance(plan: &Plan, dir: &Path) -> Value {
         "environment_files": plan.environment_names.iter().map(|(file, name)| (name.clone(), json!(file)))
             .filter(|(name, file)| file != name).collect::<serde_json::Map<_, _>>(),
         "input_warnings": plan.inputs.warnings(),
-        "metrics": crate::metrics::METRICS.iter().map(|metric| {
+        "metrics": crate::instrument::metrics::METRICS.iter().map(|metric| {
             let parameters: serde_json::Map<String, Value> =
                 metric.parameters.iter().map(|(name, x)| (name.to_string(), json!(x))).collect();
             json!({ "name": metric.name, "version": metric.version, "better": metric.better.name(),
@@ -150,7 +150,7 @@ pub fn session(device: &DeviceInfo, command_line: &[String]) -> Value {
         "date_utc": now_utc(),
         "command_line": command_line,
         "program_version": env!("CARGO_PKG_VERSION"),
-        "program_hash": crate::pipeline::program_hash(),
+        "program_hash": crate::instrument::pipeline::program_hash(),
         "commit": commit(),
         "device": {
             "name": device.name,

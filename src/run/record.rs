@@ -1,11 +1,11 @@
 //! Records of cells and references.
 
 use super::columns::{Column, STEP_NUMBERS};
-use crate::ladder::{Attribution, StepNumbers};
-use crate::metrics::{METRICS, Metric, linear_metrics};
-use crate::shade::reference_pass::Convergence;
-use crate::spelling::listed;
-use crate::table::csv::rounded;
+use crate::base::csv::rounded;
+use crate::base::names::listed;
+use crate::instrument::ladder::{Attribution, StepNumbers};
+use crate::instrument::metrics::{METRICS, Metric, linear_metrics};
+use crate::instrument::shade::reference_pass::Convergence;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
@@ -110,7 +110,7 @@ pub struct BinRecord {
     /// Empty if the bin has no pixels.
     pub scores: Scores,
     /// Expected scores of an exact image, of metrics that bins determine
-    /// ([`crate::metrics::Pooling`]).
+    /// ([`crate::instrument::metrics::Pooling`]).
     #[serde(default)]
     pub noise_floors: Scores,
 }

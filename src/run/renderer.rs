@@ -1,12 +1,12 @@
 //! The renderer of a run, a trait so that runs can be tested without a device.
 
-use crate::ladder::Attribution;
-use crate::pipeline::{
+use crate::base::pixels::{Rgb8Image, RgbImage};
+use crate::instrument::ladder::Attribution;
+use crate::instrument::pipeline::{
     DeviceInfo, Frame, LightTables, Pipeline, PipelineError, RenderRequest, TimingSamples,
 };
-use crate::pixels::{Rgb8Image, RgbImage};
-use crate::precompute::taps::TapCount;
-use crate::tonemap::ToneCurve;
+use crate::instrument::precompute::taps::TapCount;
+use crate::instrument::tonemap::ToneCurve;
 
 #[derive(Clone, Debug, thiserror::Error)]
 #[error("{message}")]

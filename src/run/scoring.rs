@@ -7,17 +7,17 @@ use super::store::{
     BinRecord, CellRecord, Exact, ReferenceStop, Scores, StepRecord, Store, StoreError,
 };
 use super::tables::HEADLINE;
+use crate::base::files::content_hash;
+use crate::base::names::Listed;
+use crate::base::pixels::{GrayImage, PixelsError, Rgb8Image, RgbImage, exr, png};
+use crate::draw::colormap::{FLIP_ERROR, RELATIVE_ERROR};
 use crate::experiment::plan::{Cell, Plan};
-use crate::files::content_hash;
-use crate::metrics::{
+use crate::instrument::metrics::{
     BinRow, Comparison, Displayed, Epsilon, METRICS, Metric, MetricsError, N_DOT_V_BIN_EDGES,
     Pooling, ReferenceNoise, Space, linear_metrics, noise_floor, verdict,
 };
-use crate::pipeline::{DeviceInfo, Frame, RenderRequest};
-use crate::pixels::{GrayImage, PixelsError, Rgb8Image, RgbImage, exr, png};
-use crate::spelling::Listed;
-use crate::table::colormap::{FLIP_ERROR, RELATIVE_ERROR};
-use crate::tonemap::ToneCurve;
+use crate::instrument::pipeline::{DeviceInfo, Frame, RenderRequest};
+use crate::instrument::tonemap::ToneCurve;
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Arc, Mutex, OnceLock, PoisonError};

@@ -1,6 +1,6 @@
 //! The rows of a run's tables, in plan order, so that the bytes do not depend on the order of work.
 
-pub use crate::metrics::{DISPLAY_HEADLINE, HEADLINE};
+pub use crate::instrument::metrics::{DISPLAY_HEADLINE, HEADLINE};
 
 use super::columns::{
     BINS, CELL, Column, ERRORS, FAILED, STEADINESS, STEP_NUMBERS, STEPS, TIMINGS,
@@ -10,12 +10,12 @@ use super::store::{
     BinRecord, CellRecord, FailureRecord, KeptCell, Scores, StepRecord, Store, StoreError,
 };
 use super::timing::TimingRecord;
+use crate::base::csv::Cell as Field;
+use crate::base::names::Listed;
 use crate::experiment::axis::named::{columns, fields};
 use crate::experiment::axis::{AXES, FRAMES, SIZE};
 use crate::experiment::plan::{Cell, Plan};
-use crate::metrics::{METRICS, Pooling, linear_metrics};
-use crate::spelling::Listed;
-use crate::table::csv::Cell as Field;
+use crate::instrument::metrics::{METRICS, Pooling, linear_metrics};
 use std::collections::BTreeMap;
 
 #[derive(Clone, Debug)]

@@ -4,10 +4,10 @@
 //! passes that run once per environment or model.
 
 use super::statistics::median;
+use crate::base::names::Listed;
 use crate::experiment::axis::{AXES, Axis, ENVIRONMENT, METHOD, SAMPLES, SCENE, SIZE};
 use crate::experiment::plan::{Cell, Plan};
-use crate::shade::Method;
-use crate::spelling::Listed;
+use crate::instrument::shade::Method;
 use indexmap::IndexSet;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};

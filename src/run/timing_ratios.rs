@@ -3,7 +3,7 @@
 use super::statistics::{median, median_interval};
 use super::timing::{FRAME, TimingRecord, is_alike};
 use crate::experiment::axis::SAMPLES;
-use crate::shade::{METHODS, Method};
+use crate::instrument::shade::{METHODS, Method};
 
 /// Two methods timed in the same rounds with equal axes: one with samples and one without, or two
 /// of one kind at the same count, of which `sampled` is the first in the list of methods.

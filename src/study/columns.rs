@@ -1,11 +1,11 @@
 //! The text of docs/columns.md, from the lists of axes, metrics, tables and questions.
 
 use super::questions::{QUESTIONS, WEIGHT};
+use crate::base::names::{Listed, capitalised};
+use crate::draw::markdown::{Align, MarkdownTable};
 use crate::experiment::axis::Named;
-use crate::metrics::METRICS;
+use crate::instrument::metrics::METRICS;
 use crate::run::columns::{CELL, Column, TABLES};
-use crate::spelling::{Listed, capitalised};
-use crate::table::markdown::{Align, MarkdownTable};
 use std::fmt::Write;
 
 pub fn page() -> String {
@@ -18,7 +18,7 @@ pub fn page() -> String {
     text +=
         &table(Named::all().map(|axis| (axis.name(), format!("{}.", capitalised(axis.about())))));
     text += "\nAn axis is empty in the rows of methods that do not use it.\n\n## Metrics\n\n";
-    let metric = |d: &crate::metrics::Metric| {
+    let metric = |d: &crate::instrument::metrics::Metric| {
         let constants: Vec<String> = d
             .parameters
             .iter()

@@ -1,12 +1,12 @@
 //! Axes and values in words, by the names that an experiment uses.
 
 use super::finished::Finished;
-use crate::environment::BUILTIN_PREFIX;
+use crate::base::csv::Cell;
+use crate::draw::markdown::significant;
 use crate::experiment::axis::{AXES, ENVIRONMENT, Named};
 use crate::experiment::value::Value;
+use crate::instrument::environment::BUILTIN_PREFIX;
 use crate::run::images::short_value;
-use crate::table::csv::Cell;
-use crate::table::markdown::significant;
 
 /// Digits of a number next to another one.
 const DIGITS: usize = 2;

@@ -2,11 +2,11 @@
 
 pub use crate::run::columns::{Column, column};
 
+use crate::base::csv::{self, Cell};
+use crate::draw::markdown::{Align, MarkdownTable, significant};
 use crate::experiment::axis::Named;
 use crate::experiment::axis::named::columns;
 use crate::experiment::value::Value;
-use crate::table::csv::{self, Cell};
-use crate::table::markdown::{Align, MarkdownTable, significant};
 use indexmap::IndexSet;
 
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -41,7 +41,7 @@ pub fn axis_cells(axes: &[usize], key: &[Value]) -> Vec<Cell> {
 }
 
 macro_rules! cells {
-    ($($cell:expr),* $(,)?) => { vec![$(crate::table::csv::Cell::from($cell)),*] };
+    ($($cell:expr),* $(,)?) => { vec![$(crate::base::csv::Cell::from($cell)),*] };
 }
 pub(super) use cells;
 

@@ -3,15 +3,15 @@
 use super::browse::Browse;
 use super::state::{Side, State};
 use super::theme;
-use crate::environment::{BUILTIN_PREFIX, BUILTINS};
+use crate::base::names::{Listed, capitalised, in_words};
 use crate::experiment::axis::{
     ALBEDO, ALPHA, AXES, ENVIRONMENT, EXPOSURE, F0, METALLIC, METHOD, Named, Part, Point, SAMPLES,
     SCENE, SIZE,
 };
 use crate::experiment::value::{Kind, Range, Value};
-use crate::scene::{CameraKind, SCENES};
-use crate::shade::Method;
-use crate::spelling::{Listed, capitalised, in_words};
+use crate::instrument::environment::{BUILTIN_PREFIX, BUILTINS};
+use crate::instrument::scene::{CameraKind, SCENES};
+use crate::instrument::shade::Method;
 use egui::{Align2, ComboBox, DragValue, Rect, Response, Slider, SliderClamping, Ui, vec2};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

@@ -1,9 +1,9 @@
 //! A state as commands.
 
 use super::state::{Image, State};
+use crate::base::names::Listed;
 use crate::experiment::axis::{ENVIRONMENT, METHOD, Named, Point, SAMPLES, SCENE, SIZE, View};
 use crate::experiment::value::Value;
-use crate::spelling::Listed;
 
 /// Axes whose defaults differ between `render` and `view`.
 const ALWAYS: [usize; 4] = [ENVIRONMENT, SCENE, METHOD, SAMPLES];

@@ -4,7 +4,7 @@ use super::picture::Picture;
 use super::state::{HOME, State};
 use crate::experiment::axis::{ENVIRONMENT_ROTATION, EXPOSURE, METHOD};
 use crate::experiment::value::{Value, decimal};
-use crate::scene::Orbit;
+use crate::instrument::scene::Orbit;
 use egui::{Key, Ui};
 
 /// Turn by an arrow key, degrees, and distance factor of + and -.
@@ -74,7 +74,7 @@ pub fn press(ui: &Ui, state: &mut State, has_probe: &mut bool) -> Pressed {
                         .ok()
                         .filter(|digit| *digit > 0);
                     if let Some(method) =
-                        digit.and_then(|digit| crate::shade::METHODS.get(digit - 1))
+                        digit.and_then(|digit| crate::instrument::shade::METHODS.get(digit - 1))
                     {
                         state.point[METHOD] = Value::Text(method.name.to_owned().into());
                     }

@@ -1,7 +1,7 @@
 //! A window on the renderer.
 //!
 //! The renderer has its own thread and device; the window never waits for it. The window is painted
-//! on the CPU, so it survives a lost device. [`crate::pipeline::Pipeline`] makes every picture.
+//! on the CPU, so it survives a lost device. [`crate::instrument::pipeline::Pipeline`] makes every picture.
 
 mod browse;
 mod controls;

@@ -3,10 +3,10 @@
 use super::picture::at;
 use super::theme;
 use super::worker::{Shot, Shown};
+use crate::base::pixels::{Rgb8Image, RgbImage};
+use crate::draw::colormap::{ColorScale, Range};
+use crate::draw::markdown::significant;
 use crate::experiment::axis::SAMPLES;
-use crate::pixels::{Rgb8Image, RgbImage};
-use crate::table::colormap::{ColorScale, Range};
-use crate::table::markdown::significant;
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Align, Color32, FontId, Rect, Stroke, Ui, pos2, vec2};
 

@@ -363,7 +363,7 @@ fn progress(shown: &Shown, is_done: bool) -> String {
         .iter()
         .map(|term| term.relative_error)
         .fold(0.0, f64::max);
-    let percent = crate::table::markdown::significant(100.0 * error, 2);
+    let percent = crate::draw::markdown::significant(100.0 * error, 2);
     let samples = truth.image.view.reference_samples;
     let doing = if is_done {
         "Reference done"

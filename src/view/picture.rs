@@ -1,11 +1,11 @@
 //! Pictures of a frame: the image and its error.
 
-use crate::metrics::{Comparison, Epsilon};
-use crate::pipeline::{Frame, Pipeline, PipelineError};
-use crate::pixels::{Pixels, Rgb8Image};
-use crate::spelling::listed;
-use crate::table::colormap::{ColorScale, RELATIVE_ERROR, SIGNED_ERROR};
-use crate::tonemap::ToneCurve;
+use crate::base::names::listed;
+use crate::base::pixels::{Pixels, Rgb8Image};
+use crate::draw::colormap::{ColorScale, RELATIVE_ERROR, SIGNED_ERROR};
+use crate::instrument::metrics::{Comparison, Epsilon};
+use crate::instrument::pipeline::{Frame, Pipeline, PipelineError};
+use crate::instrument::tonemap::ToneCurve;
 
 /// Colour of error images off the scene.
 const GROUND: [u8; 3] = [0x31, 0x36, 0x3b];

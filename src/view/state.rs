@@ -1,15 +1,15 @@
 //! The window's state as data: it becomes requests, and by [`super::file`] commands.
 
 use super::picture::Picture;
-use crate::environment::{BUILTIN_PREFIX, Environment};
 use crate::experiment::axis::{
     ALBEDO, ALPHA, AXES, ENVIRONMENT, F0, METALLIC, METHOD, Part, Point, REFERENCE, Reference,
     SAMPLES, SCENE, SIZE, View,
 };
 use crate::experiment::value::Value;
-use crate::pipeline::RenderRequest;
-use crate::precompute::given::Given;
-use crate::scene::{Camera, Orbit, Scene, scene_extensions, scene_format};
+use crate::instrument::environment::{BUILTIN_PREFIX, Environment};
+use crate::instrument::pipeline::RenderRequest;
+use crate::instrument::precompute::given::Given;
+use crate::instrument::scene::{Camera, Orbit, Scene, scene_extensions, scene_format};
 use std::path::Path;
 use std::sync::Arc;
 

@@ -1,6 +1,6 @@
 //! Colours and typefaces: the dark tokens of the report.
 
-use crate::shade::Role;
+use crate::instrument::shade::Role;
 use egui::epaint::Shadow;
 use egui::{
     Color32, CornerRadius, FontData, FontDefinitions, FontFamily, FontId, Stroke, TextStyle,

@@ -3,14 +3,14 @@
 
 use super::picture::{Picture, of_frame};
 use super::state::{Image, Inputs, Side, State};
-use crate::environment::{Environment, LoadOptions};
+use crate::base::names::Listed;
+use crate::base::pixels::Rgb8Image;
 use crate::experiment::axis::motion_fault;
-use crate::gpu::lock;
-use crate::metrics::{Comparison, HEADLINE, Metric};
-use crate::pipeline::{DeviceInfo, Frame, Options, Pipeline, PipelineError, Recent};
-use crate::pixels::Rgb8Image;
-use crate::scene::{Camera, CameraKind, MaterialOverride, Scene};
-use crate::spelling::Listed;
+use crate::instrument::environment::{Environment, LoadOptions};
+use crate::instrument::gpu::lock;
+use crate::instrument::metrics::{Comparison, HEADLINE, Metric};
+use crate::instrument::pipeline::{DeviceInfo, Frame, Options, Pipeline, PipelineError, Recent};
+use crate::instrument::scene::{Camera, CameraKind, MaterialOverride, Scene};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Condvar, Mutex, PoisonError};

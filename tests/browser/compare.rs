@@ -6,10 +6,10 @@ use crate::fake::{ERROR_AT_ONE, SPLIT_SUM_ERROR};
 use crate::fixture::{SIDE, assert_clean, cell, report, stored};
 use half::f16;
 use serde_json::json;
-use splitsum::color::srgb_encode;
+use splitsum::base::color::srgb_encode;
+use splitsum::draw::colormap::{OFF_MASK_COLOR, RELATIVE_ERROR, SIGNED_ERROR};
+use splitsum::instrument::tonemap::ToneCurve;
 use splitsum::report::page::images::Choice;
-use splitsum::table::colormap::{OFF_MASK_COLOR, RELATIVE_ERROR, SIGNED_ERROR};
-use splitsum::tonemap::ToneCurve;
 use std::path::Path;
 
 const READY: &str = "document.querySelector('.viewer-stage canvas')?.dataset.ready !== undefined";

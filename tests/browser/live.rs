@@ -3,9 +3,9 @@
 use crate::chromium::Page;
 use crate::fixture::{assert_clean, report};
 use serde_json::json;
+use splitsum::draw::colormap::{OFF_MASK_COLOR, RELATIVE_ERROR, SIGNED_ERROR};
+use splitsum::instrument::tonemap::ToneCurve;
 use splitsum::report::page::images::Choice;
-use splitsum::table::colormap::{OFF_MASK_COLOR, RELATIVE_ERROR, SIGNED_ERROR};
-use splitsum::tonemap::ToneCurve;
 use std::path::Path;
 
 /// Waits until the view has drawn every sample.

@@ -8,9 +8,9 @@ use crate::fixture::{
     write_page,
 };
 use serde_json::{Value, json};
+use splitsum::base::csv::Table;
 use splitsum::report::page::PageOptions;
 use splitsum::report::page::images::Choice;
-use splitsum::table::csv::Table;
 use std::path::Path;
 
 const VIEWS: [&str; 6] = ["answer", "images", "compare", "live", "tables", "run"];

@@ -4,7 +4,7 @@
 use super::{
     assert_ends, assert_refusals, command, copied, golden, published, splitsum, stderr, stdout,
 };
-use splitsum::pixels::{GrayImage, RgbImage, exr};
+use splitsum::base::pixels::{GrayImage, RgbImage, exr};
 use std::path::Path;
 use std::process::Command;
 
@@ -81,14 +81,18 @@ fn deep_nesting_is_a_fault() {
 #[test]
 fn list_prints_every_name() {
     let dir = tempfile::tempdir().unwrap();
-    use splitsum::precompute::prefilter;
+    use splitsum::instrument::precompute::prefilter;
     let text = stdout(&splitsum(dir.path(), &["list"]));
     let names = splitsum::experiment::axis::AXES
         .iter()
         .map(|axis| axis.name);
-    let names = names.chain(splitsum::shade::METHODS.iter().map(|method| method.name));
     let names = names.chain(
-        splitsum::math::sequence::SEQUENCES
+        splitsum::instrument::shade::METHODS
+            .iter()
+            .map(|method| method.name),
+    );
+    let names = names.chain(
+        splitsum::base::math::sequence::SEQUENCES
             .iter()
             .map(|sequence| sequence.name),
     );
@@ -99,7 +103,11 @@ fn list_prints_every_name() {
     );
     let names = names.chain(prefilter::LEVEL_MAPPINGS.iter().map(|mapping| mapping.name));
     let names = names.chain(prefilter::WEIGHTS.iter().map(|weight| weight.name));
-    let names = names.chain(splitsum::metrics::METRICS.iter().map(|metric| metric.name));
+    let names = names.chain(
+        splitsum::instrument::metrics::METRICS
+            .iter()
+            .map(|metric| metric.name),
+    );
     for name in names {
         assert!(text.contains(&format!("| {name} ")), "{name} is not listed");
     }

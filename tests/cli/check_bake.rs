@@ -4,13 +4,13 @@
 use super::end_to_end::folder;
 use super::{assert_ends, assert_refusals, ok, splitsum};
 use serde_json::Value;
-use splitsum::bakes::convention::Preset;
-use splitsum::pixels::{GrayImage, RgbImage, exr};
+use splitsum::bake::convention::Preset;
+use splitsum::base::pixels::{GrayImage, RgbImage, exr};
 
 #[test]
 fn our_own_bakes_score_near_zero_in_every_layout() {
     let dir = tempfile::tempdir().unwrap();
-    for layout in splitsum::environment::layout::LAYOUTS {
+    for layout in splitsum::instrument::environment::layout::LAYOUTS {
         let sets = ["layout", "brdf", "dfg_size"]
             .into_iter()
             .zip([layout.name, "ggx", "16"]);

@@ -2,16 +2,16 @@
 //! skip with a line.
 
 use super::{assert_ends, command, ok};
-use splitsum::brdf::MaskingShadowing;
+use splitsum::base::names::Listed;
 use splitsum::cost::child::{CompileFault, Job, available, compile};
 use splitsum::cost::family::Family;
 use splitsum::cost::isa::Counts;
 use splitsum::cost::pass::Pass;
-use splitsum::environment::layout::{LAYOUTS, MapLayout};
 use splitsum::experiment::axis::{LAYOUT, METHOD, Point};
-use splitsum::gpu::shader_names;
-use splitsum::shade::{METHODS, Method};
-use splitsum::spelling::Listed;
+use splitsum::instrument::brdf::MaskingShadowing;
+use splitsum::instrument::environment::layout::{LAYOUTS, MapLayout};
+use splitsum::instrument::gpu::shader_names;
+use splitsum::instrument::shade::{METHODS, Method};
 use std::collections::BTreeSet;
 use std::path::Path;
 

@@ -275,7 +275,7 @@ fn compare_reads_the_files_of_render() {
     let different = scores(&["b.EXR", "a.exr"]);
     assert_eq!(
         different.as_object().unwrap().len(),
-        splitsum::metrics::METRICS.len()
+        splitsum::instrument::metrics::METRICS.len()
     );
     // Brighter light has a larger ε; without contrast all is white.
     let bright = scores(&[

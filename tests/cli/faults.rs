@@ -1,7 +1,7 @@
 //! Faults of the device and of the Vulkan installation: each is provoked, and ends with its message
 //! and exit code.
 //!
-//! `SPLITSUM_TEST_FAULTS` (`src/gpu/inject.rs`) makes a call fail as a driver would.
+//! `SPLITSUM_TEST_FAULTS` (`src/instrument/gpu/inject.rs`) makes a call fail as a driver would.
 
 use super::end_to_end::folder;
 use super::{assert_ends, command, ok, splitsum, stderr};

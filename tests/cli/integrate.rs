@@ -2,7 +2,7 @@
 //! that stay complete.
 
 use super::{entries, splitsum, stderr, stdout};
-use splitsum::table::csv::Table;
+use splitsum::base::csv::Table;
 use std::path::Path;
 
 /// Relative accuracy of the golden queries.

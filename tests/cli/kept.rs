@@ -2,8 +2,8 @@
 //! one.
 
 use super::{copied, golden, ok, splitsum, stderr, stdout};
-use splitsum::bakes::container::read_texture;
-use splitsum::table::csv::Table;
+use splitsum::bake::container::read_texture;
+use splitsum::base::csv::Table;
 
 /// Compares two texts word by word, numbers within a share of themselves. Ids of cells, which are
 /// hexadecimal, do not count.

@@ -2,10 +2,10 @@
 
 use crate::harness::{constant_environment, request, scene, with_pipeline};
 use glam::DVec3;
-use splitsum::pipeline::RenderRequest;
-use splitsum::scene::{CameraKind, MaterialOverride, Projection, Sphere};
-use splitsum::shade::{Diffuse, Method};
-use splitsum::spelling::Listed;
+use splitsum::base::names::Listed;
+use splitsum::instrument::pipeline::RenderRequest;
+use splitsum::instrument::scene::{CameraKind, MaterialOverride, Projection, Sphere};
+use splitsum::instrument::shade::{Diffuse, Method};
 use std::f64::consts::PI;
 
 /// Under constant light a grey sphere has one colour, and its edge pixels lie between that colour

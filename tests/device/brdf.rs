@@ -4,10 +4,10 @@ use crate::brdf_twins::{pdf_visible_l, sample_visible};
 use crate::compare::{Tolerance, Worst, absolute, relative};
 use crate::harness::{Probe, rounded, rounded3, vec4, with_gpu, xyz};
 use glam::{DVec2, DVec3};
-use splitsum::brdf::{Brdf, MODELS, MaskingShadowing, f_schlick, g1, g2, reflect};
-use splitsum::gpu::Gpu;
-use splitsum::math::sampling::{direction_from_polar, hammersley};
-use splitsum::spelling::Listed;
+use splitsum::base::math::sampling::{direction_from_polar, hammersley};
+use splitsum::base::names::Listed;
+use splitsum::instrument::brdf::{Brdf, MODELS, MaskingShadowing, f_schlick, g1, g2, reflect};
+use splitsum::instrument::gpu::Gpu;
 use std::f64::consts::TAU;
 
 const ALPHAS: [f64; 8] = [0.001, 0.003, 0.01, 0.05, 0.2, 0.5, 0.85, 1.0];

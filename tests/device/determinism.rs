@@ -6,21 +6,23 @@ use crate::harness::{
     with_submissions,
 };
 use crate::tables::environment_image;
-use splitsum::brdf::MODELS;
-use splitsum::environment::Placement;
-use splitsum::environment::distribution::EnvironmentDistribution;
-use splitsum::gbuffer::pass::{self, GbufferImages, SceneData};
-use splitsum::glsl::constants::GROUP_SIDE;
-use splitsum::gpu::{Format, Gpu, Groups, Part, image_groups};
-use splitsum::math::sequence::{FramePoints, PixelPoints};
-use splitsum::metrics::Epsilon;
-use splitsum::pipeline::{Pipeline, RenderRequest};
-use splitsum::precompute::points::Points;
-use splitsum::precompute::{PrecomputeSettings, PrefilterBy};
-use splitsum::scene::{CameraKind, MaterialOverride};
-use splitsum::shade::pass::{Passes, Tables};
-use splitsum::shade::reference_pass::{DistributionBuffers, Lobe, ReferenceRun, Stop, Sums};
-use splitsum::shade::{DIFFUSE, METHODS};
+use splitsum::base::glsl::constants::GROUP_SIDE;
+use splitsum::base::math::sequence::{FramePoints, PixelPoints};
+use splitsum::instrument::brdf::MODELS;
+use splitsum::instrument::environment::Placement;
+use splitsum::instrument::environment::distribution::EnvironmentDistribution;
+use splitsum::instrument::gbuffer::pass::{self, GbufferImages, SceneData};
+use splitsum::instrument::gpu::{Format, Gpu, Groups, Part, image_groups};
+use splitsum::instrument::metrics::Epsilon;
+use splitsum::instrument::pipeline::{Pipeline, RenderRequest};
+use splitsum::instrument::precompute::points::Points;
+use splitsum::instrument::precompute::{PrecomputeSettings, PrefilterBy};
+use splitsum::instrument::scene::{CameraKind, MaterialOverride};
+use splitsum::instrument::shade::pass::{Passes, Tables};
+use splitsum::instrument::shade::reference_pass::{
+    DistributionBuffers, Lobe, ReferenceRun, Stop, Sums,
+};
+use splitsum::instrument::shade::{DIFFUSE, METHODS};
 
 /// Every method and diffuse method on the grid of spheres.
 fn requests() -> Vec<RenderRequest> {

@@ -4,16 +4,16 @@
 use crate::harness::{golden_environment, lobe_sphere, render_by_seeds, request, with_pipeline};
 use crate::symmetry::smooth_environment;
 use glam::DVec3;
-use splitsum::environment::Environment;
-use splitsum::environment::layout::LAYOUTS;
-use splitsum::math::sequence::{FramePoints, PixelPoints};
-use splitsum::metrics::tone_mapped_curve;
-use splitsum::pipeline::{Frame, Pipeline, RenderRequest};
-use splitsum::pixels::RgbImage;
-use splitsum::scene::{CameraKind, Orbit};
-use splitsum::shade::frames::{Accumulation, Frames, History, Motion};
-use splitsum::shade::{Method, Shading};
-use splitsum::spelling::Listed;
+use splitsum::base::math::sequence::{FramePoints, PixelPoints};
+use splitsum::base::names::Listed;
+use splitsum::base::pixels::RgbImage;
+use splitsum::instrument::environment::Environment;
+use splitsum::instrument::environment::layout::LAYOUTS;
+use splitsum::instrument::metrics::tone_mapped_curve;
+use splitsum::instrument::pipeline::{Frame, Pipeline, RenderRequest};
+use splitsum::instrument::scene::{CameraKind, Orbit};
+use splitsum::instrument::shade::frames::{Accumulation, Frames, History, Motion};
+use splitsum::instrument::shade::{Method, Shading};
 use std::sync::Arc;
 
 /// Frames of one visible-normal sample each on a sphere.

@@ -2,11 +2,11 @@
 
 use crate::harness::{constant_environment, lobe_sphere, render_by_seeds, request, with_pipeline};
 use crate::methods::{radiance, sights};
-use splitsum::brdf::{Compensation, MODELS, MaskingShadowing};
-use splitsum::pipeline::RenderRequest;
-use splitsum::scene::CameraKind;
-use splitsum::shade::{Diffuse, Method};
-use splitsum::spelling::Listed;
+use splitsum::base::names::Listed;
+use splitsum::instrument::brdf::{Compensation, MODELS, MaskingShadowing};
+use splitsum::instrument::pipeline::RenderRequest;
+use splitsum::instrument::scene::CameraKind;
+use splitsum::instrument::shade::{Diffuse, Method};
 
 const REFERENCE_SAMPLES: u32 = 8192;
 

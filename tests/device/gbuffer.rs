@@ -5,11 +5,11 @@ use crate::gbuffer_twin as reference;
 use crate::gltf_files::{load, png, sheet, textured};
 use crate::harness::{filter_error, poison_image, with_gpu};
 use serde_json::json;
-use splitsum::gbuffer::Gbuffer;
-use splitsum::gbuffer::pass::{self, GbufferImages, SceneData};
-use splitsum::gpu::Gpu;
-use splitsum::pixels::Pixels;
-use splitsum::scene::{Camera, CameraKind, MaterialOverride, Scene};
+use splitsum::base::pixels::Pixels;
+use splitsum::instrument::gbuffer::Gbuffer;
+use splitsum::instrument::gbuffer::pass::{self, GbufferImages, SceneData};
+use splitsum::instrument::gpu::Gpu;
+use splitsum::instrument::scene::{Camera, CameraKind, MaterialOverride, Scene};
 use std::path::Path;
 
 /// The attachments start as NaN, which reveals a texel that is neither cleared nor written.

@@ -4,12 +4,12 @@
 //! `tests/golden/mitsuba` holds every second pixel of both axes.
 
 use crate::harness::{golden_environment, lobe_sphere, request, with_pipeline};
-use splitsum::brdf::Brdf;
-use splitsum::pipeline::RenderRequest;
-use splitsum::pixels::exr;
-use splitsum::scene::CameraKind;
-use splitsum::shade::Method;
-use splitsum::spelling::Listed;
+use splitsum::base::names::Listed;
+use splitsum::base::pixels::exr;
+use splitsum::instrument::brdf::Brdf;
+use splitsum::instrument::pipeline::RenderRequest;
+use splitsum::instrument::scene::CameraKind;
+use splitsum::instrument::shade::Method;
 use std::path::Path;
 
 /// Side of the images before every second pixel was taken.

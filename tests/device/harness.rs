@@ -1,17 +1,17 @@
 //! Devices for tests, probes, and the requests and images that several tests share.
 
 use glam::DVec3;
-use splitsum::environment::Environment;
-use splitsum::environment::layout::LAYOUTS;
-use splitsum::glsl::constants::GROUP_LINEAR;
-use splitsum::glsl::layout::{ProbeParams, SharedStruct};
-use splitsum::gpu::{Bind, Buffer, Gpu, GpuError, Image, Options};
-use splitsum::pipeline::{Frame, Pipeline, RenderRequest};
-use splitsum::pixels::{Pixels, RgbImage, exr};
-use splitsum::precompute::PrecomputeSettings;
-use splitsum::scene::{CameraKind, MaterialOverride, Scene};
-use splitsum::shade::Method;
-use splitsum::spelling::Listed;
+use splitsum::base::glsl::constants::GROUP_LINEAR;
+use splitsum::base::glsl::layout::{ProbeParams, SharedStruct};
+use splitsum::base::names::Listed;
+use splitsum::base::pixels::{Pixels, RgbImage, exr};
+use splitsum::instrument::environment::Environment;
+use splitsum::instrument::environment::layout::LAYOUTS;
+use splitsum::instrument::gpu::{Bind, Buffer, Gpu, GpuError, Image, Options};
+use splitsum::instrument::pipeline::{Frame, Pipeline, RenderRequest};
+use splitsum::instrument::precompute::PrecomputeSettings;
+use splitsum::instrument::scene::{CameraKind, MaterialOverride, Scene};
+use splitsum::instrument::shade::Method;
 use std::cell::Cell;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};

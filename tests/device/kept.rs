@@ -2,19 +2,19 @@
 
 use crate::harness::{golden_environment, request, scene, usual_tables, with_pipeline};
 use half::f16;
-use splitsum::brdf::{Compensation, MaskingShadowing, WidthLaw};
-use splitsum::environment::Environment;
-use splitsum::environment::layout::LAYOUTS;
-use splitsum::math::sequence::{PixelPoints, SEQUENCES};
-use splitsum::pipeline::{DiskCache, Frame, Pipeline, RenderRequest};
-use splitsum::pixels::RgbImage;
-use splitsum::precompute::dfg::DfgAxes;
-use splitsum::precompute::given::{GivenMap, GivenTable};
-use splitsum::precompute::prefilter::{LEVEL_MAPPINGS, WEIGHTS};
-use splitsum::precompute::{HALF_MAX, PrecomputeSettings, PrefilterBy, StorageFormat};
-use splitsum::scene::{Camera, CameraKind, MaterialOverride};
-use splitsum::shade::{Diffuse, Method, Shading};
-use splitsum::spelling::Listed;
+use splitsum::base::math::sequence::{PixelPoints, SEQUENCES};
+use splitsum::base::names::Listed;
+use splitsum::base::pixels::RgbImage;
+use splitsum::instrument::brdf::{Compensation, MaskingShadowing, WidthLaw};
+use splitsum::instrument::environment::Environment;
+use splitsum::instrument::environment::layout::LAYOUTS;
+use splitsum::instrument::pipeline::{DiskCache, Frame, Pipeline, RenderRequest};
+use splitsum::instrument::precompute::dfg::DfgAxes;
+use splitsum::instrument::precompute::given::{GivenMap, GivenTable};
+use splitsum::instrument::precompute::prefilter::{LEVEL_MAPPINGS, WEIGHTS};
+use splitsum::instrument::precompute::{HALF_MAX, PrecomputeSettings, PrefilterBy, StorageFormat};
+use splitsum::instrument::scene::{Camera, CameraKind, MaterialOverride};
+use splitsum::instrument::shade::{Diffuse, Method, Shading};
 use std::collections::BTreeSet;
 use std::sync::Arc;
 
@@ -171,7 +171,7 @@ fn neighbours(base: &RenderRequest) -> Vec<RenderRequest> {
         other(&|r| r.scene = Arc::new(r.scene.apply(&rough))),
         other(&|r| r.camera = far),
         other(&|r| r.size[0] += 3),
-        shaded(&|s| s.brdf = splitsum::brdf::MODELS[1]),
+        shaded(&|s| s.brdf = splitsum::instrument::brdf::MODELS[1]),
         shaded(&|s| s.masking_shadowing = MaskingShadowing::Correlated),
         shaded(&|s| s.compensation = Compensation::Turquin),
         shaded(&|s| s.samples += 8),

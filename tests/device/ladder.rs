@@ -2,16 +2,16 @@
 
 use crate::compare::{Worst, relative};
 use crate::harness::{filter_error, golden_environment, request, scene, with_pipeline};
-use splitsum::environment::Placement;
-use splitsum::environment::layout::LAYOUTS;
-use splitsum::ladder::{STEPS, Step};
-use splitsum::metrics::{Comparison, HEADLINE};
-use splitsum::pipeline::{Frame, RenderRequest};
-use splitsum::precompute::{PrecomputeSettings, PrefilterBy, StorageFormat};
-use splitsum::scene::{CameraKind, MaterialOverride};
-use splitsum::shade::Method;
-use splitsum::spelling::Listed;
-use splitsum::tonemap::ToneCurve;
+use splitsum::base::names::Listed;
+use splitsum::instrument::environment::Placement;
+use splitsum::instrument::environment::layout::LAYOUTS;
+use splitsum::instrument::ladder::{STEPS, Step};
+use splitsum::instrument::metrics::{Comparison, HEADLINE};
+use splitsum::instrument::pipeline::{Frame, RenderRequest};
+use splitsum::instrument::precompute::{PrecomputeSettings, PrefilterBy, StorageFormat};
+use splitsum::instrument::scene::{CameraKind, MaterialOverride};
+use splitsum::instrument::shade::Method;
+use splitsum::instrument::tonemap::ToneCurve;
 
 const DRAWN: u32 = 4096;
 
@@ -25,7 +25,7 @@ fn between(test: &Frame, reference: &Frame, request: &RenderRequest) -> f64 {
     );
     let scores = comparison
         .unwrap()
-        .evaluate(&splitsum::metrics::linear_metrics());
+        .evaluate(&splitsum::instrument::metrics::linear_metrics());
     scores
         .into_iter()
         .find(|(name, _)| *name == HEADLINE)

@@ -10,21 +10,21 @@ use crate::symmetry::smooth_environment;
 use crate::tables::dfg_table;
 use glam::DVec3;
 use rayon::prelude::*;
-use splitsum::brdf::Stretch;
-use splitsum::brdf::{Compensation, MODELS};
-use splitsum::environment::Placement;
-use splitsum::environment::layout::MapLayout;
-use splitsum::gbuffer::Gbuffer;
-use splitsum::math::sequence::PixelPoints;
-use splitsum::pipeline::{Frame, Pipeline, RenderRequest};
-use splitsum::pixels::Pixels;
-use splitsum::precompute::{PrecomputeSettings, exact_quadrature};
-use splitsum::scene::{CameraKind, MaterialOverride, Scene};
-use splitsum::shade::reference::{Answer, Surface, integrate};
-use splitsum::shade::{Diffuse, Method, Shading};
-use splitsum::spelling::Listed;
+use splitsum::base::math::sequence::PixelPoints;
+use splitsum::base::names::Listed;
+use splitsum::base::pixels::Pixels;
+use splitsum::instrument::brdf::Stretch;
+use splitsum::instrument::brdf::{Compensation, MODELS};
+use splitsum::instrument::environment::Placement;
+use splitsum::instrument::environment::layout::MapLayout;
+use splitsum::instrument::gbuffer::Gbuffer;
+use splitsum::instrument::pipeline::{Frame, Pipeline, RenderRequest};
+use splitsum::instrument::precompute::{PrecomputeSettings, exact_quadrature};
+use splitsum::instrument::scene::{CameraKind, MaterialOverride, Scene};
+use splitsum::instrument::shade::reference::{Answer, Surface, integrate};
+use splitsum::instrument::shade::{Diffuse, Method, Shading};
 
-use splitsum::math::quadrature;
+use splitsum::base::math::quadrature;
 use std::f64::consts::PI;
 
 /// Far below the error of every method here.
@@ -98,11 +98,11 @@ pub fn radiance(frame: &Frame, [x, y]: [u32; 2]) -> DVec3 {
     DVec3::from_array(frame.radiance.get(x, y).map(f64::from))
 }
 
-fn method(name: &str) -> &'static splitsum::shade::Method {
+fn method(name: &str) -> &'static splitsum::instrument::shade::Method {
     Method::listed(name)
 }
 
-fn coloured_sphere(alpha: f32) -> splitsum::scene::Scene {
+fn coloured_sphere(alpha: f32) -> splitsum::instrument::scene::Scene {
     let material = MaterialOverride {
         alpha: Some(alpha),
         f0: Some([0.04, 0.5, 1.0]),
@@ -113,7 +113,7 @@ fn coloured_sphere(alpha: f32) -> splitsum::scene::Scene {
 
 /// Inputs of device and f64 code: 12 x 12 pixels in perspective, so that every pixel has its own v.
 fn small_request(
-    environment: &std::sync::Arc<splitsum::environment::Environment>,
+    environment: &std::sync::Arc<splitsum::instrument::environment::Environment>,
     alpha: f32,
 ) -> RenderRequest {
     request(

@@ -1,25 +1,25 @@
 //! Methods in files: the same code gives the same image, and its bindings determine its parameters.
 
 use crate::harness::{golden_environment, lobe_sphere, request, with_pipeline};
-use splitsum::environment::layout::LAYOUTS;
-use splitsum::gpu::names_read;
-use splitsum::scene::CameraKind;
-use splitsum::shade::pass::specular_shader;
-use splitsum::shade::{METHODS, Method, own};
-use splitsum::spelling::Listed;
+use splitsum::base::names::Listed;
+use splitsum::instrument::environment::layout::LAYOUTS;
+use splitsum::instrument::gpu::names_read;
+use splitsum::instrument::scene::CameraKind;
+use splitsum::instrument::shade::pass::specular_shader;
+use splitsum::instrument::shade::{METHODS, Method, own};
 use std::path::Path;
 
 /// The stated parameters of a listed method equal the parameters found in its compiled shader.
 #[test]
 fn a_shader_determines_the_parameters_of_its_method() {
     for method in METHODS.iter().filter(|method| method.has_pass()) {
-        let shader = specular_shader(&LAYOUTS[0], method, splitsum::brdf::MODELS[0]);
+        let shader = specular_shader(&LAYOUTS[0], method, splitsum::instrument::brdf::MODELS[0]);
         let found = own::of_names_read(
             *method,
             &names_read(&shader, own::FUNCTION).unwrap(),
             String::new(),
         );
-        let facts = |m: &splitsum::shade::Method| {
+        let facts = |m: &splitsum::instrument::shade::Method| {
             let points = [m.uses_samples, m.uses_point_set, m.uses_lod_bias];
             (points, [m.uses_prefiltered(), m.uses_dfg], m.tap_table)
         };

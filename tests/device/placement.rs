@@ -10,14 +10,14 @@ use crate::harness::{
 };
 use crate::methods::{Sight, radiance, sights};
 use glam::{DMat3, DVec2, DVec3};
-use splitsum::brdf::reflect;
-use splitsum::environment::{Environment, Placement, orientation};
-use splitsum::math::equirect::direction_from_uv;
-use splitsum::pipeline::RenderRequest;
-use splitsum::pixels::RgbImage;
-use splitsum::scene::{CameraKind, MaterialOverride};
-use splitsum::shade::{Diffuse, METHODS, Method};
-use splitsum::spelling::Listed;
+use splitsum::base::math::equirect::direction_from_uv;
+use splitsum::base::names::Listed;
+use splitsum::base::pixels::RgbImage;
+use splitsum::instrument::brdf::reflect;
+use splitsum::instrument::environment::{Environment, Placement, orientation};
+use splitsum::instrument::pipeline::RenderRequest;
+use splitsum::instrument::scene::{CameraKind, MaterialOverride};
+use splitsum::instrument::shade::{Diffuse, METHODS, Method};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 

@@ -5,16 +5,18 @@ use crate::compare::{Tolerance, relative};
 use crate::harness::{golden_environment, poison_image, with_gpu};
 use crate::layouts::{check_texels, filtered_environment, read_map};
 use crate::tables::{EXACT, environment_image, equirect};
-use splitsum::brdf::{MODELS, MaskingShadowing};
-use splitsum::environment::layout::LAYOUTS;
-use splitsum::math::quadrature;
-use splitsum::math::sequence::{PixelPoints, SEQUENCES};
-use splitsum::precompute::irradiance::{self, reference::irradiance as exact_irradiance};
-use splitsum::precompute::prefilter::{
+use splitsum::base::math::quadrature;
+use splitsum::base::math::sequence::{PixelPoints, SEQUENCES};
+use splitsum::base::names::Listed;
+use splitsum::instrument::brdf::{MODELS, MaskingShadowing};
+use splitsum::instrument::environment::layout::LAYOUTS;
+use splitsum::instrument::precompute::irradiance::{
+    self, reference::irradiance as exact_irradiance,
+};
+use splitsum::instrument::precompute::prefilter::{
     self, Kernel, LEVEL_MAPPINGS, WEIGHTS, harmonic, pass::Recipe, reference::prefilter,
 };
-use splitsum::precompute::{exact_quadrature, points::Points};
-use splitsum::spelling::Listed;
+use splitsum::instrument::precompute::{exact_quadrature, points::Points};
 use std::f64::consts::PI;
 
 /// Relative; f32 texels, and the cut of the highest degree for a narrow lobe beside a lamp.

@@ -6,17 +6,17 @@ use crate::harness::{
 };
 use glam::{DVec2, DVec3};
 use sobol_burley::parts::{owen_scramble_rev, sobol_rev};
-use splitsum::environment::Environment;
-use splitsum::environment::distribution::weighted_texels;
-use splitsum::gpu::{Bind, Format, Sampler};
-use splitsum::math::equirect::direction_from_uv;
-use splitsum::math::sampling::hammersley;
-use splitsum::math::sequence::hash;
-use splitsum::pipeline::RenderRequest;
-use splitsum::pixels::RgbImage;
-use splitsum::scene::CameraKind;
-use splitsum::shade::Method;
-use splitsum::spelling::Listed;
+use splitsum::base::math::equirect::direction_from_uv;
+use splitsum::base::math::sampling::hammersley;
+use splitsum::base::math::sequence::hash;
+use splitsum::base::names::Listed;
+use splitsum::base::pixels::RgbImage;
+use splitsum::instrument::environment::Environment;
+use splitsum::instrument::environment::distribution::weighted_texels;
+use splitsum::instrument::gpu::{Bind, Format, Sampler};
+use splitsum::instrument::pipeline::RenderRequest;
+use splitsum::instrument::scene::CameraKind;
+use splitsum::instrument::shade::Method;
 use std::sync::Arc;
 
 #[test]

@@ -1,11 +1,11 @@
 //! The unit of radiance: brighter light does not change the relative error of the reference.
 
 use crate::harness::{golden_environment, lobe_sphere, request, with_pipeline};
-use splitsum::metrics::noise_floor;
-use splitsum::pipeline::RenderRequest;
-use splitsum::scene::CameraKind;
-use splitsum::shade::Method;
-use splitsum::spelling::Listed;
+use splitsum::base::names::Listed;
+use splitsum::instrument::metrics::noise_floor;
+use splitsum::instrument::pipeline::RenderRequest;
+use splitsum::instrument::scene::CameraKind;
+use splitsum::instrument::shade::Method;
 
 #[test]
 fn brighter_light_does_not_change_relative_numbers() {

@@ -1,11 +1,11 @@
 //! `shader_check`: a known error of a function is found, with its size and sign.
 
 use crate::harness::with_pipeline;
-use splitsum::brdf::MaskingShadowing;
-use splitsum::pipeline::Pipeline;
-use splitsum::pipeline::shader_check::{Row, View, check, verdict};
-use splitsum::shade::{Method, own};
-use splitsum::spelling::Listed;
+use splitsum::bake::shader_check::{Row, View, check, verdict};
+use splitsum::base::names::Listed;
+use splitsum::instrument::brdf::MaskingShadowing;
+use splitsum::instrument::pipeline::Pipeline;
+use splitsum::instrument::shade::{Method, own};
 
 fn rows(pipeline: &mut Pipeline, method: &'static Method) -> Vec<Row> {
     check(pipeline, method, MaskingShadowing::Correlated).unwrap()

@@ -3,12 +3,12 @@
 use crate::compare::{Worst, relative};
 use crate::harness::{filter_error, golden_environment, request, scene, with_pipeline};
 use glam::{DQuat, DVec3};
-use splitsum::environment::{Environment, Placement};
-use splitsum::pipeline::{Frame, RenderRequest};
-use splitsum::pixels::RgbImage;
-use splitsum::scene::{Camera, CameraKind, MaterialOverride};
-use splitsum::shade::{Diffuse, METHODS};
-use splitsum::spelling::Listed;
+use splitsum::base::names::Listed;
+use splitsum::base::pixels::RgbImage;
+use splitsum::instrument::environment::{Environment, Placement};
+use splitsum::instrument::pipeline::{Frame, RenderRequest};
+use splitsum::instrument::scene::{Camera, CameraKind, MaterialOverride};
+use splitsum::instrument::shade::{Diffuse, METHODS};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 
@@ -17,7 +17,7 @@ pub fn smooth_environment() -> Arc<Environment> {
     let size = [256, 128];
     let image = RgbImage::from_fn(size[0], size[1], |x, y| {
         let uv = glam::DVec2::new((f64::from(x) + 0.5) / 256.0, (f64::from(y) + 0.5) / 128.0);
-        let d = splitsum::math::equirect::direction_from_uv(uv);
+        let d = splitsum::base::math::equirect::direction_from_uv(uv);
         [
             1.0 + 0.5 * d.x + 0.3 * d.y * d.z,
             1.0 - 0.4 * d.y,

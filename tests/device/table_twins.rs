@@ -5,15 +5,15 @@ use crate::layouts::{check_texels, filtered_environment, read_map};
 use crate::tables::environment_image;
 use crate::twins::{STEP, environments, lookup_tolerance, tables};
 use glam::{DVec2, DVec3, DVec4};
-use splitsum::brdf::{MODELS, MaskingShadowing, reflect};
-use splitsum::environment::layout::{FilteredMap, LAYOUTS, lod_from_solid_angles};
-use splitsum::glsl::constants::POINTS_PER_DISPATCH;
-use splitsum::math::frame::Frame;
-use splitsum::math::sequence::{PixelPoints, SEQUENCES};
-use splitsum::precompute::points::Points;
-use splitsum::precompute::prefilter::pass::Recipe;
-use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, WEIGHTS};
-use splitsum::precompute::{PrecomputeSettings, irradiance, prefilter};
+use splitsum::base::glsl::constants::POINTS_PER_DISPATCH;
+use splitsum::base::math::frame::Frame;
+use splitsum::base::math::sequence::{PixelPoints, SEQUENCES};
+use splitsum::instrument::brdf::{MODELS, MaskingShadowing, reflect};
+use splitsum::instrument::environment::layout::{FilteredMap, LAYOUTS, lod_from_solid_angles};
+use splitsum::instrument::precompute::points::Points;
+use splitsum::instrument::precompute::prefilter::pass::Recipe;
+use splitsum::instrument::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, WEIGHTS};
+use splitsum::instrument::precompute::{PrecomputeSettings, irradiance, prefilter};
 use std::f64::consts::TAU;
 
 /// Estimates prefiltered radiance as the device does, from half vectors at `points`. Each lookup

@@ -9,18 +9,20 @@ use crate::layouts::{check_texels, read_map};
 use crate::mips_twin::chain;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use splitsum::brdf::{self, Brdf, MODELS, MaskingShadowing};
-use splitsum::environment::layout::MapLayout;
-use splitsum::gpu::{Buffer, Format, Gpu, Image};
-use splitsum::math::quadrature;
-use splitsum::math::spherical_harmonics::COUNT;
-use splitsum::pixels::{Pixels, RgbImage};
-use splitsum::precompute::dfg::{self, DfgAxes, reference::dfg_within};
-use splitsum::precompute::irradiance::{self, reference::irradiance as exact_irradiance};
-use splitsum::precompute::mips::{self, level_count};
-use splitsum::precompute::sh9;
-use splitsum::precompute::{PrecomputeSettings, exact_quadrature};
-use splitsum::spelling::Listed;
+use splitsum::base::math::quadrature;
+use splitsum::base::math::spherical_harmonics::COUNT;
+use splitsum::base::names::Listed;
+use splitsum::base::pixels::{Pixels, RgbImage};
+use splitsum::instrument::brdf::{self, Brdf, MODELS, MaskingShadowing};
+use splitsum::instrument::environment::layout::MapLayout;
+use splitsum::instrument::gpu::{Buffer, Format, Gpu, Image};
+use splitsum::instrument::precompute::dfg::{self, DfgAxes, reference::dfg_within};
+use splitsum::instrument::precompute::irradiance::{
+    self, reference::irradiance as exact_irradiance,
+};
+use splitsum::instrument::precompute::mips::{self, level_count};
+use splitsum::instrument::precompute::sh9;
+use splitsum::instrument::precompute::{PrecomputeSettings, exact_quadrature};
 use std::f64::consts::PI;
 
 /// The exact integrals need no more digits than the tables.

@@ -1,8 +1,8 @@
 //! The tone-mapping pass against its f64 twin.
 
 use crate::harness::with_pipeline;
-use splitsum::pixels::RgbImage;
-use splitsum::tonemap::ToneCurve;
+use splitsum::base::pixels::RgbImage;
+use splitsum::instrument::tonemap::ToneCurve;
 
 fn ramp() -> RgbImage {
     RgbImage::from_fn(37, 11, |x, y| {

@@ -14,26 +14,26 @@ use crate::methods::{EXACT, Sight, radiance, sights_in};
 use crate::tables::{coefficients, dfg_table, environment_image};
 use glam::DVec3;
 use rayon::prelude::*;
-use splitsum::brdf::{Brdf, MODELS, MaskingShadowing, WidthLaw};
-use splitsum::environment::layout::{FilteredMap, LAYOUTS, MapLayout};
-use splitsum::environment::{Environment, LoadOptions, Placement};
-use splitsum::glsl::constants::POINTS_PER_DISPATCH;
-use splitsum::gpu::Gpu;
-use splitsum::math::sequence::{PixelPoints, SEQUENCES};
-use splitsum::pipeline::{Frame, RenderRequest};
-use splitsum::precompute::dfg::{Albedos, DfgAxes};
-use splitsum::precompute::points::Points;
-use splitsum::precompute::prefilter::pass::Recipe;
-use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, harmonic};
-use splitsum::precompute::taps::{Chain, TapCount, TapTable};
-use splitsum::precompute::{
+use splitsum::base::glsl::constants::POINTS_PER_DISPATCH;
+use splitsum::base::math::sequence::{PixelPoints, SEQUENCES};
+use splitsum::base::names::Listed;
+use splitsum::instrument::brdf::{Brdf, MODELS, MaskingShadowing, WidthLaw};
+use splitsum::instrument::environment::layout::{FilteredMap, LAYOUTS, MapLayout};
+use splitsum::instrument::environment::{Environment, LoadOptions, Placement};
+use splitsum::instrument::gpu::Gpu;
+use splitsum::instrument::pipeline::{Frame, RenderRequest};
+use splitsum::instrument::precompute::dfg::{Albedos, DfgAxes};
+use splitsum::instrument::precompute::points::Points;
+use splitsum::instrument::precompute::prefilter::pass::Recipe;
+use splitsum::instrument::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, harmonic};
+use splitsum::instrument::precompute::taps::{Chain, TapCount, TapTable};
+use splitsum::instrument::precompute::{
     PrecomputeSettings, PrefilterBy, exact_quadrature, irradiance, prefilter,
 };
-use splitsum::scene::{CameraKind, MaterialOverride, Scene};
-use splitsum::shade::bend::BENDS;
-use splitsum::shade::twin::{Light, Samples, Twin};
-use splitsum::shade::{DIFFUSE, Diffuse, METHODS, Method};
-use splitsum::spelling::Listed;
+use splitsum::instrument::scene::{CameraKind, MaterialOverride, Scene};
+use splitsum::instrument::shade::bend::BENDS;
+use splitsum::instrument::shade::twin::{Light, Samples, Twin};
+use splitsum::instrument::shade::{DIFFUSE, Diffuse, METHODS, Method};
 use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::{Arc, Mutex};
@@ -83,7 +83,7 @@ pub fn tables(layout: &'static MapLayout) -> PrecomputeSettings {
         },
         irradiance_size: size(8),
         irradiance_sample_count: [16, 8],
-        storage: splitsum::precompute::StorageFormat::F32,
+        storage: splitsum::instrument::precompute::StorageFormat::F32,
         ..PrecomputeSettings::default()
     }
 }

@@ -6,17 +6,17 @@ use crate::brdf_twins::{pdf_visible_l, sample_visible};
 use crate::chi_square::{fit_of_half_vectors, xi};
 use fastrand::Rng;
 use glam::{DQuat, DVec2, DVec3};
-use splitsum::brdf::{
+use splitsum::base::math::equirect::direction_from_uv;
+use splitsum::base::math::equirect_quadrature::EquirectQuadrature;
+use splitsum::base::math::frame::east;
+use splitsum::base::math::quadrature::Tolerance;
+use splitsum::base::math::sampling::direction_from_polar;
+use splitsum::base::names::Listed;
+use splitsum::instrument::brdf::{
     Beckmann, Brdf, Ggx, MaskingShadowing, Phong, Stretch, WidthLaw, Widths, eval_without_fresnel,
 };
-use splitsum::brdf::{pdf_d_l, reflect};
-use splitsum::math::equirect::direction_from_uv;
-use splitsum::math::equirect_quadrature::EquirectQuadrature;
-use splitsum::math::frame::east;
-use splitsum::math::quadrature::Tolerance;
-use splitsum::math::sampling::direction_from_polar;
-use splitsum::shade::reference::{Surface, integrate};
-use splitsum::spelling::Listed;
+use splitsum::instrument::brdf::{pdf_d_l, reflect};
+use splitsum::instrument::shade::reference::{Surface, integrate};
 use std::f64::consts::FRAC_PI_2;
 
 const MODELS: [&dyn Brdf; 2] = [&Ggx, &Beckmann];

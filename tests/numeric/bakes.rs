@@ -9,9 +9,9 @@ mod slips;
 
 use files::Level;
 use half::f16;
-use splitsum::bakes::container::{Encoding, FORMATS, TEXELS, Texel, from_bytes};
-use splitsum::bakes::source::{Reading, read};
-use splitsum::pixels::{GrayImage, RgbImage, exr};
+use splitsum::bake::container::{Encoding, FORMATS, TEXELS, Texel, from_bytes};
+use splitsum::bake::source::{Reading, read};
+use splitsum::base::pixels::{GrayImage, RgbImage, exr};
 use std::path::Path;
 
 /// A texel of a format, and the small whole numbers that it encodes.

@@ -7,11 +7,11 @@ use fastrand::Rng;
 use glam::{DVec2, DVec3};
 use libm::erfc;
 use rayon::prelude::*;
-use splitsum::brdf::{self, Brdf, MODELS, MaskingShadowing};
-use splitsum::math::quadrature::{Rectangle, Tolerance, integrate_columns};
-use splitsum::math::sampling::{direction_from_polar, hammersley};
-use splitsum::precompute::dfg::reference::dfg;
-use splitsum::spelling::Listed;
+use splitsum::base::math::quadrature::{Rectangle, Tolerance, integrate_columns};
+use splitsum::base::math::sampling::{direction_from_polar, hammersley};
+use splitsum::base::names::Listed;
+use splitsum::instrument::brdf::{self, Brdf, MODELS, MaskingShadowing};
+use splitsum::instrument::precompute::dfg::reference::dfg;
 use std::f64::consts::{E, PI, TAU};
 
 const ALPHAS: [f64; 6] = [0.001, 0.01, 0.1, 0.35, 0.7, 1.0];
@@ -133,7 +133,7 @@ fn visible_density_integrates_to_one_over_all_directions() {
         ] {
             let v = view(n_dot_v);
             // Polar about the mirror direction: the coordinates are fine around the lobe.
-            let frame = splitsum::math::frame::Frame::from_normal(brdf::reflect(v, DVec3::Z));
+            let frame = splitsum::base::math::frame::Frame::from_normal(brdf::reflect(v, DVec3::Z));
             let total = |relative: f64, pdf_l: &dyn Fn(DVec3) -> f64| {
                 integrate_sphere(relative, |l| {
                     let h = v + frame.to_world(l);

@@ -3,7 +3,7 @@
 use fastrand::Rng;
 use glam::{DVec2, DVec3};
 use libm::erfc;
-use splitsum::math::sampling::direction_from_polar;
+use splitsum::base::math::sampling::direction_from_polar;
 use std::f64::consts::TAU;
 
 /// Chi-square statistic's upper tail, by the Wilson-Hilferty transformation to a normal deviate.

@@ -1,7 +1,7 @@
 //! Colour functions.
 
 use glam::DVec3;
-use splitsum::color::{self, RADIANCE, REC709};
+use splitsum::base::color::{self, RADIANCE, REC709};
 
 #[test]
 fn srgb_curve() {

@@ -2,10 +2,10 @@
 //! over the sphere.
 
 use glam::DVec3;
-use splitsum::brdf::reflect;
-use splitsum::gbuffer::design::gbuffer;
-use splitsum::math::design::frame;
-use splitsum::scene::{Camera, CameraKind, MaterialOverride, Scene};
+use splitsum::base::math::design::frame;
+use splitsum::instrument::brdf::reflect;
+use splitsum::instrument::gbuffer::design::gbuffer;
+use splitsum::instrument::scene::{Camera, CameraKind, MaterialOverride, Scene};
 use std::path::Path;
 
 const SIZE: [u32; 2] = [96, 96];

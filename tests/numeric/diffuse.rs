@@ -3,10 +3,10 @@
 use crate::brdf_twins::reflectance;
 use crate::math::spread;
 use glam::{DQuat, DVec2, DVec3};
-use splitsum::brdf::{Compensation, MODELS, MaskingShadowing};
-use splitsum::math::spherical_harmonics::{COUNT, basis, irradiance};
-use splitsum::precompute::dfg::reference::dfg;
-use splitsum::spelling::Listed;
+use splitsum::base::math::spherical_harmonics::{COUNT, basis, irradiance};
+use splitsum::base::names::Listed;
+use splitsum::instrument::brdf::{Compensation, MODELS, MaskingShadowing};
+use splitsum::instrument::precompute::dfg::reference::dfg;
 
 /// Coefficients of lamps of one direction each, with their colours.
 fn lamps(lamps: &[(DVec3, DVec3)]) -> [DVec3; COUNT] {

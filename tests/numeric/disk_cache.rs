@@ -1,13 +1,15 @@
 //! The disk cache returns entries bit for bit or not at all; the memory cache is bounded.
 
-use splitsum::brdf::{Beckmann, Brdf, Ggx};
-use splitsum::environment::Environment;
-use splitsum::gpu::{code_hash, shader_code, shader_names};
-use splitsum::pipeline::{CACHE_BYTES, DiskCache, Recent, RenderRequest, shaders_of_kept};
-use splitsum::pixels::RgbImage;
-use splitsum::scene::{CameraKind, Scene};
-use splitsum::shade::{Diffuse, Method};
-use splitsum::spelling::Listed;
+use splitsum::base::names::Listed;
+use splitsum::base::pixels::RgbImage;
+use splitsum::instrument::brdf::{Beckmann, Brdf, Ggx};
+use splitsum::instrument::environment::Environment;
+use splitsum::instrument::gpu::{code_hash, shader_code, shader_names};
+use splitsum::instrument::pipeline::{
+    CACHE_BYTES, DiskCache, Recent, RenderRequest, shaders_of_kept,
+};
+use splitsum::instrument::scene::{CameraKind, Scene};
+use splitsum::instrument::shade::{Diffuse, Method};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 

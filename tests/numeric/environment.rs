@@ -2,10 +2,10 @@
 
 use crate::snapshot::assert_snapshot;
 use glam::{DVec2, DVec3};
-use splitsum::color::luminance;
-use splitsum::environment::{BUILTINS, Environment, LoadOptions};
-use splitsum::math::equirect;
-use splitsum::pixels::{GrayImage, RgbImage, exr};
+use splitsum::base::color::luminance;
+use splitsum::base::math::equirect;
+use splitsum::base::pixels::{GrayImage, RgbImage, exr};
+use splitsum::instrument::environment::{BUILTINS, Environment, LoadOptions};
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 

@@ -3,13 +3,13 @@
 
 use crate::gbuffer_twin::gbuffer;
 use glam::{DMat3, DVec2, DVec3};
-use splitsum::gbuffer::Gbuffer;
-use splitsum::math::blue_noise::{DEPTH, SIDE, value};
-use splitsum::math::sequence::{FramePoints, R2_OF_FRAMES, frame_shift, hash, shifted};
-use splitsum::pipeline::frames::{Sums, View};
-use splitsum::pixels::Pixels;
-use splitsum::scene::{Camera, CameraKind, Orbit, Projection, Scene};
-use splitsum::shade::frames::{Accumulation, Frames, History};
+use splitsum::base::math::blue_noise::{DEPTH, SIDE, value};
+use splitsum::base::math::sequence::{FramePoints, R2_OF_FRAMES, frame_shift, hash, shifted};
+use splitsum::base::pixels::Pixels;
+use splitsum::instrument::gbuffer::Gbuffer;
+use splitsum::instrument::pipeline::frames::{Sums, View};
+use splitsum::instrument::scene::{Camera, CameraKind, Orbit, Projection, Scene};
+use splitsum::instrument::shade::frames::{Accumulation, Frames, History};
 use std::f64::consts::TAU;
 use std::sync::Arc;
 

@@ -2,20 +2,20 @@
 
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
-use splitsum::brdf::{Ggx, MODELS, MaskingShadowing};
-use splitsum::environment::layout::LAYOUTS;
-use splitsum::environment::{Environment, LoadOptions};
-use splitsum::math::equirect::direction_from_uv;
-use splitsum::math::harmonics::{Harmonics, margin};
-use splitsum::math::quadrature::Tolerance;
-use splitsum::pixels::RgbImage;
-use splitsum::precompute::exact_quadrature;
-use splitsum::precompute::irradiance::reference::irradiance;
-use splitsum::precompute::prefilter::harmonic::{
+use splitsum::base::math::equirect::direction_from_uv;
+use splitsum::base::math::harmonics::{Harmonics, margin};
+use splitsum::base::math::quadrature::Tolerance;
+use splitsum::base::pixels::RgbImage;
+use splitsum::instrument::brdf::{Ggx, MODELS, MaskingShadowing};
+use splitsum::instrument::environment::layout::LAYOUTS;
+use splitsum::instrument::environment::{Environment, LoadOptions};
+use splitsum::instrument::precompute::exact_quadrature;
+use splitsum::instrument::precompute::irradiance::reference::irradiance;
+use splitsum::instrument::precompute::prefilter::harmonic::{
     ALPHA_MIN, DEGREE_MAX, cosine_factors, degree, degree_of_map, factors, harmonics, level,
 };
-use splitsum::precompute::prefilter::reference::prefilter;
-use splitsum::precompute::prefilter::{Kernel, WEIGHTS};
+use splitsum::instrument::precompute::prefilter::reference::prefilter;
+use splitsum::instrument::precompute::prefilter::{Kernel, WEIGHTS};
 use std::f64::consts::PI;
 use std::path::Path;
 

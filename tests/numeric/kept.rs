@@ -1,8 +1,8 @@
 //! Files in a few numbers each, so that one snapshot holds a whole folder.
 
 use crate::run::runs::snapshot;
+use splitsum::base::csv::Table;
 use splitsum::report::page::PAGE_FILE;
-use splitsum::table::csv::Table;
 use std::path::Path;
 
 /// The text's numbers and words: the count of numbers, a sum over them that moves by the relative

@@ -4,24 +4,26 @@
 use crate::oracle::golden_environment;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use splitsum::brdf::{MODELS, MaskingShadowing, g2, reflect, schlick_weight};
-use splitsum::environment::Environment;
-use splitsum::environment::layout::{FilteredMap, LAYOUTS};
-use splitsum::ladder::attribution::{Attribution, Case, attributions};
-use splitsum::ladder::game::{Coalition, before, coalitions, is_feasible, shapley, without};
-use splitsum::ladder::radiance::{Radiance, Setting};
-use splitsum::ladder::{FRESNEL, LEVELS, MASKING, STEPS, STORAGE, TABLE, VIEW, needs};
-use splitsum::math::design;
-use splitsum::math::frame::Frame;
-use splitsum::metrics::Epsilon;
-use splitsum::pixels::{Pixels, RgbImage};
-use splitsum::precompute::dfg::{Albedos, reference::dfg};
-use splitsum::precompute::prefilter::{Kernel, harmonic};
-use splitsum::precompute::{PrecomputeSettings, PrefilterBy, exact_quadrature};
-use splitsum::shade::method::ladder;
-use splitsum::shade::reference::{Surface, TOLERANCE};
-use splitsum::shade::twin::Twin;
-use splitsum::spelling::Listed;
+use splitsum::base::math::design;
+use splitsum::base::math::frame::Frame;
+use splitsum::base::names::Listed;
+use splitsum::base::pixels::{Pixels, RgbImage};
+use splitsum::instrument::brdf::{MODELS, MaskingShadowing, g2, reflect, schlick_weight};
+use splitsum::instrument::environment::Environment;
+use splitsum::instrument::environment::layout::{FilteredMap, LAYOUTS};
+use splitsum::instrument::ladder::attribution::{Attribution, Case, attributions};
+use splitsum::instrument::ladder::game::{
+    Coalition, before, coalitions, is_feasible, shapley, without,
+};
+use splitsum::instrument::ladder::radiance::{Radiance, Setting};
+use splitsum::instrument::ladder::{FRESNEL, LEVELS, MASKING, STEPS, STORAGE, TABLE, VIEW, needs};
+use splitsum::instrument::metrics::Epsilon;
+use splitsum::instrument::precompute::dfg::{Albedos, reference::dfg};
+use splitsum::instrument::precompute::prefilter::{Kernel, harmonic};
+use splitsum::instrument::precompute::{PrecomputeSettings, PrefilterBy, exact_quadrature};
+use splitsum::instrument::shade::method::ladder;
+use splitsum::instrument::shade::reference::{Surface, TOLERANCE};
+use splitsum::instrument::shade::twin::Twin;
 use std::f64::consts::{PI, TAU};
 
 fn scattered(coalition: Coalition) -> f64 {
@@ -373,7 +375,7 @@ fn radiance(
 ) -> Radiance {
     let (model, masking) = (MODELS[0], MaskingShadowing::Separable);
     let exact = exact_quadrature(&environment.image);
-    let mean = |method: &splitsum::shade::Method, f0: f64| -> Vec<DVec3> {
+    let mean = |method: &splitsum::instrument::shade::Method, f0: f64| -> Vec<DVec3> {
         let Twin::Mean(twin) = method.twin else {
             panic!("{} is not an integral", method.name)
         };
@@ -383,7 +385,7 @@ fn radiance(
         };
         frames.par_iter().map(of_frame).collect()
     };
-    let reference = splitsum::shade::Method::listed("reference");
+    let reference = splitsum::instrument::shade::Method::listed("reference");
     let drawn =
         [reference, &ladder::MASKING_ALONE].map(|method| [mean(method, 0.0), mean(method, 1.0)]);
     let albedos = Albedos::new(Kernel::cosine(model), masking, alpha);

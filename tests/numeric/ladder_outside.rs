@@ -5,17 +5,17 @@
 use fastrand::Rng;
 use glam::DVec3;
 use rayon::prelude::*;
-use splitsum::brdf::Brdf;
-use splitsum::brdf::MaskingShadowing;
-use splitsum::pixels::RgbImage;
-use splitsum::precompute::dfg::reference::dfg;
-use splitsum::precompute::prefilter::Kernel;
-use splitsum::precompute::prefilter::reference::prefilter;
-use splitsum::precompute::{PrecomputeSettings, exact_quadrature};
-use splitsum::shade::reference::{Surface, TOLERANCE};
-use splitsum::shade::twin::Twin;
-use splitsum::shade::{EXACT_SPLIT, Method, REFERENCE};
-use splitsum::spelling::Listed;
+use splitsum::base::names::Listed;
+use splitsum::base::pixels::RgbImage;
+use splitsum::instrument::brdf::Brdf;
+use splitsum::instrument::brdf::MaskingShadowing;
+use splitsum::instrument::precompute::dfg::reference::dfg;
+use splitsum::instrument::precompute::prefilter::Kernel;
+use splitsum::instrument::precompute::prefilter::reference::prefilter;
+use splitsum::instrument::precompute::{PrecomputeSettings, exact_quadrature};
+use splitsum::instrument::shade::reference::{Surface, TOLERANCE};
+use splitsum::instrument::shade::twin::Twin;
+use splitsum::instrument::shade::{EXACT_SPLIT, Method, REFERENCE};
 use std::f64::consts::{PI, TAU};
 
 const SIZE: [usize; 2] = [64, 32];

@@ -10,25 +10,13 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Rows from low to high. Columns of a row are independent; a column lists its modules in order. A
-/// module imports only from lower rows, or from earlier modules of its column.
-const ROWS: &[&[&[&str]]] = &[
-    &[&["glsl", "spelling", "math", "color", "files", "pixels"]],
-    &[&["brdf", "environment", "scene"], &["gpu"]],
-    &[
-        &["precompute", "gbuffer", "tonemap", "metrics", "shade"],
-        &["table", "figure"],
-    ],
-    &[&["bakes"], &["ladder"]],
-    &[&["pipeline"], &["oracle"], &["cost"]],
-    &[&["experiment", "run"]],
-    &[&["study", "report"], &["view"]],
-];
+/// The lists that order modules: a module imports only from those before it in its list, so the
+/// documents that name the rooms in order are the rule itself.
+const LISTS: &[&str] = &["src/lib.rs", "src/base/mod.rs", "src/instrument/mod.rs"];
 
-/// Metrics see images, a mask and the tone curve, never a method.
-const SEEN_BY_METRICS: &[&str] = &[
-    "glsl", "spelling", "math", "color", "files", "pixels", "tonemap",
-];
+/// Modules of the instrument that metrics may import: they see images, a mask and the tone curve,
+/// never a method.
+const SEEN_BY_METRICS: &[&str] = &["metrics", "tonemap"];
 
 /// Longest source file without a reason, lines.
 const LINES_MAX: usize = 500;
@@ -75,23 +63,29 @@ fn shader_files() -> Vec<PathBuf> {
     files("shaders", &["rs", "glsl", "comp", "vert", "frag"])
 }
 
-/// The place of a top-level module: row, column, place in the column.
-fn place(module: &str) -> Option<(usize, usize, usize)> {
-    ROWS.iter().enumerate().find_map(|(row, columns)| {
-        columns.iter().enumerate().find_map(|(column, modules)| {
-            modules
-                .iter()
-                .position(|name| *name == module)
-                .map(|position| (row, column, position))
-        })
-    })
+/// Names of the modules of a list, in order.
+fn listed_modules(list: &str) -> Vec<String> {
+    code(&read(Path::new(list)))
+        .lines()
+        .filter_map(|line| line.trim().strip_prefix("pub mod ")?.strip_suffix(';'))
+        .map(str::to_owned)
+        .collect()
 }
 
-fn may_import(from: &str, to: &str) -> bool {
-    let (Some(a), Some(b)) = (place(from), place(to)) else {
-        return false;
+/// Whether a list allows an import of one of its modules from another. Paths below other folders
+/// are none of its business.
+fn may_import(list: &str, from: &[String], to: &[String]) -> bool {
+    let folder = module_of(Path::new(list));
+    let child = |path: &[String]| {
+        path.strip_prefix(folder.as_slice())
+            .and_then(|rest| rest.first().cloned())
     };
-    from == to || b.0 < a.0 || (b.0 == a.0 && b.1 == a.1 && b.2 < a.2)
+    let (Some(from), Some(to)) = (child(from), child(to)) else {
+        return true;
+    };
+    let modules = listed_modules(list);
+    let position = |name: &String| modules.iter().position(|module| module == name);
+    from == to || matches!((position(&from), position(&to)), (Some(from), Some(to)) if to < from)
 }
 
 /// Files of the library with their imports from it; `main.rs` and the command line are the top row.
@@ -113,35 +107,44 @@ fn library_imports() -> BTreeMap<PathBuf, BTreeSet<Vec<String>>> {
 }
 
 #[test]
-fn every_module_has_its_place() {
-    let text = code(&read(Path::new("src/lib.rs")));
-    let named: BTreeSet<&str> = text
+fn lib_rs_describes_every_folder_in_order() {
+    let modules = listed_modules("src/lib.rs");
+    let described: Vec<String> = read(Path::new("src/lib.rs"))
         .lines()
-        .filter_map(|line| line.trim().strip_prefix("pub mod "))
+        .filter_map(|line| line.strip_prefix("//! - [`")?.split_once("`] "))
+        .map(|(name, _)| name.to_owned())
         .collect();
-    let placed: BTreeSet<String> = ROWS
-        .iter()
-        .flat_map(|row| row.concat())
-        .map(|name| format!("{name};"))
+    assert_eq!(described, modules);
+    let folders: BTreeSet<String> = fs::read_dir(root().join("src"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+        .filter(|path| path.is_dir())
+        .map(|path| path.file_name().unwrap().to_str().unwrap().to_owned())
         .collect();
-    assert_eq!(named, placed.iter().map(String::as_str).collect());
+    let named: BTreeSet<String> = modules.into_iter().chain(["cli".to_owned()]).collect();
+    assert_eq!(folders, named);
 }
 
 #[test]
-fn modules_import_only_from_below() {
+fn modules_import_only_from_those_before_them() {
     for (file, paths) in library_imports() {
-        let module = module_of(&file);
-        let Some(from) = module.first() else { continue };
-        for path in paths.iter().filter(|path| !path.is_empty()) {
-            let to = &path[0];
+        let from = module_of(&file);
+        let is_metric = from.starts_with(&["instrument".to_owned(), "metrics".to_owned()]);
+        for path in &paths {
+            for list in LISTS {
+                assert!(
+                    may_import(list, &from, path),
+                    "{} imports {}: see the order in {list}",
+                    file.display(),
+                    path.join("::")
+                );
+            }
+            let is_seen = path.first().is_none_or(|folder| folder != "instrument")
+                || path
+                    .get(1)
+                    .is_some_and(|module| SEEN_BY_METRICS.contains(&module.as_str()));
             assert!(
-                may_import(from, to),
-                "{} imports {}: {from} may not see {to}",
-                file.display(),
-                path.join("::")
-            );
-            assert!(
-                from != "metrics" || to == "metrics" || SEEN_BY_METRICS.contains(&to.as_str()),
+                !is_metric || is_seen,
                 "{} imports {}: metrics see images and a mask only",
                 file.display(),
                 path.join("::")
@@ -178,29 +181,29 @@ fn references_and_passes_do_not_know_each_other() {
 /// Items that hashed host files may name although their code is not hashed: names and flags of
 /// models and methods, work on a finished image, and an ε, whose value is in the key.
 const SEEN_BY_HOST: &[&str] = &[
-    "brdf",
-    "tonemap",
-    "metrics::Epsilon",
-    "ladder",
-    "shade::METHODS",
-    "shade::DIFFUSE",
-    "shade::Method",
-    "shade::Diffuse",
+    "instrument::brdf",
+    "instrument::tonemap",
+    "instrument::metrics::Epsilon",
+    "instrument::ladder",
+    "instrument::shade::METHODS",
+    "instrument::shade::DIFFUSE",
+    "instrument::shade::Method",
+    "instrument::shade::Diffuse",
 ];
 
 #[test]
 fn cache_keys_contain_all_code_that_makes_the_entries() {
     let is_host = |file: &Path| {
-        splitsum::gpu::HOST_FILES
+        splitsum::instrument::gpu::HOST_FILES
             .iter()
             .any(|host| Path::new("src").join(host) == file)
     };
     let files = rust_files();
     // The files that make the entries; the loop below finds their imports.
     for file in [
-        "src/pipeline/kept_reference.rs",
-        "src/shade/reference_pass.rs",
-        "src/shade/pass.rs",
+        "src/instrument/pipeline/kept_reference.rs",
+        "src/instrument/shade/reference_pass.rs",
+        "src/instrument/shade/pass.rs",
     ] {
         assert!(is_host(Path::new(file)), "{file}");
     }

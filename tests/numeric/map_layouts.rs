@@ -2,8 +2,8 @@
 
 use crate::math::spread;
 use glam::{DVec2, DVec3};
-use splitsum::environment::layout::{FilteredMap, LAYOUTS, MapLayout};
-use splitsum::pixels::Pixels;
+use splitsum::base::pixels::Pixels;
+use splitsum::instrument::environment::layout::{FilteredMap, LAYOUTS, MapLayout};
 use std::f64::consts::PI;
 
 /// Evenly spread unit vectors, and the directions of edges, corners and poles of layouts.

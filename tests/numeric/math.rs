@@ -3,13 +3,15 @@
 
 use glam::{DVec2, DVec3};
 use libm::{erf, erfc};
-use splitsum::math::equirect::{direction_from_uv, texel_solid_angle, uv_from_direction};
-use splitsum::math::erf::erf_inverse;
-use splitsum::math::frame::Frame;
-use splitsum::math::incomplete_beta::{gamma_ratio_half, incomplete_beta_half};
-use splitsum::math::quadrature::{Bounded, GaussLegendre, Rectangle, Tolerance, integrate_columns};
-use splitsum::math::sampling::{direction_from_polar, hammersley, radical_inverse_2};
-use splitsum::math::spherical_harmonics::{COUNT, basis, irradiance};
+use splitsum::base::math::equirect::{direction_from_uv, texel_solid_angle, uv_from_direction};
+use splitsum::base::math::erf::erf_inverse;
+use splitsum::base::math::frame::Frame;
+use splitsum::base::math::incomplete_beta::{gamma_ratio_half, incomplete_beta_half};
+use splitsum::base::math::quadrature::{
+    Bounded, GaussLegendre, Rectangle, Tolerance, integrate_columns,
+};
+use splitsum::base::math::sampling::{direction_from_polar, hammersley, radical_inverse_2};
+use splitsum::base::math::spherical_harmonics::{COUNT, basis, irradiance};
 use std::f64::consts::{PI, TAU};
 
 /// Directions spread evenly over the sphere.

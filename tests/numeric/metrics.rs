@@ -4,14 +4,14 @@ mod display;
 
 use crate::study::estimate::normal;
 use fastrand::Rng;
-use splitsum::metrics::Metric;
-use splitsum::metrics::{
+use splitsum::base::names::Listed;
+use splitsum::base::pixels::{GrayImage, RgbImage};
+use splitsum::instrument::metrics::Metric;
+use splitsum::instrument::metrics::{
     Comparison, Epsilon, METRICS, MetricsError, N_DOT_V_BIN_EDGES, ReferenceNoise, Space, Verdict,
     linear_metrics, noise_floor, verdict,
 };
-use splitsum::pixels::{GrayImage, RgbImage};
-use splitsum::spelling::Listed;
-use splitsum::tonemap::ToneCurve;
+use splitsum::instrument::tonemap::ToneCurve;
 
 /// f32 storage of the images of a test.
 const F32_STORAGE: f64 = 1e-6;

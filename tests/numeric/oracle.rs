@@ -3,21 +3,21 @@
 use crate::sheen::{lobe, over_directions};
 use glam::{DQuat, DVec2, DVec3};
 use rayon::prelude::*;
-use splitsum::brdf::{self, Brdf, MODELS, MaskingShadowing, SheenVisibility};
-use splitsum::environment::LoadOptions;
-use splitsum::math::equirect::{direction_from_uv, uv_from_direction};
-use splitsum::math::equirect_quadrature::Focus;
-use splitsum::math::frame::Frame;
-use splitsum::math::quadrature::Tolerance;
-use splitsum::math::sampling::direction_from_polar;
+use splitsum::base::csv::Cell;
+use splitsum::base::math::equirect::{direction_from_uv, uv_from_direction};
+use splitsum::base::math::equirect_quadrature::Focus;
+use splitsum::base::math::frame::Frame;
+use splitsum::base::math::quadrature::Tolerance;
+use splitsum::base::math::sampling::direction_from_polar;
+use splitsum::base::names::Listed;
+use splitsum::base::pixels::{RgbImage, exr};
+use splitsum::instrument::brdf::{self, Brdf, MODELS, MaskingShadowing, SheenVisibility};
+use splitsum::instrument::environment::LoadOptions;
+use splitsum::instrument::precompute::dfg::reference::dfg;
+use splitsum::instrument::precompute::exact_quadrature;
+use splitsum::instrument::precompute::irradiance::reference::irradiance;
+use splitsum::instrument::shade::reference::{self, Surface, TOLERANCE};
 use splitsum::oracle::{Answers, Kind, Queries};
-use splitsum::pixels::{RgbImage, exr};
-use splitsum::precompute::dfg::reference::dfg;
-use splitsum::precompute::exact_quadrature;
-use splitsum::precompute::irradiance::reference::irradiance;
-use splitsum::shade::reference::{self, Surface, TOLERANCE};
-use splitsum::spelling::Listed;
-use splitsum::table::csv::Cell;
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
 
@@ -416,7 +416,8 @@ fn narrow_lobes_are_mirrors_in_bounded_work() {
     // Rows are constant, and the lobe is a thousandth of one.
     for n in [DVec3::Y, DVec3::new(0.0, 0.6, 0.8)] {
         let mirror =
-            splitsum::environment::Environment::from_image("rows", image.clone()).radiance(n);
+            splitsum::instrument::environment::Environment::from_image("rows", image.clone())
+                .radiance(n);
         let found = at(splitsum::oracle::ALPHA_MIN, n);
         assert_close("mirror", found.value, mirror, 2e-3);
         assert!(found.error.cmple(2e-4 * mirror).all(), "{n}: {found:?}");

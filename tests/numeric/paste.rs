@@ -1,7 +1,7 @@
 //! The code of docs/paste.md: compiled in three languages, which compute the same.
 
-use splitsum::bakes::paste::code;
-use splitsum::glsl::source::{Language, compiler, parse};
+use splitsum::bake::paste::code;
+use splitsum::base::glsl::source::{Language, compiler, parse};
 
 const METHODS: [&str; 4] = [
     "split-sum-two",

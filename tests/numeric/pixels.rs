@@ -4,7 +4,7 @@ mod openexr;
 mod png_file;
 mod rgbe;
 
-use splitsum::pixels::Rgb8Image;
+use splitsum::base::pixels::Rgb8Image;
 use std::path::PathBuf;
 use tempfile::TempDir;
 

@@ -1,7 +1,7 @@
 //! The rotations of the light: a fixed low-discrepancy set.
 
 use glam::{DMat3, DQuat, DVec3};
-use splitsum::environment::{Placement, orientation};
+use splitsum::instrument::environment::{Placement, orientation};
 
 fn all(count: u32) -> Vec<DMat3> {
     (0..count).map(orientation).collect()

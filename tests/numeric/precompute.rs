@@ -5,21 +5,23 @@ use crate::mips_twin;
 use crate::oracle::golden_environment;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
-use splitsum::bakes::check::table;
-use splitsum::bakes::convention::TABLE_AXES;
-use splitsum::bakes::make;
-use splitsum::brdf::{self, Ggx, MODELS, MaskingShadowing};
-use splitsum::math::equirect::{direction_from_uv, texel_solid_angle};
-use splitsum::math::quadrature::Tolerance;
-use splitsum::math::sampling::direction_from_polar;
-use splitsum::pixels::RgbImage;
-use splitsum::precompute::dfg::reference::dfg;
-use splitsum::precompute::dfg::{DfgAxes, chebyshev};
-use splitsum::precompute::prefilter::reference::prefilter;
-use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, Weight};
-use splitsum::precompute::{PrecomputeSettings, PrefilterBy, exact_quadrature, mips, sh9};
-use splitsum::shade::reference::{Surface, integrate};
-use splitsum::spelling::Listed;
+use splitsum::bake::convention::TABLE_AXES;
+use splitsum::bake::judge::table;
+use splitsum::bake::make;
+use splitsum::base::math::equirect::{direction_from_uv, texel_solid_angle};
+use splitsum::base::math::quadrature::Tolerance;
+use splitsum::base::math::sampling::direction_from_polar;
+use splitsum::base::names::Listed;
+use splitsum::base::pixels::RgbImage;
+use splitsum::instrument::brdf::{self, Ggx, MODELS, MaskingShadowing};
+use splitsum::instrument::precompute::dfg::reference::dfg;
+use splitsum::instrument::precompute::dfg::{DfgAxes, chebyshev};
+use splitsum::instrument::precompute::prefilter::reference::prefilter;
+use splitsum::instrument::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, Weight};
+use splitsum::instrument::precompute::{
+    PrecomputeSettings, PrefilterBy, exact_quadrature, mips, sh9,
+};
+use splitsum::instrument::shade::reference::{Surface, integrate};
 use std::f64::consts::PI;
 use std::sync::atomic::{AtomicUsize, Ordering};
 
@@ -320,7 +322,7 @@ fn sh9_matches_the_golden_coefficients() {
 }
 
 /// `∫ L dω` of a map of constant texels.
-fn sphere_integral(level: &splitsum::pixels::Pixels<DVec3>) -> DVec3 {
+fn sphere_integral(level: &splitsum::base::pixels::Pixels<DVec3>) -> DVec3 {
     let texels = (0..level.height).flat_map(|y| (0..level.width).map(move |x| (x, y)));
     texels
         .map(|(x, y)| level.get(x, y) * texel_solid_angle(y, level.width, level.height))

@@ -6,14 +6,16 @@ use crate::oracle::lookup;
 use fastrand::Rng;
 use glam::{DVec2, DVec3};
 use sobol_burley::parts::{owen_scramble_rev, sobol_rev};
-use splitsum::color::{REC709_LUMINANCE, luminance};
-use splitsum::environment::distribution::COMPENSATION;
-use splitsum::glsl::constants::{LUMINANCE_BLUE, LUMINANCE_GREEN, LUMINANCE_RED, SCRAMBLE_COUNT};
-use splitsum::math::equirect::{direction_from_uv, uv_from_direction};
-use splitsum::math::quadrature::GaussLegendre;
-use splitsum::math::sequence::{hash, scramble_reversed, sobol_second_reversed};
-use splitsum::pixels::RgbImage;
-use splitsum::shade::reference_pass::pair_count;
+use splitsum::base::color::{REC709_LUMINANCE, luminance};
+use splitsum::base::glsl::constants::{
+    LUMINANCE_BLUE, LUMINANCE_GREEN, LUMINANCE_RED, SCRAMBLE_COUNT,
+};
+use splitsum::base::math::equirect::{direction_from_uv, uv_from_direction};
+use splitsum::base::math::quadrature::GaussLegendre;
+use splitsum::base::math::sequence::{hash, scramble_reversed, sobol_second_reversed};
+use splitsum::base::pixels::RgbImage;
+use splitsum::instrument::environment::distribution::COMPENSATION;
+use splitsum::instrument::shade::reference_pass::pair_count;
 use std::f64::consts::PI;
 
 // ---- Points: shaders/lib/sobol.glsl, line by line ----

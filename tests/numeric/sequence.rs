@@ -2,10 +2,10 @@
 
 use crate::chi_square::chi_square_tail;
 use glam::DVec2;
-use splitsum::math::sequence::{PixelPoints, SEQUENCES, Sequence, scrambled};
-use splitsum::precompute::points;
-use splitsum::precompute::prefilter::level_bias::LEVEL_BIASES;
-use splitsum::spelling::Listed;
+use splitsum::base::math::sequence::{PixelPoints, SEQUENCES, Sequence, scrambled};
+use splitsum::base::names::Listed;
+use splitsum::instrument::precompute::points;
+use splitsum::instrument::precompute::prefilter::level_bias::LEVEL_BIASES;
 use std::f64::consts::PI;
 
 fn set(name: &str, count: u32, set: u32) -> Vec<DVec2> {

@@ -5,14 +5,14 @@ use crate::brdf::integrate_sphere;
 use crate::chi_square::{fit_of_half_vectors, xi};
 use fastrand::Rng;
 use glam::DVec3;
-use splitsum::brdf::{
+use splitsum::base::math::sampling::direction_from_polar;
+use splitsum::base::names::Listed;
+use splitsum::instrument::brdf::{
     Brdf, MaskingShadowing, SHEEN_ALPHA_MIN, SheenVisibility, eval_without_fresnel,
 };
-use splitsum::math::sampling::direction_from_polar;
-use splitsum::precompute::dfg::{Albedos, reference::dfg};
-use splitsum::precompute::prefilter::Kernel;
-use splitsum::shade::sheen::{SHEEN_LOOKUPS, SheenLookup, shares};
-use splitsum::spelling::Listed;
+use splitsum::instrument::precompute::dfg::{Albedos, reference::dfg};
+use splitsum::instrument::precompute::prefilter::Kernel;
+use splitsum::instrument::shade::sheen::{SHEEN_LOOKUPS, SheenLookup, shares};
 use std::f64::consts::TAU;
 
 const ALPHAS: [f64; 5] = [SHEEN_ALPHA_MIN, 0.04, 0.16, 0.36, 1.0];

@@ -1,13 +1,13 @@
 //! Tables on disk and in Markdown, and the colours of error maps.
 
 use crate::snapshot::assert_snapshot;
-use splitsum::color;
-use splitsum::pixels::GrayImage;
-use splitsum::table::colormap::{
+use splitsum::base::color;
+use splitsum::base::csv::{Cell, Table, to_text};
+use splitsum::base::pixels::GrayImage;
+use splitsum::draw::colormap::{
     ColorScale, FLIP_ERROR, NAN_COLOR, OFF_MASK_COLOR, Palette, RELATIVE_ERROR, Range, SIGNED_ERROR,
 };
-use splitsum::table::csv::{Cell, Table, to_text};
-use splitsum::table::markdown::{Align, MarkdownTable, inline, link, paragraph, significant};
+use splitsum::draw::markdown::{Align, MarkdownTable, inline, link, paragraph, significant};
 
 /// The numbers of a column; an empty cell is `None`.
 pub fn numbers(table: &Table, name: &str) -> Vec<Option<f64>> {

@@ -2,10 +2,12 @@
 
 use glam::DVec3;
 use rayon::prelude::*;
-use splitsum::brdf::{Brdf, Ggx, MODELS, MaskingShadowing, eval_without_fresnel, schlick_weight};
-use splitsum::math::quadrature::GaussLegendre;
-use splitsum::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, WEIGHTS};
-use splitsum::precompute::taps::{
+use splitsum::base::math::quadrature::GaussLegendre;
+use splitsum::instrument::brdf::{
+    Brdf, Ggx, MODELS, MaskingShadowing, eval_without_fresnel, schlick_weight,
+};
+use splitsum::instrument::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, WEIGHTS};
+use splitsum::instrument::precompute::taps::{
     Chain, SIDE, TapCount, TapTable, dielectric_share, parameters_from_node,
 };
 use std::f64::consts::{FRAC_PI_2, PI, TAU};

@@ -1,7 +1,7 @@
 //! The tone curve's f64 twin.
 
-use splitsum::pixels::RgbImage;
-use splitsum::tonemap::ToneCurve;
+use splitsum::base::pixels::RgbImage;
+use splitsum::instrument::tonemap::ToneCurve;
 
 /// f64 order of one division and one power.
 const F64_ORDER: f64 = 1e-15;

@@ -2,8 +2,8 @@
 #![allow(dead_code, reason = "each test program uses a part")]
 
 use glam::{DVec2, DVec3};
-use splitsum::brdf::{Compensation, Ggx, Widths};
-use splitsum::math::sampling::direction_from_polar;
+use splitsum::base::math::sampling::direction_from_polar;
+use splitsum::instrument::brdf::{Compensation, Ggx, Widths};
 
 /// Samples visible normals of GGX by spherical caps, for every model: the normals of the visible
 /// half sphere are the half vectors of the cap that `v` reflects into \[Dupuy23\]. `xi.x = 0` is

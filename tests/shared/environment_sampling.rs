@@ -2,12 +2,12 @@
 #![allow(dead_code, reason = "each test program uses a part")]
 
 use glam::{DVec2, DVec3};
-use splitsum::environment::distribution::{
+use splitsum::base::glsl::constants::{CELL_COLUMNS, ENVIRONMENT_SIN_THETA_MIN};
+use splitsum::base::math::equirect;
+use splitsum::base::pixels::RgbImage;
+use splitsum::instrument::environment::distribution::{
     CELL_COUNT, COMPENSATION, EnvironmentDistribution, FIXED_ONE, Slot, band_limits, rows_of_band,
 };
-use splitsum::glsl::constants::{CELL_COLUMNS, ENVIRONMENT_SIN_THETA_MIN};
-use splitsum::math::equirect;
-use splitsum::pixels::RgbImage;
 
 pub struct Sampling {
     pub tables: EnvironmentDistribution,

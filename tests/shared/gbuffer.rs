@@ -3,12 +3,12 @@
 
 use glam::{DVec2, DVec3, DVec4, Vec2, Vec3, Vec4, Vec4Swizzles as _};
 use rayon::prelude::*;
-use splitsum::gbuffer::Gbuffer;
-use splitsum::glsl::constants::ALPHA_MIN;
-use splitsum::math::frame::east;
-use splitsum::pixels::Pixels;
-use splitsum::pixels::lookup::trilinear;
-use splitsum::scene::{Anisotropy, Camera, Material, Mesh, Scene, Sphere, Texture};
+use splitsum::base::glsl::constants::ALPHA_MIN;
+use splitsum::base::math::frame::east;
+use splitsum::base::pixels::Pixels;
+use splitsum::base::pixels::lookup::trilinear;
+use splitsum::instrument::gbuffer::Gbuffer;
+use splitsum::instrument::scene::{Anisotropy, Camera, Material, Mesh, Scene, Sphere, Texture};
 
 struct Hit<'a> {
     /// Distance along the ray.

@@ -4,7 +4,7 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use glam::Vec3;
 use serde_json::{Value, json};
-use splitsum::scene::{Scene, SceneFiles};
+use splitsum::instrument::scene::{Scene, SceneFiles};
 use std::io::{Error, ErrorKind};
 use std::path::Path;
 

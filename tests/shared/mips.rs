@@ -1,8 +1,8 @@
 //! The mip chain in f64: the twin of the device pass.
 
 use glam::DVec3;
-use splitsum::pixels::{Pixels, RgbImage};
-use splitsum::precompute::mips::level_count;
+use splitsum::base::pixels::{Pixels, RgbImage};
+use splitsum::instrument::precompute::mips::level_count;
 use std::f64::consts::PI;
 
 /// Computes every level, from the image itself down to 1 x 1, each from the level above.

@@ -1,9 +1,9 @@
 //! The f64 twin of the pass that projects a map on spherical harmonics.
 
 use glam::{DVec2, DVec3};
-use splitsum::math::equirect::direction_from_uv;
-use splitsum::math::spherical_harmonics::{COUNT, basis};
-use splitsum::pixels::RgbImage;
+use splitsum::base::math::equirect::direction_from_uv;
+use splitsum::base::math::spherical_harmonics::{COUNT, basis};
+use splitsum::base::pixels::RgbImage;
 use std::f64::consts::PI;
 
 /// Sums `Σ L Y sin θ 2π²/(W H)` at texel centres \[Kim22\].

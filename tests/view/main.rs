@@ -4,12 +4,12 @@
 mod screen;
 
 use screen::{Screen, Win};
+use splitsum::base::names::Listed;
+use splitsum::base::pixels::{Rgb8Image, exr};
 use splitsum::experiment::axis::{AXES, Named, PREFILTER_BY, Part};
 use splitsum::experiment::value::Kind;
-use splitsum::pixels::{Rgb8Image, exr};
-use splitsum::precompute::PrefilterBy;
-use splitsum::shade::{DIFFUSE, METHODS};
-use splitsum::spelling::Listed;
+use splitsum::instrument::precompute::PrefilterBy;
+use splitsum::instrument::shade::{DIFFUSE, METHODS};
 use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
@@ -80,7 +80,7 @@ fn save_and_render(win: &Win, number: u32) -> Rgb8Image {
                 .rgb
         });
         assert!(shown.data.iter().flatten().any(|x| *x > 0.0));
-        let bits = |image: &splitsum::pixels::RgbImage| {
+        let bits = |image: &splitsum::base::pixels::RgbImage| {
             image
                 .data
                 .as_flattened()

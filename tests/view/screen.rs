@@ -1,7 +1,7 @@
 //! A virtual display with a window manager, and a window on it.
 
 use serde_json::Value;
-use splitsum::pixels::Rgb8Image;
+use splitsum::base::pixels::Rgb8Image;
 use std::cell::Cell;
 use std::io::{BufRead, BufReader, Read};
 use std::path::{Path, PathBuf};

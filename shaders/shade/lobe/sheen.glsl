@@ -1,5 +1,5 @@
-// The sheen lobe of the reference, for F = 1 and colour 1; src/brdf/sheen.rs has formulas and
-// sources.
+// The sheen lobe of the reference, for F = 1 and colour 1; src/instrument/brdf/sheen.rs has
+// formulas and sources.
 //
 // Directions are uniform over the hemisphere: the facets of D lean to the horizon, so directions
 // drawn by D have unbounded weights or lie below it. Here the weight 2 pi D V n.l is at most (2 +

@@ -1,4 +1,5 @@
-// The lookup P(d, level) of a sheen lobe, without its albedo; src/shade/sheen.rs has the sources.
+// The lookup P(d, level) of a sheen lobe, without its albedo; src/instrument/shade/sheen.rs has the
+// sources.
 
 #include "lib/split_sum.glsl"
 

@@ -1,4 +1,5 @@
-// The split sum of a lobe of two widths about a bent normal; src/shade/bend.rs has the sources.
+// The split sum of a lobe of two widths about a bent normal; src/instrument/shade/bend.rs has the
+// sources.
 
 #include "lib/split_sum.glsl"
 

@@ -1,4 +1,5 @@
-// The split sum about the mean visible normal; src/shade/method/split_sum_cap.rs has the formula.
+// The split sum about the mean visible normal; src/instrument/shade/method/split_sum_cap.rs has the
+// formula.
 
 #include "lib/cap_direction.glsl"
 #include "lib/split_sum.glsl"

@@ -3,11 +3,11 @@
 use super::layers::LAYER;
 use super::plain::{first, one_of, valued};
 use super::{Axis, MOTION, Part, Point, SCENE, Sheet, Symbol};
+use crate::base::math::sequence::FramePoints;
+use crate::base::names::Listed;
 use crate::experiment::value::{Kind, Range, Value};
-use crate::math::sequence::FramePoints;
-use crate::scene::is_design;
-use crate::shade::frames::{Accumulation, Frames, History, Motion};
-use crate::spelling::Listed;
+use crate::instrument::scene::is_design;
+use crate::instrument::shade::frames::{Accumulation, Frames, History, Motion};
 
 const FRAME: Axis = Axis {
     part: Part::Parameter,

@@ -2,12 +2,12 @@
 
 use super::plain::{ALPHA_KIND, PLAIN, ROUGHNESS, first, one_of};
 use super::{Axis, Part, Spelling, Symbol};
-use crate::brdf::{SHEEN_ALPHA_MIN, SheenVisibility, WidthLaw};
+use crate::base::names::Listed;
 use crate::experiment::value::{Kind, Range};
-use crate::shade::bend::Bend;
-use crate::shade::coat::{CoatLayering, CoatRenderer};
-use crate::shade::sheen::SheenLookup;
-use crate::spelling::Listed;
+use crate::instrument::brdf::{SHEEN_ALPHA_MIN, SheenVisibility, WidthLaw};
+use crate::instrument::shade::bend::Bend;
+use crate::instrument::shade::coat::{CoatLayering, CoatRenderer};
+use crate::instrument::shade::sheen::SheenLookup;
 
 pub(super) const LAYER: Axis = Axis {
     is_layer: true,

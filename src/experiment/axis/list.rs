@@ -6,12 +6,12 @@ use super::layers::LAYER_AXES;
 use super::plain::{ALPHA_KIND, LEVELS, PLAIN, ROUGHNESS, one_of, valued};
 use super::tables::{DFG, IRRADIANCE, MIPS, PREFILTER, SH9, TABLE_AXES};
 use super::{Axis, Part, Sheet, Symbol};
-use crate::brdf::{self, Compensation, MaskingShadowing};
-use crate::environment::Placement;
+use crate::base::math::sequence::{FramePoints, PixelPoints, Sequence};
+use crate::base::names::Listed;
 use crate::experiment::value::{IMAGE_SIZE, Kind, Range, Value};
-use crate::math::sequence::{FramePoints, PixelPoints, Sequence};
-use crate::shade::{Diffuse, Method, REFERENCE};
-use crate::spelling::Listed;
+use crate::instrument::brdf::{self, Compensation, MaskingShadowing};
+use crate::instrument::environment::Placement;
+use crate::instrument::shade::{Diffuse, Method, REFERENCE};
 
 /// Every axis. Their order is the order of columns that an experiment does not name.
 pub static AXES: &[Axis] = LIST;

@@ -9,8 +9,8 @@ mod plain;
 mod settings;
 mod tables;
 
-pub use crate::shade::REFERENCE;
-use crate::spelling::Listed;
+use crate::base::names::Listed;
+pub use crate::instrument::shade::REFERENCE;
 use frames::FRAME_AXES;
 pub use frames::{BLUR, is_blurred, motion_fault};
 pub use list::*;
@@ -19,14 +19,14 @@ pub use settings::{Reference, Settings, Terms, View};
 pub use tables::*;
 
 use super::value::{Kind, Value};
-use crate::brdf::Compensation;
-use crate::environment::layout::{LAYOUTS, MapLayout};
-use crate::precompute::PrefilterBy;
-use crate::precompute::given::OWN;
-use crate::scene::{MaterialOverride, SCENES};
-use crate::shade::frames::Frames;
-use crate::shade::{DIFFUSE, Diffuse, METHODS, Method, Shading};
-use crate::tonemap::ToneCurve;
+use crate::instrument::brdf::Compensation;
+use crate::instrument::environment::layout::{LAYOUTS, MapLayout};
+use crate::instrument::precompute::PrefilterBy;
+use crate::instrument::precompute::given::OWN;
+use crate::instrument::scene::{MaterialOverride, SCENES};
+use crate::instrument::shade::frames::Frames;
+use crate::instrument::shade::{DIFFUSE, Diffuse, METHODS, Method, Shading};
+use crate::instrument::tonemap::ToneCurve;
 use std::ops::{Index, IndexMut};
 
 /// The role of an axis: which things its values distinguish.

@@ -2,8 +2,8 @@
 //! holds the axis's value.
 
 use super::{AXES, Axis, Symbol};
+use crate::base::names::{in_words, nearest, suggestion};
 use crate::experiment::value::{Kind, Raw, Value};
-use crate::spelling::{in_words, nearest, suggestion};
 
 /// A second name of an axis, with its own values.
 #[derive(Clone, Copy, Debug)]

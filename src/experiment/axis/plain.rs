@@ -1,9 +1,9 @@
 //! Defaults of the axes.
 
 use super::{Axis, Part, Sheet, Spelling, Symbol};
-use crate::brdf;
+use crate::base::names::Listed;
 use crate::experiment::value::{ALPHA_MIN, Kind, PERCEPTUAL_ROUGHNESS_MIN, Range, Value, decimal};
-use crate::spelling::Listed;
+use crate::instrument::brdf;
 
 pub(super) const LEVELS: Range = Range::closed(-16.0, 16.0);
 pub(super) const ALPHA_KIND: Kind = Kind::Number(Range::closed(ALPHA_MIN, 1.0));

@@ -1,16 +1,16 @@
 //! Turns the values of a point into settings of the renderer.
 
+use crate::base::names::listed;
 use crate::cost::child::Job;
-use crate::environment::Environment;
 use crate::experiment::value::Value;
-use crate::pipeline::RenderRequest;
-use crate::precompute::dfg::DfgAxes;
-use crate::precompute::given::{Given, OWN};
-use crate::scene::{Camera, CameraKind, MaterialOverride, Orbit, Scene};
-use crate::shade::pass::specular_shader;
-use crate::shade::{NONE, REFERENCE, Shading};
-use crate::spelling::listed;
-use crate::tonemap::ToneCurve;
+use crate::instrument::environment::Environment;
+use crate::instrument::pipeline::RenderRequest;
+use crate::instrument::precompute::dfg::DfgAxes;
+use crate::instrument::precompute::given::{Given, OWN};
+use crate::instrument::scene::{Camera, CameraKind, MaterialOverride, Orbit, Scene};
+use crate::instrument::shade::pass::specular_shader;
+use crate::instrument::shade::{NONE, REFERENCE, Shading};
+use crate::instrument::tonemap::ToneCurve;
 use std::sync::Arc;
 
 /// The settings of one point. All points share the rest of a request (camera, seed).

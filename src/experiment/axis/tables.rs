@@ -2,13 +2,13 @@
 
 use super::plain::{LEVELS, PLAIN, one_of, valued};
 use super::{Axis, Part, Symbol, Used};
-use crate::environment::layout::MapLayout;
+use crate::base::names::Listed;
 use crate::experiment::value::{Kind, Value};
-use crate::precompute::given::{CENTRES, OWN};
-use crate::precompute::prefilter::level_bias::LEVEL_BIASES;
-use crate::precompute::prefilter::{LevelMapping, Weight};
-use crate::precompute::{PrecomputeSettings, PrefilterBy, StorageFormat};
-use crate::spelling::Listed;
+use crate::instrument::environment::layout::MapLayout;
+use crate::instrument::precompute::given::{CENTRES, OWN};
+use crate::instrument::precompute::prefilter::level_bias::LEVEL_BIASES;
+use crate::instrument::precompute::prefilter::{LevelMapping, Weight};
+use crate::instrument::precompute::{PrecomputeSettings, PrefilterBy, StorageFormat};
 
 const PRECOMPUTE_SAMPLES_MAX: u32 = 1 << 20;
 /// Largest side of a precomputed table: every Vulkan device supports it.

@@ -2,12 +2,12 @@
 //! texels would hide noise.
 
 use super::page_run::PageRun;
+use crate::base::pixels::packed;
+use crate::base::pixels::{Decoded, GrayImage, exr};
 use crate::experiment::axis::SCENE;
 use crate::experiment::value::Value;
-use crate::metrics::Epsilon;
-use crate::pixels::packed;
-use crate::pixels::{Decoded, GrayImage, exr};
-use crate::scene::is_design;
+use crate::instrument::metrics::Epsilon;
+use crate::instrument::scene::is_design;
 use crate::study::finished::FinishedCell;
 use rayon::prelude::*;
 use serde::Serialize;

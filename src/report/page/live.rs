@@ -2,21 +2,21 @@
 //! its shaders.
 
 use super::page_run::PageRun;
-use crate::brdf::MaskingShadowing;
-use crate::environment::orientation;
+use crate::base::files::read_regular;
+use crate::base::glsl::constants;
+use crate::base::glsl::source::{Choice, Language, METHOD_INCLUDE, PAGE_FOLDER, parse};
+use crate::base::names::Listed;
 use crate::experiment::axis::ENVIRONMENT_ORIENTATION;
 use crate::experiment::value::Value;
-use crate::files::read_regular;
-use crate::glsl::constants;
-use crate::glsl::source::{Choice, Language, METHOD_INCLUDE, PAGE_FOLDER, parse};
-use crate::gpu::shader_sources;
-use crate::precompute::taps::TapCount;
+use crate::instrument::brdf::MaskingShadowing;
+use crate::instrument::environment::orientation;
+use crate::instrument::gpu::shader_sources;
+use crate::instrument::precompute::taps::TapCount;
+use crate::instrument::scene::camera::PERSPECTIVE_FOV_DEG;
+use crate::instrument::shade::bend::Bend;
+use crate::instrument::shade::{METHODS, Method, Shading, own};
 use crate::run::live::{LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord, LiveShader};
 use crate::run::live_model::LiveModel;
-use crate::scene::camera::PERSPECTIVE_FOV_DEG;
-use crate::shade::bend::Bend;
-use crate::shade::{METHODS, Method, Shading, own};
-use crate::spelling::Listed;
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 

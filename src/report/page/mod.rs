@@ -11,7 +11,7 @@ mod sections;
 
 pub use page_run::PageRun;
 
-use crate::pixels::{PixelsError, write_atomically};
+use crate::base::pixels::{PixelsError, write_atomically};
 use crate::study::frame::Frame;
 use images::Choice;
 use serde_json::{Value as Json, json};

@@ -2,19 +2,19 @@
 
 use super::images::{DESIGN, ImageSet};
 use super::page_run::{PageRun, score};
-use crate::experiment::axis::{AXES, METHOD, Named, Part, SCENE, SIZE};
-use crate::experiment::value::{Kind, Value};
-use crate::metrics::{METRICS, Metric, verdict};
-use crate::run::columns::FAILED;
-use crate::scene::is_design;
-use crate::shade::{METHODS, Method};
-use crate::spelling::Listed;
-use crate::study::finished::FinishedCell;
-use crate::study::names::Names;
-use crate::table::colormap::{
+use crate::base::csv::Cell;
+use crate::base::names::Listed;
+use crate::draw::colormap::{
     NAN_COLOR, OFF_MASK_COLOR, Palette, RELATIVE_ERROR, Range, SIGNED_ERROR,
 };
-use crate::table::csv::Cell;
+use crate::experiment::axis::{AXES, METHOD, Named, Part, SCENE, SIZE};
+use crate::experiment::value::{Kind, Value};
+use crate::instrument::metrics::{METRICS, Metric, verdict};
+use crate::instrument::scene::is_design;
+use crate::instrument::shade::{METHODS, Method};
+use crate::run::columns::FAILED;
+use crate::study::finished::FinishedCell;
+use crate::study::names::Names;
 use indexmap::IndexMap;
 use serde::ser::{Serialize, SerializeMap, Serializer};
 use serde_json::{Value as Json, json};

@@ -2,12 +2,12 @@
 //!
 //! Nothing is averaged over runs: two runs of one experiment are the same cases twice.
 
-use crate::files;
-use crate::metrics::Metric;
+use crate::base::files;
+use crate::draw::markdown::percent_escaped;
+use crate::instrument::metrics::Metric;
 use crate::run::sheets::sheet_files;
 use crate::study::finished::{Finished, FinishedCell};
 use crate::study::questions::Answer;
-use crate::table::markdown::percent_escaped;
 use serde_json::{Value as Json, json};
 use std::collections::BTreeSet;
 use std::path::Path;

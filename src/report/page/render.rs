@@ -5,10 +5,10 @@
 //! security policy forbids every request.
 
 use super::live::{Light, page_name};
-use crate::glsl::source::{Choice, Language, PAGE_FOLDER};
-use crate::gpu::shader_sources;
-use crate::shade::{Method, words_in};
-use crate::spelling::Listed;
+use crate::base::glsl::source::{Choice, Language, PAGE_FOLDER};
+use crate::base::names::Listed;
+use crate::instrument::gpu::shader_sources;
+use crate::instrument::shade::{Method, words_in};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use minijinja::value::{Serde, Value};

@@ -2,10 +2,10 @@
 
 use super::model::field;
 use super::page_run::{PageRun, link};
-use crate::figure::svg::WIDTHS;
+use crate::draw::figure::svg::WIDTHS;
+use crate::instrument::shade::words_in;
 use crate::report::write::drawing;
 use crate::run::store::ANSWERS_FOLDER;
-use crate::shade::words_in;
 use crate::study::questions::Answer;
 use crate::study::table::{Table, shown};
 use serde_json::{Value as Json, json};

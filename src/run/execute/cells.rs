@@ -4,17 +4,17 @@
 //! of a cell is written after its files.
 
 use super::{Progress, Run, RunError, of_cell};
+use crate::base::files::content_hash;
+use crate::base::pixels::Rgb8Image;
 use crate::experiment::axis::Point;
 use crate::experiment::plan::{Cell, Plan, ReferenceGroup};
-use crate::files::content_hash;
-use crate::ladder::BANDS;
-use crate::pipeline::{DeviceInfo, Frame};
-use crate::pixels::Rgb8Image;
+use crate::instrument::ladder::BANDS;
+use crate::instrument::pipeline::{DeviceInfo, Frame};
+use crate::instrument::tonemap::ToneCurve;
 use crate::run::images;
 use crate::run::renderer::Renderer;
 use crate::run::scoring::{CellFault, ReferenceImage, Rendered};
 use crate::run::store::{CellRecord, StepRecord, Store, StoreError};
-use crate::tonemap::ToneCurve;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};

@@ -1,8 +1,8 @@
 //! The copy of the experiment, and an entry in the provenance for each invocation that did work.
 
 use super::{Progress, Run, RunError};
-use crate::files::holds;
-use crate::pipeline::DeviceInfo;
+use crate::base::files::holds;
+use crate::instrument::pipeline::DeviceInfo;
 use crate::run::frozen::EXPERIMENT_FILE;
 use crate::run::live::LIVE_FILE;
 use crate::run::provenance;

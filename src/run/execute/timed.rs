@@ -5,13 +5,13 @@
 //! block design).
 
 use super::{Progress, Run, RunError, of_cell};
+use crate::base::names::short_number;
 use crate::experiment::config::Timing;
-use crate::pipeline::{DeviceInfo, RenderRequest, TimingSamples};
+use crate::instrument::pipeline::{DeviceInfo, RenderRequest, TimingSamples};
 use crate::run::renderer::{RenderFault, Renderer, Served};
 use crate::run::scoring::CellFault;
 use crate::run::store::TIMINGS_FOLDER;
 use crate::run::timing::{self, PassSamples, Place, TimingJob, TimingRecord};
-use crate::spelling::short_number;
 use fastrand::Rng;
 use std::time::Instant;
 

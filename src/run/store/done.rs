@@ -6,8 +6,8 @@
 
 use super::lock::LOCK_FILE;
 use super::{ANSWERS_FOLDER, SUBFOLDERS, Store, StoreError};
+use crate::base::files::names_in;
 use crate::experiment::plan::Plan;
-use crate::files::names_in;
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 use std::time::UNIX_EPOCH;

@@ -1,8 +1,8 @@
 //! Errors of the folder of a run.
 
-use crate::pixels::PixelsError;
+use crate::base::csv;
+use crate::base::pixels::PixelsError;
 use crate::run::provenance::ProvenanceError;
-use crate::table::csv;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 

@@ -5,13 +5,13 @@
 
 use super::lock::LOCK_FILE;
 use super::{CELLS_FOLDER, SHARDS_FOLDER, SUBFOLDERS, Store, StoreError, TIMINGS_FOLDER, is_part};
+use crate::base::csv::Table;
+use crate::base::files::names_in;
 use crate::experiment::plan::Plan;
-use crate::files::names_in;
-use crate::metrics::METRICS;
+use crate::instrument::metrics::METRICS;
 use crate::run::columns::FAILED;
 use crate::run::provenance;
 use crate::run::timing;
-use crate::table::csv::Table;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -1,7 +1,7 @@
 //! Locks a folder for one run, or for any number of different shards.
 
 use super::{SHARDS_FOLDER, Store, StoreError};
-use crate::files::{names_in, open_regular};
+use crate::base::files::{names_in, open_regular};
 use crate::run::shard::Shard;
 use std::fs::{File, TryLockError};
 use std::path::{Path, PathBuf};

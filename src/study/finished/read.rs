@@ -1,12 +1,14 @@
 //! Reads a finished run from its folder, published or not.
 
 use super::{Bin, CellImages, Finished, FinishedCell, Light, MetricValues, StepRow, point_of};
+use crate::base::csv::{Row, TableError, TableRows};
+use crate::base::files::read_regular;
+use crate::base::names::{Listed, printable};
 use crate::experiment::config::Config;
 use crate::experiment::fault::Faults;
 use crate::experiment::inputs::load_methods;
 use crate::experiment::value::Value;
-use crate::files::read_regular;
-use crate::metrics::Weight;
+use crate::instrument::metrics::Weight;
 use crate::run::columns::{FAILED, STEADINESS};
 use crate::run::frozen::EXPERIMENT_FILE;
 use crate::run::provenance::{
@@ -17,8 +19,6 @@ use crate::run::store::{
     TIMINGS_FOLDER,
 };
 use crate::run::tables::HEADLINE;
-use crate::spelling::{Listed, printable};
-use crate::table::csv::{Row, TableError, TableRows};
 use serde_json::Value as Json;
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};

@@ -1,11 +1,11 @@
 //! Scores of the scene `design` under a weight of views, made from its bins of n·v.
 
 use super::{Bin, Finished, FinishedCell, MetricValues};
+use crate::base::names::{Listed, not_one_of};
 use crate::experiment::axis::SCENE;
 use crate::experiment::value::Value;
-use crate::metrics::{Metric, Part, Weight};
-use crate::scene::{SCENES, is_design};
-use crate::spelling::{Listed, not_one_of};
+use crate::instrument::metrics::{Metric, Part, Weight};
+use crate::instrument::scene::{SCENES, is_design};
 use indexmap::IndexSet;
 use std::sync::Arc;
 

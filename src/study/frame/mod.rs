@@ -7,22 +7,22 @@ pub mod estimate;
 pub mod line;
 mod shape;
 
+use crate::base::names::Listed;
 pub use crate::run::rows::Key;
-use crate::spelling::Listed;
 pub use shape::Shape;
 
 use super::finished::{Finished, FinishedCell};
 use super::names::Names;
 use super::table::axis_cells;
+use crate::base::csv::Cell;
 use crate::experiment::axis::{
     ALPHA, AXES, BRDF, DIFFUSE_METHOD, ENVIRONMENT, F0, METHOD, Part, Point, SAMPLES, SCENE,
 };
 use crate::experiment::value::Value;
-use crate::metrics::{HEADLINE, Metric, Space, VIEWS, Verdict, verdict};
+use crate::instrument::metrics::{HEADLINE, Metric, Space, VIEWS, Verdict, verdict};
+use crate::instrument::scene::is_design;
+use crate::instrument::shade::NONE;
 use crate::run::tables::DISPLAY_HEADLINE;
-use crate::scene::is_design;
-use crate::shade::NONE;
-use crate::table::csv::Cell;
 use indexmap::{IndexMap, IndexSet};
 
 /// Mean FLIP of a visible difference: a convention of this project, since FLIP's authors give none.

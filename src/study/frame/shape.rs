@@ -2,11 +2,11 @@
 //! answer.
 
 use super::Row;
+use crate::base::names::Listed;
 use crate::experiment::axis::{AXES, METHOD};
 use crate::experiment::config::Config;
 use crate::experiment::value::Value;
-use crate::shade::{METHODS, Method};
-use crate::spelling::Listed;
+use crate::instrument::shade::{METHODS, Method};
 use crate::study::finished::Finished;
 
 #[derive(Clone, Debug)]

@@ -15,7 +15,7 @@
 use super::by_lookups::{self, SURFACE};
 use super::prelude::*;
 use super::{FIXED, SAMPLED};
-use crate::metrics::Space;
+use crate::instrument::metrics::Space;
 use crate::run::tables::DISPLAY_HEADLINE;
 use crate::study::frame::curve::{Beside, beside, without_samples};
 use crate::study::table::Column;

@@ -4,8 +4,8 @@
 
 use super::numbers::middle_marks;
 use super::prelude::*;
-use crate::shade::Method;
-use crate::spelling::Listed;
+use crate::base::names::Listed;
+use crate::instrument::shade::Method;
 
 /// The surface axes that matter most.
 pub const SURFACE: [usize; 3] = [ALPHA, BRDF, F0];

@@ -2,9 +2,9 @@
 
 use super::numbers::{Numbers, is_formula};
 use super::words::count;
+use crate::draw::figure::{Figure, Mark, Panel, Scale, Series, Shape as Form};
 use crate::experiment::axis::{AXES, ENVIRONMENT};
 use crate::experiment::value::Value;
-use crate::figure::{Figure, Mark, Panel, Scale, Series, Shape as Form};
 use crate::study::frame::{Frame, Row};
 
 const PANELS_MAX: usize = 12;

@@ -1,6 +1,6 @@
 //! At which step does the error of the split sum arise?
 //!
-//! The approximations from an integral to the rendered image are steps (`crate::ladder`,
+//! The approximations from an integral to the rendered image are steps (`crate::instrument::ladder`,
 //! docs/estimators.md). The contribution of a step depends on the steps before it, so it has four
 //! numbers: its covariance share in the ladder's order, the `relmse` that it adds first and removes
 //! last, and its Shapley value, the mean over all orders (`ladder::attribution`).
@@ -10,11 +10,11 @@
 //! shown instead.
 
 use super::prelude::*;
-use crate::ladder::BANDS;
-use crate::metrics::ALL_VIEWS;
-use crate::shade::REFERENCE;
+use crate::instrument::ladder::BANDS;
+use crate::instrument::metrics::ALL_VIEWS;
+use crate::instrument::shade::REFERENCE;
 use crate::study::finished::StepRow;
-use crate::table::csv::rounded;
+use crate::base::csv::rounded;
 
 pub const QUESTION: Question = Question {
     name: "ladder",

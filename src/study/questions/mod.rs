@@ -11,11 +11,11 @@ pub mod words;
 use super::finished::{Finished, check_weight};
 use super::frame::{Frame, Shape};
 use super::table::{Column, Table, column};
+use crate::base::names::not_one_of;
+use crate::draw::figure::Figure;
 use crate::experiment::axis::{AXES, ENVIRONMENT, METHOD, Part, SCENE};
 use crate::experiment::config::{Ask, Config};
 use crate::experiment::fault::Faults;
-use crate::figure::Figure;
-use crate::spelling::not_one_of;
 
 const ERROR: Column = column(
     "error",

@@ -2,14 +2,14 @@
 //! sign.
 
 use super::words::{count, listed, number, range, range_words, scope_sentence};
-use crate::environment::BUILTIN_PREFIX;
+use crate::base::csv::Cell;
+use crate::draw::figure::{Mark, Shape as Form};
 use crate::experiment::axis::{AXES, ENVIRONMENT, Part, SAMPLES};
 use crate::experiment::value::Value;
-use crate::figure::{Mark, Shape as Form};
+use crate::instrument::environment::BUILTIN_PREFIX;
 use crate::study::frame::estimate::{CLUSTERS_MIN, Estimate, Middle, estimate};
 use crate::study::frame::{Frame, Row, distinct_in_order, values};
 use crate::study::table::Table;
-use crate::table::csv::Cell;
 
 /// Name of the last row and column.
 pub const ALL: &str = "all";

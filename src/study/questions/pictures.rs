@@ -12,7 +12,7 @@
 //! environment.
 
 use super::prelude::*;
-use crate::metrics::{DISPLAY_HEADLINE, HEADLINE, PICTURE_SCORES};
+use crate::instrument::metrics::{DISPLAY_HEADLINE, HEADLINE, PICTURE_SCORES};
 use std::collections::HashMap;
 
 pub const QUESTION: Question = Question {

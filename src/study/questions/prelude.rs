@@ -4,11 +4,12 @@ pub use super::chart::{Along, Chart, INTERVAL, dot, joined, light_panels, only, 
 pub use super::numbers::{ALL, Numbers, all_head, by_light, from_usual, sides};
 pub use super::words::*;
 pub use super::{Finding, Question, SEEN_FROM, SEEN_TO};
+pub use crate::base::csv::Cell;
+pub use crate::draw::figure::{Figure, Mark, Shape as Form};
 pub use crate::experiment::axis::*;
 pub use crate::experiment::value::Value;
-pub use crate::figure::{Figure, Mark, Shape as Form};
-pub use crate::scene::is_design;
-pub use crate::shade::NONE;
+pub use crate::instrument::scene::is_design;
+pub use crate::instrument::shade::NONE;
 pub use crate::study::frame::estimate::{Estimate, Middle, estimate, geometric_mean, median};
 pub use crate::study::frame::{
     Frame, Key, Row, Shape, VISIBLE_FROM, ascending, by, distinct_in_order, fits, grouped,
@@ -16,4 +17,3 @@ pub use crate::study::frame::{
 };
 pub use crate::study::table::{Table, column};
 pub(super) use crate::study::table::{axis_cells, cells};
-pub use crate::table::csv::Cell;

@@ -16,11 +16,11 @@
 //! worst share.
 
 use super::prelude::*;
-use crate::bakes::plain::SETTINGS;
-use crate::metrics::ALL_VIEWS;
-use crate::precompute::PrecomputeSettings;
-use crate::shade::{EXACT_SPLIT, REFERENCE};
-use crate::table::markdown::significant;
+use crate::bake::plain::SETTINGS;
+use crate::instrument::metrics::ALL_VIEWS;
+use crate::instrument::precompute::PrecomputeSettings;
+use crate::instrument::shade::{EXACT_SPLIT, REFERENCE};
+use crate::draw::markdown::significant;
 use std::collections::HashMap;
 
 pub const QUESTION: Question = Question {

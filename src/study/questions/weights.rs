@@ -2,10 +2,10 @@
 //! each has its rows.
 
 use super::{Finding, WEIGHT};
+use crate::draw::figure::Figure;
 use crate::experiment::axis::SCENE;
-use crate::figure::Figure;
-use crate::metrics::{Pooling, Weight};
-use crate::scene::is_design;
+use crate::instrument::metrics::{Pooling, Weight};
+use crate::instrument::scene::is_design;
 use crate::study::finished::Finished;
 use crate::study::frame::Frame;
 use crate::study::table::Table;

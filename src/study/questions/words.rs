@@ -1,8 +1,8 @@
 //! Numbers, counts and scopes in sentences.
 
+use crate::draw::markdown::significant;
 use crate::experiment::value::Value;
 use crate::study::frame::{Frame, Row, estimate::Estimate, values};
-use crate::table::markdown::significant;
 
 const DIGITS: usize = 2;
 

@@ -3,9 +3,9 @@
 use glam::{DVec2, DVec3};
 use ktx2::{Header, Index, LevelIndex, SupercompressionScheme};
 use ruzstd::encoding::{CompressionLevel, compress_to_vec};
-use splitsum::bakes::container::Texel;
-use splitsum::environment::layout::MapLayout;
-use splitsum::pixels::RgbImage;
+use splitsum::bake::container::Texel;
+use splitsum::base::pixels::RgbImage;
+use splitsum::instrument::environment::layout::MapLayout;
 
 pub fn faces(
     layout: &MapLayout,

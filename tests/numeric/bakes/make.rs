@@ -5,23 +5,23 @@ use super::files;
 use super::scores::marked_light;
 use glam::{DVec2, DVec3};
 use half::f16;
-use splitsum::bakes::Stated;
-use splitsum::bakes::container::{Encoding, FORMATS, TEXELS, from_bytes, read_texture};
-use splitsum::bakes::convention::{Axes, Preset, TABLE_AXES};
-use splitsum::bakes::given;
-use splitsum::bakes::make::{GOOD, Making, make};
-use splitsum::bakes::plain::Baking;
-use splitsum::bakes::sh;
-use splitsum::bakes::source::{Reading, read};
-use splitsum::brdf::{Beckmann, Brdf, Ggx, MaskingShadowing};
-use splitsum::environment::layout::LAYOUTS;
-use splitsum::environment::{Environment, LoadOptions};
-use splitsum::math::spherical_harmonics::{basis, irradiance};
-use splitsum::pixels::RgbImage;
-use splitsum::precompute::given::OWN;
-use splitsum::precompute::prefilter::{Kernel, LevelMapping};
-use splitsum::precompute::taps;
-use splitsum::spelling::Listed;
+use splitsum::bake::Stated;
+use splitsum::bake::container::{Encoding, FORMATS, TEXELS, from_bytes, read_texture};
+use splitsum::bake::convention::{Axes, Preset, TABLE_AXES};
+use splitsum::bake::given;
+use splitsum::bake::make::{GOOD, Making, make};
+use splitsum::bake::plain::Baking;
+use splitsum::bake::sh;
+use splitsum::bake::source::{Reading, read};
+use splitsum::base::math::spherical_harmonics::{basis, irradiance};
+use splitsum::base::names::Listed;
+use splitsum::base::pixels::RgbImage;
+use splitsum::instrument::brdf::{Beckmann, Brdf, Ggx, MaskingShadowing};
+use splitsum::instrument::environment::layout::LAYOUTS;
+use splitsum::instrument::environment::{Environment, LoadOptions};
+use splitsum::instrument::precompute::given::OWN;
+use splitsum::instrument::precompute::prefilter::{Kernel, LevelMapping};
+use splitsum::instrument::precompute::taps;
 use std::f64::consts::PI;
 use std::path::Path;
 
@@ -326,7 +326,7 @@ fn given_tables_are_turned_to_our_axes() {
 /// exact, but too coarse for lookups.
 #[test]
 fn levels_that_an_engine_does_not_read_are_not_judged_between_texels() {
-    use splitsum::bakes::check::{Truth, level};
+    use splitsum::bake::judge::{Truth, level};
     let preset = Preset::listed("godot");
     assert_eq!(
         (preset.side(), preset.product().levels(preset.side())),

@@ -1,17 +1,17 @@
 //! Bakes for any program: files hold the same tables as the f64 code.
 
 use half::f16;
-use splitsum::bakes::container::read_texture;
-use splitsum::bakes::paste::taps;
-use splitsum::bakes::plain::Baking;
-use splitsum::brdf::{Brdf, Ggx, MaskingShadowing, Phong};
-use splitsum::environment::Environment;
-use splitsum::math::quadrature::Tolerance;
-use splitsum::pixels::exr;
-use splitsum::precompute::prefilter::{Kernel, LevelMapping, reference};
-use splitsum::precompute::taps::{Chain, TapCount, TapTable};
-use splitsum::precompute::{PrecomputeSettings, exact_quadrature};
-use splitsum::spelling::Listed;
+use splitsum::bake::container::read_texture;
+use splitsum::bake::paste::taps;
+use splitsum::bake::plain::Baking;
+use splitsum::base::math::quadrature::Tolerance;
+use splitsum::base::names::Listed;
+use splitsum::base::pixels::exr;
+use splitsum::instrument::brdf::{Brdf, Ggx, MaskingShadowing, Phong};
+use splitsum::instrument::environment::Environment;
+use splitsum::instrument::precompute::prefilter::{Kernel, LevelMapping, reference};
+use splitsum::instrument::precompute::taps::{Chain, TapCount, TapTable};
+use splitsum::instrument::precompute::{PrecomputeSettings, exact_quadrature};
 
 #[test]
 fn files_hold_the_tables_in_f64() {

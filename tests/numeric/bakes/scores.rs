@@ -3,23 +3,23 @@
 
 use super::files::faces;
 use glam::{DVec2, DVec3};
-use splitsum::bakes::check::{Judging, Limits, Truth, guess, level, sh as sh_score, table};
-use splitsum::bakes::convention::{Axes, Convention, PRESETS, Preset, TABLE_AXES, TABLE_CHANNELS};
-use splitsum::bakes::{Bake, Map, Stated, sh};
-use splitsum::brdf::{Ggx, MaskingShadowing};
-use splitsum::environment::Environment;
-use splitsum::environment::layout::LAYOUTS;
-use splitsum::glsl::constants::ALPHA_MIN;
-use splitsum::math::equirect::direction_from_uv;
-use splitsum::math::equirect_quadrature::EquirectQuadrature;
-use splitsum::math::quadrature::Tolerance;
-use splitsum::math::spherical_harmonics::{DEGREE, irradiance};
-use splitsum::pixels::RgbImage;
-use splitsum::precompute::dfg::chebyshev;
-use splitsum::precompute::dfg::reference::{dfg_by, dfg_within};
-use splitsum::precompute::prefilter::reference::prefilter;
-use splitsum::precompute::prefilter::{Kernel, harmonic};
-use splitsum::spelling::Listed;
+use splitsum::bake::convention::{Axes, Convention, PRESETS, Preset, TABLE_AXES, TABLE_CHANNELS};
+use splitsum::bake::judge::{Judging, Limits, Truth, guess, level, sh as sh_score, table};
+use splitsum::bake::{Bake, Map, Stated, sh};
+use splitsum::base::glsl::constants::ALPHA_MIN;
+use splitsum::base::math::equirect::direction_from_uv;
+use splitsum::base::math::equirect_quadrature::EquirectQuadrature;
+use splitsum::base::math::quadrature::Tolerance;
+use splitsum::base::math::spherical_harmonics::{DEGREE, irradiance};
+use splitsum::base::names::Listed;
+use splitsum::base::pixels::RgbImage;
+use splitsum::instrument::brdf::{Ggx, MaskingShadowing};
+use splitsum::instrument::environment::Environment;
+use splitsum::instrument::environment::layout::LAYOUTS;
+use splitsum::instrument::precompute::dfg::chebyshev;
+use splitsum::instrument::precompute::dfg::reference::{dfg_by, dfg_within};
+use splitsum::instrument::precompute::prefilter::reference::prefilter;
+use splitsum::instrument::precompute::prefilter::{Kernel, harmonic};
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::path::Path;
@@ -476,10 +476,10 @@ fn coefficients_of_the_light_itself_have_no_error_and_windows_are_named() {
     let light = marked_light();
     let truth = Truth::new(&light, Kernel::cosine(&Ggx), &[]);
     let quadrature =
-        splitsum::math::equirect_quadrature::EquirectQuadrature::new(128, 64, |x, y| {
+        splitsum::base::math::equirect_quadrature::EquirectQuadrature::new(128, 64, |x, y| {
             light.image.get(x, y)
         });
-    let radiance = splitsum::precompute::sh9::reference::project_bilinear(&quadrature);
+    let radiance = splitsum::instrument::precompute::sh9::reference::project_bilinear(&quadrature);
     let of = |radiance| {
         sh_score::score(
             &truth,

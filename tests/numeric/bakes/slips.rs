@@ -3,16 +3,16 @@
 use super::files::faces;
 use super::scores::{light_of, marked_light};
 use glam::{DVec3, Vec3Swizzles};
-use splitsum::bakes::check::{Judged, Judging, Limits, Truth, as_json};
-use splitsum::bakes::convention::{Axes, Preset};
-use splitsum::bakes::{Bake, Map, Stated, sh};
-use splitsum::brdf::{Beckmann, Brdf, Ggx, Phong};
-use splitsum::environment::Environment;
-use splitsum::environment::layout::LAYOUTS;
-use splitsum::math::equirect::direction_from_uv;
-use splitsum::pixels::RgbImage;
-use splitsum::precompute::prefilter::{Kernel, WEIGHTS};
-use splitsum::spelling::Listed;
+use splitsum::bake::convention::{Axes, Preset};
+use splitsum::bake::judge::{Judged, Judging, Limits, Truth, as_json};
+use splitsum::bake::{Bake, Map, Stated, sh};
+use splitsum::base::math::equirect::direction_from_uv;
+use splitsum::base::names::Listed;
+use splitsum::base::pixels::RgbImage;
+use splitsum::instrument::brdf::{Beckmann, Brdf, Ggx, Phong};
+use splitsum::instrument::environment::Environment;
+use splitsum::instrument::environment::layout::LAYOUTS;
+use splitsum::instrument::precompute::prefilter::{Kernel, WEIGHTS};
 use std::f64::consts::PI;
 
 const SIDE: u32 = 24;
@@ -167,7 +167,7 @@ fn slips_of_faces_and_texels_are_named() {
             each_texel(map, |[r, g, _]| [1.0, r, g])
         }),
         ("luminance in every channel", |map| {
-            each_texel(map, |rgb| [splitsum::color::luminance(rgb) as f32; 3])
+            each_texel(map, |rgb| [splitsum::base::color::luminance(rgb) as f32; 3])
         }),
         ("half floats read as 16-bit", |map| {
             each_texel(map, |rgb| {
@@ -576,7 +576,8 @@ fn slips_of_sums_are_named() {
             .to_vec();
         assert_named(&judged(&light, of_levels(levels), Some(&[0.3, 0.7])), words);
     }
-    let luminance = |radiance: DVec3| splitsum::color::luminance(radiance.as_vec3().to_array());
+    let luminance =
+        |radiance: DVec3| splitsum::base::color::luminance(radiance.as_vec3().to_array());
     let darker: Vec<_> = texels
         .iter()
         .map(|(l, sin, radiance)| (*l, sin / (1.0 + luminance(*radiance)), *radiance))
@@ -612,7 +613,7 @@ fn slips_of_sums_are_named() {
     let radiance = texels
         .iter()
         .fold([DVec3::ZERO; 9], |sh, (l, _, radiance)| {
-            let y = splitsum::math::spherical_harmonics::basis(*l);
+            let y = splitsum::base::math::spherical_harmonics::basis(*l);
             std::array::from_fn(|k| sh[k] + y[k] * *radiance * (4.0 * PI / texels.len() as f64))
         });
     let sh = sh::parse(std::path::Path::new("sh.txt"), &sh::to_cmgen(&radiance)).unwrap();

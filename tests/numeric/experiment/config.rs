@@ -356,7 +356,7 @@ fn asks_have_a_metric_and_rows_and_change_no_cell() {
     let (plain, asking) = (plan(text, &[]), plan(&format!("{asks}{text}"), &[]));
     assert_eq!(
         (plain.config.asks.len(), plain.config.metric),
-        (0, splitsum::metrics::HEADLINE)
+        (0, splitsum::instrument::metrics::HEADLINE)
     );
     let asked: Vec<_> = asking
         .config

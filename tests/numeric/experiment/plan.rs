@@ -2,13 +2,13 @@
 
 use super::config::values;
 use super::planned;
-use splitsum::bakes::container::{Encoding, FORMATS, TEXELS};
-use splitsum::environment::LoadOptions;
+use splitsum::bake::container::{Encoding, FORMATS, TEXELS};
+use splitsum::base::pixels::RgbImage;
 use splitsum::experiment::axis::{AXES, Axis, Part, SCENE};
 use splitsum::experiment::plan::Source;
 use splitsum::experiment::value::Kind;
 use splitsum::experiment::{Cell, Plan};
-use splitsum::pixels::RgbImage;
+use splitsum::instrument::environment::LoadOptions;
 use splitsum::run::timing;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;

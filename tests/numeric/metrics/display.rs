@@ -1,10 +1,10 @@
 //! FLIP against the authors' program.
 
 use super::{LINEAR_CURVE, Rng, assert_relative, radiance_of_code, whole};
-use splitsum::metrics::{Comparison, PIXELS_PER_DEGREE};
-use splitsum::pixels::Rgb8Image;
+use splitsum::base::pixels::Rgb8Image;
+use splitsum::instrument::metrics::{Comparison, PIXELS_PER_DEGREE};
 
-type Codes = splitsum::pixels::Pixels<[f64; 3]>;
+type Codes = splitsum::base::pixels::Pixels<[f64; 3]>;
 
 /// The error map of the authors' first program, which filters with whole two-dimensional kernels.
 fn map_of_the_authors(test: &Rgb8Image, reference: &Rgb8Image) -> Vec<f32> {
@@ -51,7 +51,7 @@ fn flip_equals_the_authors_program_pixel_by_pixel() {
             &linear_reference,
             &mask,
             LINEAR_CURVE,
-            splitsum::metrics::Epsilon::ABSOLUTE,
+            splitsum::instrument::metrics::Epsilon::ABSOLUTE,
         )
         .unwrap();
         let expected = map_of_the_authors(&codes(&test), &codes(&reference));

@@ -7,7 +7,7 @@ use exr::prelude::{
     LineOrder, WritableImage, f16,
 };
 use fastrand::Rng;
-use splitsum::pixels::{Decoded, GrayImage, PixelsError, RgbImage, exr as exr_file};
+use splitsum::base::pixels::{Decoded, GrayImage, PixelsError, RgbImage, exr as exr_file};
 
 fn test_image(seed: u64, width: u32, height: u32) -> RgbImage {
     let mut random = Rng::with_seed(seed);

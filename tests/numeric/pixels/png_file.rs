@@ -1,7 +1,7 @@
 //! PNG files.
 
 use super::folder;
-use splitsum::pixels::{Rgb8Image, png};
+use splitsum::base::pixels::{Rgb8Image, png};
 use std::path::Path;
 
 fn picture() -> Rgb8Image {

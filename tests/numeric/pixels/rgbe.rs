@@ -1,7 +1,7 @@
 //! Radiance files.
 
 use crate::snapshot::assert_snapshot;
-use splitsum::pixels::{Decoded, PixelsError, RgbImage, radiance};
+use splitsum::base::pixels::{Decoded, PixelsError, RgbImage, radiance};
 use std::path::Path;
 
 const MAGIC: &str = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n";

@@ -3,16 +3,16 @@
 //! They panic if a promise is broken: a result that later code could not trust, or a message that
 //! does not name the file. `fuzz/fuzz_targets` and the tests beside this file share them.
 
-use splitsum::bakes::container::{TEXELS_MAX, from_bytes};
-use splitsum::bakes::{sh, source};
-use splitsum::environment::{Environment, EnvironmentError, LoadOptions};
+use splitsum::bake::container::{TEXELS_MAX, from_bytes};
+use splitsum::bake::{sh, source};
+use splitsum::base::names::Listed;
+use splitsum::base::pixels::{GrayImage, RgbImage, exr};
 use splitsum::experiment::fault::Faults;
 use splitsum::experiment::{Config, Plan};
+use splitsum::instrument::environment::{Environment, EnvironmentError, LoadOptions};
+use splitsum::instrument::scene::{Scene, SceneFiles};
 use splitsum::oracle::{Kind, Queries};
-use splitsum::pixels::{GrayImage, RgbImage, exr};
 use splitsum::report::page::{PageOptions, PageRun, write};
-use splitsum::scene::{Scene, SceneFiles};
-use splitsum::spelling::Listed;
 use splitsum::study::finished::Finished;
 use splitsum::study::questions::answers;
 use std::collections::BTreeMap;

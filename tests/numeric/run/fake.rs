@@ -1,17 +1,17 @@
 //! A synthetic renderer: an analytic sphere whose error is known for every method.
 
-use splitsum::ladder::{Attribution, STEPS, StepNumbers};
-use splitsum::pipeline::{
+use splitsum::base::pixels::{GrayImage, Pixels, Rgb8Image, RgbImage};
+use splitsum::instrument::ladder::{Attribution, STEPS, StepNumbers};
+use splitsum::instrument::pipeline::{
     DeviceInfo, Frame, FrameTimings, LightTables, PassTime, RenderRequest, Steadiness,
     TimingSamples,
 };
-use splitsum::pixels::{GrayImage, Pixels, Rgb8Image, RgbImage};
-use splitsum::precompute::dfg::DfgAxes;
-use splitsum::precompute::taps::TapCount;
+use splitsum::instrument::precompute::dfg::DfgAxes;
+use splitsum::instrument::precompute::taps::TapCount;
+use splitsum::instrument::shade::reference_pass::Convergence;
+use splitsum::instrument::tonemap::ToneCurve;
 use splitsum::run::estimate::Ahead;
 use splitsum::run::{Progress, RenderFault, Renderer, Served};
-use splitsum::shade::reference_pass::Convergence;
-use splitsum::tonemap::ToneCurve;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::rc::Rc;
@@ -342,7 +342,7 @@ impl Renderer for Fake {
         Ok(LightTables {
             level_mapping: request.shading.precompute.level_mapping,
             environment: chain(4),
-            layout: &splitsum::environment::layout::LAYOUTS[2],
+            layout: &splitsum::instrument::environment::layout::LAYOUTS[2],
             sh9,
             prefiltered: chain(2),
             dfg,

@@ -1,10 +1,10 @@
 //! The copy of an experiment in a run's folder can be run again.
 
 use super::runs::{finished, read, snapshot};
-use splitsum::environment::LoadOptions;
+use splitsum::base::pixels::{GrayImage, RgbImage};
 use splitsum::experiment::Plan;
 use splitsum::experiment::plan::Source;
-use splitsum::pixels::{GrayImage, RgbImage};
+use splitsum::instrument::environment::LoadOptions;
 use splitsum::report::publish::publish;
 use splitsum::run::frozen;
 use std::path::Path;
@@ -21,7 +21,7 @@ fn map(path: &Path, radiance: f32) {
         RgbImage::filled(8, 4, [radiance; 3]),
         GrayImage::filled(8, 4, 1.0),
     );
-    splitsum::pixels::exr::write_rgba(path, &radiance, &alpha, &[]).unwrap();
+    splitsum::base::pixels::exr::write_rgba(path, &radiance, &alpha, &[]).unwrap();
 }
 
 fn load(path: &Path, set: &[&str]) -> Result<(Plan, Option<String>), String> {

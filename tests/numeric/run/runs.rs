@@ -2,6 +2,7 @@
 
 use super::fake::Log;
 pub use super::fake::{Silent, fakes};
+use splitsum::base::csv::Table;
 use splitsum::experiment::Plan;
 use splitsum::report::write::Written;
 use splitsum::run::estimate::Ahead;
@@ -9,7 +10,6 @@ use splitsum::run::store::{CELLS_FOLDER, Store, TIMINGS_FOLDER};
 use splitsum::run::{MakeRenderer, Outcome, Progress, RunError, RunOptions, run};
 use splitsum::study::finished::Finished;
 use splitsum::study::questions::answers;
-use splitsum::table::csv::Table;
 use std::cell::RefCell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};

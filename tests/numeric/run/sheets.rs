@@ -1,8 +1,8 @@
 //! Contact sheets.
 
-use splitsum::figure::sheet::{ContactSheet, Head, Tile};
-use splitsum::pixels::Rgb8Image;
-use splitsum::table::colormap::RELATIVE_ERROR;
+use splitsum::base::pixels::Rgb8Image;
+use splitsum::draw::colormap::RELATIVE_ERROR;
+use splitsum::draw::figure::sheet::{ContactSheet, Head, Tile};
 
 const TILE: [u32; 2] = [90, 60];
 

@@ -2,7 +2,7 @@
 
 use super::runs::{invoke, log, plan, snapshot};
 use super::whole::EXPERIMENT;
-use splitsum::table::csv::Table;
+use splitsum::base::csv::Table;
 use std::collections::BTreeMap;
 
 #[test]

@@ -2,7 +2,7 @@
 
 use super::fake::{ERROR_AT_ONE, SPLIT_SUM_ERROR};
 use super::runs::{Bench, invoke, log, plan, read, snapshot, summary};
-use splitsum::table::csv::Table;
+use splitsum::base::csv::Table;
 use std::collections::BTreeMap;
 
 pub const EXPERIMENT: &str = r#"
@@ -77,7 +77,7 @@ fn a_run_renders_each_radiance_once_and_leaves_everything() {
         );
         assert_eq!(row[verdict], "resolved");
     }
-    for metric in splitsum::metrics::linear_metrics() {
+    for metric in splitsum::instrument::metrics::linear_metrics() {
         let floors = crate::table::numbers(&table, &format!("{}_noise_floor", metric.name));
         assert!(
             floors.iter().all(|floor| floor.is_some_and(|f| f > 0.0)),
@@ -245,7 +245,7 @@ fn the_provenance_names_inputs_and_sessions() {
     );
     assert_eq!(
         value["metrics"].as_array().unwrap().len(),
-        splitsum::metrics::METRICS.len()
+        splitsum::instrument::metrics::METRICS.len()
     );
     let [first, second] = &value["sessions"].as_array().unwrap()[..] else {
         panic!("{value:#}")

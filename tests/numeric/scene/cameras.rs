@@ -1,8 +1,10 @@
 //! Cameras and built-in scenes.
 
 use glam::{DMat4, DVec2, DVec3, DVec4, Vec3Swizzles, Vec4Swizzles};
-use splitsum::scene::{Camera, CameraKind, MaterialOverride, Projection, SCENES, Scene};
-use splitsum::spelling::Listed;
+use splitsum::base::names::Listed;
+use splitsum::instrument::scene::{
+    Camera, CameraKind, MaterialOverride, Projection, SCENES, Scene,
+};
 use std::collections::HashSet;
 use std::path::Path;
 

@@ -2,9 +2,9 @@
 
 use crate::gbuffer_twin::gbuffer;
 use glam::DVec3;
-use splitsum::pixels::{GrayImage, exr};
-use splitsum::scene::{Camera, CameraKind, MaterialOverride, Scene};
-use splitsum::spelling::Listed;
+use splitsum::base::names::Listed;
+use splitsum::base::pixels::{GrayImage, exr};
+use splitsum::instrument::scene::{Camera, CameraKind, MaterialOverride, Scene};
 use std::path::Path;
 
 /// Two exact renderers may differ in pixels whose centre is this near to the silhouette (in

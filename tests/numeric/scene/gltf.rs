@@ -5,12 +5,14 @@ use crate::gltf_files::{load, mesh, png, sheet, textured};
 use crate::snapshot::assert_snapshot;
 use glam::{DQuat, DVec3};
 use serde_json::{Value, json};
-use splitsum::brdf::alpha_from_perceptual_roughness;
-use splitsum::color::srgb_decode;
-use splitsum::gbuffer::Gbuffer;
-use splitsum::pixels::RgbImage;
-use splitsum::pixels::lookup::Wrap;
-use splitsum::scene::{Camera, CameraKind, MaterialOverride, Mesh, Projection, Scene, Texture};
+use splitsum::base::color::srgb_decode;
+use splitsum::base::pixels::RgbImage;
+use splitsum::base::pixels::lookup::Wrap;
+use splitsum::instrument::brdf::alpha_from_perceptual_roughness;
+use splitsum::instrument::gbuffer::Gbuffer;
+use splitsum::instrument::scene::{
+    Camera, CameraKind, MaterialOverride, Mesh, Projection, Scene, Texture,
+};
 
 /// Rounding of f32 numbers of order 1.
 pub const F32: f64 = 1e-6;

@@ -4,7 +4,7 @@ use super::gltf::{F32, loaded, quad, seen};
 use crate::gltf_files::{png, textured, uri};
 use glam::DVec3;
 use serde_json::{Value, json};
-use splitsum::scene::{MaterialOverride, Scene};
+use splitsum::instrument::scene::{MaterialOverride, Scene};
 use std::f64::consts::FRAC_PI_6;
 
 /// The anisotropy of a file: map and rotation turn the tangent, and blue scales the strength.

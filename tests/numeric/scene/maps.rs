@@ -6,10 +6,10 @@ use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use glam::DVec3;
 use serde_json::{Value, json};
-use splitsum::color::srgb_decode;
-use splitsum::pixels::RgbImage;
-use splitsum::pixels::lookup::{Edge, Wrap, bilinear};
-use splitsum::scene::{Scene, Texture};
+use splitsum::base::color::srgb_decode;
+use splitsum::base::pixels::RgbImage;
+use splitsum::base::pixels::lookup::{Edge, Wrap, bilinear};
+use splitsum::instrument::scene::{Scene, Texture};
 
 /// Rounding of f32 numbers of order 1.
 const F32: f64 = 1e-6;

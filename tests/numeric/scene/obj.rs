@@ -4,7 +4,7 @@ use crate::cpu_time;
 use crate::gbuffer_twin::gbuffer;
 use crate::snapshot::assert_snapshot;
 use glam::DVec3;
-use splitsum::scene::{Camera, CameraKind, Mesh, Scene};
+use splitsum::instrument::scene::{Camera, CameraKind, Mesh, Scene};
 use std::fmt::Write;
 
 /// Rounding of f32 positions of order 1 in sums of areas.
@@ -307,7 +307,7 @@ fn an_albedo_map_is_linear_and_upright() {
     // Two by two pixels over the unit square: their centres are the texels' centres.
     let size = [2, 2];
     let mut camera = Camera::for_scene(CameraKind::Ortho, &scene, size);
-    camera.projection = splitsum::scene::Projection::Ortho { half_height: 0.5 };
+    camera.projection = splitsum::instrument::scene::Projection::Ortho { half_height: 0.5 };
     let albedo = gbuffer(&scene, &camera, size).albedo_metallic;
     // sRGB 188 is 0.50289 linear (IEC 61966-2-1).
     let expected = [

@@ -2,7 +2,7 @@
 
 use super::asked::{CURVES, digest, samples};
 use super::paper::{Made, Paper, column, finding, finished, numbers, only};
-use splitsum::figure::{Mark, Panel, Shape};
+use splitsum::draw::figure::{Mark, Panel, Shape};
 use splitsum::study::finished::{Finished, MetricValues};
 use splitsum::study::frame::Frame;
 use splitsum::study::questions::{Finding, question};

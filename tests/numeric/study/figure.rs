@@ -4,8 +4,8 @@ mod figures;
 mod legible;
 
 use figures::{Drawn, dots, hard, hostile};
-use splitsum::figure::svg::{WIDTHS, svg};
-use splitsum::figure::{Figure, Mark, Scale, ScaleKind, Shape};
+use splitsum::draw::figure::svg::{WIDTHS, svg};
+use splitsum::draw::figure::{Figure, Mark, Scale, ScaleKind, Shape};
 use std::collections::BTreeSet;
 
 /// A coordinate has two decimals.

@@ -1,7 +1,7 @@
 //! Errors by view, tone curve and light, for runs with known numbers.
 
 use super::paper::{F64, Paper, bins, column, numbers, only};
-use splitsum::figure::Shape;
+use splitsum::draw::figure::Shape;
 use splitsum::run::tables::HEADLINE;
 use splitsum::study::finished::MetricValues;
 

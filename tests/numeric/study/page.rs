@@ -6,7 +6,7 @@ use base64::prelude::BASE64_STANDARD;
 use flate2::read::DeflateDecoder;
 use half::f16;
 use serde_json::{Value, json};
-use splitsum::pixels::{GrayImage, HALF_MAX, RgbImage, packed};
+use splitsum::base::pixels::{GrayImage, HALF_MAX, RgbImage, packed};
 use splitsum::report::page::images::{BUDGET_BYTES, Choice, collect};
 use splitsum::report::page::render::in_script;
 use splitsum::report::page::{PageOptions, PageRun, write};
@@ -173,7 +173,7 @@ fn a_page_is_the_same_each_time_and_holds_every_cell_and_answer_once() {
             answer.finding.table.rows.len()
         );
         assert!(page.contains(&format!("id=\"{}\"", answer.question.name)));
-        for width in splitsum::figure::svg::WIDTHS {
+        for width in splitsum::draw::figure::svg::WIDTHS {
             let figure = answer
                 .finding
                 .figure

@@ -5,12 +5,14 @@ use crate::scene::gltf::quad;
 use crate::study::page::{decoded, finished_run, read};
 use glam::{DVec3, Vec3};
 use serde_json::json;
-use splitsum::brdf::MODELS;
-use splitsum::environment::layout::{LAYOUTS, MapLayout};
+use splitsum::base::glsl::source::{Language, parse};
+use splitsum::base::pixels::HALF_MAX;
 use splitsum::experiment::Plan;
-use splitsum::glsl::source::{Language, parse};
-use splitsum::pixels::HALF_MAX;
-use splitsum::precompute::taps::TapCount;
+use splitsum::instrument::brdf::MODELS;
+use splitsum::instrument::environment::layout::{LAYOUTS, MapLayout};
+use splitsum::instrument::precompute::taps::TapCount;
+use splitsum::instrument::scene::Scene;
+use splitsum::instrument::shade::{METHODS, Method};
 use splitsum::report::page::PageRun;
 use splitsum::report::page::live::{BUDGET_BYTES, Light};
 use splitsum::report::page::render::shaders;
@@ -18,8 +20,6 @@ use splitsum::run::live::{
     LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord, LiveShader, half_scale,
 };
 use splitsum::run::live_model::{self, LiveModel, TRIANGLES_MAX};
-use splitsum::scene::Scene;
-use splitsum::shade::{METHODS, Method};
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
 use std::path::Path;
@@ -299,7 +299,7 @@ fn a_model_has_the_means_of_its_maps() {
         "scene = [\"x.gltf\"]\nmethod = [\"split-sum\"]\n",
     )[0];
     let surface = &model.parts[0].surface;
-    let green = splitsum::color::srgb_decode(0.2);
+    let green = splitsum::base::color::srgb_decode(0.2);
     for (found, wanted) in surface.albedo.into_iter().zip([0.25, green, 1.0]) {
         assert!((found - wanted).abs() < 1e-6, "{surface:?}");
     }

@@ -2,16 +2,16 @@
 //! with given errors, bins, lights and times.
 
 use crate::run::runs;
+use splitsum::base::csv::Cell;
 use splitsum::experiment::Plan;
 use splitsum::experiment::axis::{AXES, Point, index_of};
 use splitsum::experiment::value::Value;
-use splitsum::metrics::{METRICS, Weight};
+use splitsum::instrument::metrics::{METRICS, Weight};
 use splitsum::run::tables::HEADLINE;
 use splitsum::study::finished::{Bin, Finished, FinishedCell, MetricValues};
 use splitsum::study::frame::Frame;
 use splitsum::study::questions::{Finding, question};
 use splitsum::study::table::{Table, shown};
-use splitsum::table::csv::Cell;
 
 /// f64 arithmetic of a few logarithms.
 pub const F64: f64 = 1e-9;

@@ -1,7 +1,7 @@
 //! Pictures against the textbook's split sum, for runs with known ratios.
 
 use super::paper::{F64, Paper, column, numbers, only};
-use splitsum::metrics::PICTURE_SCORES;
+use splitsum::instrument::metrics::PICTURE_SCORES;
 use splitsum::study::finished::MetricValues;
 use splitsum::study::questions::answers;
 use splitsum::study::table::Table;

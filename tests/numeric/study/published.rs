@@ -3,13 +3,13 @@
 use crate::run::runs::{invoke, log, plan};
 use crate::run::whole::EXPERIMENT;
 use crate::snapshot::assert_snapshot;
+use splitsum::base::csv::Table;
 use splitsum::report::blocks::{fill, fill_pages};
 use splitsum::run::columns::{CELL, TABLES};
 use splitsum::run::provenance::experiment_hash;
 use splitsum::study::columns;
 use splitsum::study::finished::Finished;
 use splitsum::study::questions::{Finding, answers};
-use splitsum::table::csv::Table;
 use std::path::{Path, PathBuf};
 
 fn file(name: &str) -> PathBuf {
@@ -157,7 +157,7 @@ fn every_column_of_every_table_is_explained() {
     let (dir, plan) = (tempfile::tempdir().unwrap(), plan(&text));
     invoke(&plan, dir.path(), &log(), usize::MAX).unwrap();
     let axes = splitsum::experiment::axis::Named::all().map(|axis| axis.name());
-    let metrics: Vec<&str> = splitsum::metrics::METRICS
+    let metrics: Vec<&str> = splitsum::instrument::metrics::METRICS
         .iter()
         .map(|metric| metric.name)
         .collect();

@@ -1,9 +1,9 @@
 //! Checks that sentences agree with tables.
 
+use splitsum::base::csv::Cell;
+use splitsum::draw::markdown::significant;
 use splitsum::study::questions::Finding;
 use splitsum::study::table::Table;
-use splitsum::table::csv::Cell;
-use splitsum::table::markdown::significant;
 use std::collections::{BTreeMap, HashSet};
 
 /// The sentences of a text: each ends with a full stop before a blank or the end.

@@ -3,15 +3,15 @@
 use super::paper::{F64, Made, Paper, bin, column, finished_of, numbers, only};
 use crate::run::runs::Bench;
 use fastrand::Rng;
-use splitsum::math::design::frame;
-use splitsum::metrics::{
+use splitsum::base::math::design::frame;
+use splitsum::base::names::Listed;
+use splitsum::base::pixels::{GrayImage, RgbImage};
+use splitsum::instrument::metrics::{
     Comparison, Epsilon, METRICS, Metric, N_DOT_V_BIN_EDGES, Pooling, ReferenceNoise, Weight,
 };
-use splitsum::pixels::{GrayImage, RgbImage};
-use splitsum::spelling::Listed;
+use splitsum::instrument::tonemap::ToneCurve;
 use splitsum::study::finished::{Bin, Finished, Light, MetricValues};
 use splitsum::study::questions::answers;
-use splitsum::tonemap::ToneCurve;
 
 const SIZE: u32 = 128;
 

@@ -2,7 +2,7 @@
 
 use crate::study::questions;
 use roxmltree::{Document, Node, NodeId};
-use splitsum::figure::{Figure, Mark, Panel, Scale, ScaleKind, Series, Shape};
+use splitsum::draw::figure::{Figure, Mark, Panel, Scale, ScaleKind, Series, Shape};
 
 pub fn dots([x, y]: [ScaleKind; 2], points: &[[f64; 2]]) -> Figure {
     let scale = |kind: ScaleKind, label: &str| Scale {

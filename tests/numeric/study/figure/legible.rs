@@ -4,10 +4,10 @@
 use super::figures::{Drawn, dots, hard};
 use crate::table;
 use roxmltree::Node;
-use splitsum::figure::ink::{INKS, SERIES};
-use splitsum::figure::svg::{WIDTHS, svg};
-use splitsum::figure::text::{ASCENT, AXIS, DESCENT, Font, LABEL, NAME, NOTE, TITLE};
-use splitsum::figure::{Mark, ScaleKind, Series, Shape};
+use splitsum::draw::figure::ink::{INKS, SERIES};
+use splitsum::draw::figure::svg::{WIDTHS, svg};
+use splitsum::draw::figure::text::{ASCENT, AXIS, DESCENT, Font, LABEL, NAME, NOTE, TITLE};
+use splitsum::draw::figure::{Mark, ScaleKind, Series, Shape};
 use splitsum::report::write::drawing;
 
 /// Contrast of words, and of series with their names, with their ground (WCAG 2.2, 1.4.3).

@@ -1,0 +1,139 @@
+//! KTX 1, as Filament's cmgen writes it. No maintained crate reads it.
+//!
+//! A header of 64 bytes, keys and values, then the levels, largest first [KTX 1 file format,
+//! section 2].
+
+use super::texel::Texel;
+use super::{Claim, Encoding, Texture, pairs, truncated, unjoined};
+use crate::base::pixels::Fault;
+
+const IDENTIFIER: [u8; 12] = *b"\xabKTX 11\xbb\r\n\x1a\n";
+/// The byte order of a little-endian file.
+const LITTLE_ENDIAN: u32 = 0x0403_0201;
+/// Words of the header after the identifier.
+const WORDS: usize = 13;
+const HEADER: usize = IDENTIFIER.len() + 4 * WORDS;
+
+pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
+    let whole = || Fault::new("has no complete KTX 1 header", "a KTX 1 file");
+    let header = bytes
+        .get(..HEADER)
+        .filter(|header| header.starts_with(&IDENTIFIER))
+        .ok_or_else(whole)?;
+    let words: Vec<u32> = header[IDENTIFIER.len()..]
+        .as_chunks()
+        .0
+        .iter()
+        .map(|word| u32::from_le_bytes(*word))
+        .collect();
+    let [
+        order,
+        ..,
+        internal,
+        _,
+        width,
+        height,
+        depth,
+        layers,
+        faces,
+        levels,
+        keys,
+    ] = words[..]
+    else {
+        return Err(whole());
+    };
+    if order != LITTLE_ENDIAN {
+        return Err(Fault::new(
+            format!("its byte order is {order:#010x}"),
+            "a little-endian file, 0x04030201",
+        ));
+    }
+    let claim = Claim {
+        width,
+        height,
+        depth,
+        layers,
+        faces,
+        levels: levels.max(1),
+    };
+    let faces = claim.check()?;
+    let texel = Texel::of(
+        |texel| texel.gl == internal,
+        || format!("its glInternalFormat is {internal:#06x}"),
+    )?;
+    let mut at = HEADER.saturating_add(keys as usize);
+    let keys = unjoined(bytes.get(HEADER..at).unwrap_or_default());
+    let mut read = Vec::new();
+    for level in 0..claim.levels {
+        let [width, height] = claim.size(level).map(|side| side as usize);
+        let row = width * texel.bytes;
+        let face_bytes = row.next_multiple_of(4) * height;
+        let rest = bytes.get(at..).unwrap_or_default();
+        let Some((length, data)) = rest.split_first_chunk() else {
+            return Err(truncated(level, 4, rest.len()));
+        };
+        // The stated length is one face's.
+        let length = u32::from_le_bytes(*length) as usize;
+        if length != face_bytes {
+            return Err(Fault::new(
+                format!("level {level} claims {length} bytes a face"),
+                format!("{face_bytes}, of its size in {}", texel.name),
+            ));
+        }
+        let needed = face_bytes * faces;
+        let data = data
+            .get(..needed)
+            .ok_or_else(|| truncated(level, needed, data.len()))?;
+        // Rows are padded to 4 bytes.
+        let rows = data
+            .chunks(row.next_multiple_of(4))
+            .flat_map(|padded| &padded[..row]);
+        read.push(claim.faces_of(level, texel, &rows.copied().collect::<Vec<_>>())?);
+        at += 4 + needed;
+    }
+    Ok(Texture {
+        levels: read,
+        texel: texel.name,
+        keys,
+    })
+}
+
+pub fn write(encoding: &Encoding) -> Vec<u8> {
+    let Encoding {
+        texel,
+        levels,
+        keys,
+        ..
+    } = encoding;
+    let pairs = pairs(*keys);
+    let (first, faces) = (&levels[0][0], levels[0].len() as u32);
+    let ((kind, size), format) = (texel.gl_type, texel.gl_format());
+    let (counts, bytes) = ([0, 0, faces, levels.len() as u32], pairs.len() as u32);
+    let words = [
+        LITTLE_ENDIAN,
+        kind,
+        size,
+        format,
+        texel.gl,
+        format,
+        first.width,
+        first.height,
+    ];
+    let words = words.iter().chain(&counts).chain([&bytes]);
+    let mut file: Vec<u8> = IDENTIFIER
+        .into_iter()
+        .chain(words.flat_map(|word| word.to_le_bytes()))
+        .collect();
+    file.extend(pairs);
+    for level in *levels {
+        let row = level[0].width as usize * texel.bytes;
+        file.extend((row.next_multiple_of(4) as u32 * level[0].height).to_le_bytes());
+        for face in level {
+            for texels in texel.bytes_of(face).chunks(row) {
+                file.extend(texels);
+                file.resize(file.len().next_multiple_of(4), 0);
+            }
+        }
+    }
+    file
+}

@@ -1,0 +1,301 @@
+//! Texture files: their levels and faces as stored, without a convention.
+//!
+//! Headers are checked before anything is allocated: at most [`TEXELS_MAX`] texels, square faces,
+//! levels that halve.
+
+mod dds;
+mod ktx1;
+mod ktx2;
+mod texel;
+
+pub use ktx2::write_table;
+pub use texel::{TEXELS, Texel};
+
+use crate::base::pixels::{Decoded, Fault, PixelsError, RgbImage, png, read_bounded};
+use crate::instrument::environment::FORMATS as IMAGES;
+use std::path::Path;
+
+/// Most texels of all levels and faces: 128 MiB as radiance, seven times as much while scored.
+pub const TEXELS_MAX: u64 = (1 << 25) / 3;
+const LEVELS_MAX: u32 = 16;
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Texture {
+    /// Largest level first, each with one image or the faces +x, -x, +y, -y, +z, -z.
+    pub levels: Vec<Vec<RgbImage>>,
+    pub texel: &'static str,
+    pub keys: Vec<(String, String)>,
+}
+
+impl Texture {
+    pub fn is_cube(&self) -> bool {
+        self.levels[0].len() == FACE_COUNT
+    }
+}
+
+pub const FACE_COUNT: usize = 6;
+
+#[derive(Debug)]
+pub struct Format {
+    pub name: &'static str,
+    pub extension: &'static str,
+    read: fn(&[u8]) -> Result<Texture, Fault>,
+    /// Whether its pixel formats are DXGI codes.
+    pub needs_dxgi: bool,
+    /// Encodes a file; DDS ignores the keys.
+    pub write: fn(&Encoding) -> Vec<u8>,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub struct Encoding<'a> {
+    pub texel: &'static Texel,
+    /// Largest level first, each with one image or six faces.
+    pub levels: &'a [Vec<RgbImage>],
+    pub keys: &'a [(String, String)],
+    /// Whether to compress levels by zstd, if the container can.
+    pub is_packed: bool,
+}
+
+/// Every container. Other images are environment formats ([`IMAGES`]) and PNG.
+pub static FORMATS: &[Format] = &[
+    Format {
+        name: "ktx2",
+        extension: "ktx2",
+        read: ktx2::read,
+        needs_dxgi: false,
+        write: ktx2::write,
+    },
+    Format {
+        name: "ktx",
+        extension: "ktx",
+        read: ktx1::read,
+        needs_dxgi: false,
+        write: ktx1::write,
+    },
+    Format {
+        name: "dds",
+        extension: "dds",
+        read: dds::read,
+        needs_dxgi: true,
+        write: dds::write,
+    },
+];
+
+pub fn extensions() -> Vec<&'static str> {
+    let images = IMAGES.iter().map(|format| format.extension);
+    FORMATS
+        .iter()
+        .map(|format| format.extension)
+        .chain(images)
+        .chain([PNG])
+        .collect()
+}
+
+const PNG: &str = "png";
+
+/// Reads the texture at `path`; its extension selects the format.
+pub fn read_texture(path: &Path) -> Result<Texture, PixelsError> {
+    // Refuses unknown extensions before opening the file.
+    if path.exists() {
+        extension(path)?;
+    }
+    from_bytes(path, &read_bounded(path)?)
+}
+
+fn extension(path: &Path) -> Result<String, PixelsError> {
+    let extension = path
+        .extension()
+        .map(|extension| extension.to_string_lossy().to_lowercase())
+        .unwrap_or_default();
+    if extensions().contains(&&*extension) {
+        return Ok(extension);
+    }
+    let known = extensions().join(", .");
+    Err(Fault::new(
+        format!("its extension is {extension:?}"),
+        format!("one of .{known}"),
+    )
+    .at(path))
+}
+
+/// Reads a texture from memory; the extension of `path` selects the format.
+pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Texture, PixelsError> {
+    let image = |decoded: Decoded, texel| Texture {
+        levels: vec![vec![decoded.rgb]],
+        texel,
+        keys: Vec::new(),
+    };
+    let extension = extension(path)?;
+    let container = FORMATS.iter().find(|format| format.extension == extension);
+    let texture = match (
+        container,
+        IMAGES.iter().find(|format| format.extension == extension),
+    ) {
+        (Some(format), _) => (format.read)(bytes).map_err(|fault| fault.at(path))?,
+        (None, Some(format)) => image(format.read(path, bytes)?, format.name),
+        (None, None) => image(png::read_linear(path, bytes)?, PNG),
+    };
+    // Containers check their claims; other images may be as large as an environment.
+    let texels: usize = texture
+        .levels
+        .iter()
+        .flatten()
+        .map(|face| face.data.len())
+        .sum();
+    if texels as u64 > TEXELS_MAX {
+        let fault = Fault::new(
+            format!("it has {texels} texels"),
+            format!("at most {TEXELS_MAX}; bake a smaller map"),
+        );
+        return Err(fault.at(path));
+    }
+    first_oddity(&texture).map_or(Ok(()), |fault| Err(fault.at(path)))?;
+    Ok(texture)
+}
+
+fn first_oddity(texture: &Texture) -> Option<Fault> {
+    let levels = texture.levels.iter().enumerate();
+    let mut images = levels.flat_map(|(level, faces)| {
+        (0..)
+            .zip(faces)
+            .map(move |(face, image)| (level, face, image))
+    });
+    images.find_map(|(level, face, image): (usize, u32, &RgbImage)| {
+        let at = image
+            .data
+            .iter()
+            .position(|texel| texel.iter().any(|value| !value.is_finite()))?;
+        let (x, y) = (at % image.width as usize, at / image.width as usize);
+        let what = format!(
+            "level {level}, face {face}, column {x}, row {y} is {:?}",
+            image.data[at]
+        );
+        let expected = "finite values (a sun above 65504 overflows a half: clip the environment \
+                        before the bake)";
+        Some(Fault::new(what, expected))
+    })
+}
+
+/// A texture's size as its header claims it.
+#[derive(Clone, Copy, Debug)]
+struct Claim {
+    width: u32,
+    height: u32,
+    depth: u32,
+    layers: u32,
+    faces: u32,
+    levels: u32,
+}
+
+impl Claim {
+    /// Checks the claim and returns the number of faces.
+    fn check(&self) -> Result<usize, Fault> {
+        let Self {
+            width,
+            height,
+            depth,
+            layers,
+            faces,
+            levels,
+        } = *self;
+        if width == 0 || height == 0 {
+            return Err(Fault::new(
+                format!("the header claims {width}x{height} texels"),
+                "at least one texel",
+            ));
+        }
+        if depth > 1 || layers > 1 {
+            let what = format!("the header claims a depth of {depth} and {layers} layers");
+            return Err(Fault::new(what, "one image or one cube"));
+        }
+        if faces != 1 && faces != FACE_COUNT as u32 {
+            return Err(Fault::new(
+                format!("the header claims {faces} faces"),
+                "1 or 6",
+            ));
+        }
+        if faces > 1 && width != height {
+            return Err(Fault::new(
+                format!("its faces are {width}x{height}"),
+                "square faces",
+            ));
+        }
+        let most = LEVELS_MAX.min(u32::BITS - width.max(height).leading_zeros());
+        if levels == 0 || levels > most {
+            let what = format!("the header claims {levels} levels of {width}x{height} texels");
+            return Err(Fault::new(
+                what,
+                format!("1 to {most}, each half as wide as the one before"),
+            ));
+        }
+        // Level 0 has at least three quarters of all texels.
+        let texels = u64::from(width)
+            .saturating_mul(height.into())
+            .saturating_mul(faces.into());
+        if texels.saturating_add(texels / 3) > TEXELS_MAX {
+            let what = format!(
+                "the header claims {texels} texels in level 0, which take {} MiB",
+                (texels * 12) >> 20
+            );
+            return Err(Fault::new(
+                what,
+                format!("at most {TEXELS_MAX} texels in all; bake a smaller map"),
+            ));
+        }
+        Ok(faces as usize)
+    }
+
+    fn size(&self, level: u32) -> [u32; 2] {
+        [self.width, self.height].map(|side| (side >> level).max(1))
+    }
+
+    fn face_bytes(&self, level: u32, texel: &Texel) -> usize {
+        let [width, height] = self.size(level);
+        width as usize * height as usize * texel.bytes
+    }
+
+    fn faces_of(&self, level: u32, texel: &Texel, data: &[u8]) -> Result<Vec<RgbImage>, Fault> {
+        let [width, height] = self.size(level);
+        data.chunks_exact(self.face_bytes(level, texel))
+            .map(|face| texel.image(width, height, face))
+            .collect()
+    }
+}
+
+/// Joins metadata of a KTX file: the length of each pair, key and value, padded to 4 bytes.
+fn pairs<'k>(keys: impl IntoIterator<Item = &'k (String, String)>) -> Vec<u8> {
+    let mut pairs = Vec::new();
+    for (key, value) in keys {
+        let pair = [key.as_bytes(), b"\0", value.as_bytes(), b"\0"].concat();
+        pairs.extend((pair.len() as u32).to_le_bytes());
+        pairs.extend(pair);
+        pairs.resize(pairs.len().next_multiple_of(4), 0);
+    }
+    pairs
+}
+
+/// Splits metadata of a KTX file, without pairs that are not text. Inverse: [`pairs`].
+fn unjoined(mut bytes: &[u8]) -> Vec<(String, String)> {
+    let mut keys = Vec::new();
+    while let Some((length, rest)) = bytes.split_first_chunk() {
+        let length = u32::from_le_bytes(*length) as usize;
+        let Some(pair) = rest.get(..length) else {
+            break;
+        };
+        let text = std::str::from_utf8(pair)
+            .ok()
+            .and_then(|pair| pair.split_once('\0'));
+        keys.extend(
+            text.map(|(key, value)| (key.to_owned(), value.trim_end_matches('\0').to_owned())),
+        );
+        bytes = rest.get(length.next_multiple_of(4)..).unwrap_or_default();
+    }
+    keys
+}
+
+fn truncated(level: u32, needed: usize, found: usize) -> Fault {
+    Fault::new(
+        format!("level {level} needs {needed} bytes but has {found}"),
+        "a complete file; it is probably truncated",
+    )
+}

@@ -1,0 +1,349 @@
+//! Meaning of a bake's numbers as data: conventions by name, and presets of known tools.
+
+use super::product::{LAST_SIDE, Product, SIDE};
+use crate::base::names::{Listed, listed};
+use crate::instrument::brdf::MaskingShadowing;
+use crate::instrument::precompute::prefilter::{LevelMapping, WEIGHTS, Weight};
+use glam::{DVec2, DVec3};
+use serde::Deserialize;
+use std::fmt;
+use std::sync::LazyLock;
+
+/// World axes in file axes: in `-z+y+x` the world's x is the file's -z. A file's own axes are the
+/// axes of a Vulkan cube map, or of our lat-long map ([`crate::base::math::equirect`]).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Axes {
+    /// File axis of each world axis, and whether it is negated.
+    of: [(usize, bool); 3],
+}
+
+impl Axes {
+    pub const SAME: Self = Self {
+        of: [(0, false), (1, false), (2, false)],
+    };
+
+    /// Parses a text such as `-z+y+x`.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        Self::all().find(|axes| axes.to_string() == text).ok_or_else(|| {
+            format!(
+                "{text:?} is not a list of axes; expected the file's axis for the world's x, y and \
+                 z, such as +x+y+z or -z+y+x"
+            )
+        })
+    }
+
+    /// Lists all 48 orientations, mirrors included.
+    pub fn all() -> impl Iterator<Item = Self> {
+        let orders = [
+            [0, 1, 2],
+            [0, 2, 1],
+            [1, 0, 2],
+            [1, 2, 0],
+            [2, 0, 1],
+            [2, 1, 0],
+        ];
+        orders.into_iter().flat_map(|order| {
+            (0..8).map(move |signs| Self {
+                of: std::array::from_fn(|i| (order[i], signs >> i & 1 == 1)),
+            })
+        })
+    }
+
+    /// Converts a world direction to the file. Inverse: [`Self::to_world`].
+    pub fn to_file(self, world: DVec3) -> DVec3 {
+        let mut file = DVec3::ZERO;
+        (0..3).for_each(|i| file[self.of[i].0] = self.sign(i) * world[i]);
+        file
+    }
+
+    /// Converts a file direction to the world. Inverse: [`Self::to_file`].
+    pub fn to_world(self, file: DVec3) -> DVec3 {
+        DVec3::from_array(std::array::from_fn(|i| self.sign(i) * file[self.of[i].0]))
+    }
+
+    fn sign(self, i: usize) -> f64 {
+        if self.of[i].1 { -1.0 } else { 1.0 }
+    }
+}
+
+impl fmt::Display for Axes {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        self.of.iter().try_for_each(|(axis, is_turned)| {
+            write!(
+                f,
+                "{}{}",
+                if *is_turned { '-' } else { '+' },
+                ["x", "y", "z"][*axis]
+            )
+        })
+    }
+}
+
+/// Directions of a DFG table's parameters.
+#[derive(Debug)]
+pub struct TableAxes {
+    /// Parameter to the right, then downwards: `n` for n·v, `r` for perceptual roughness, `-` if it
+    /// falls.
+    pub name: &'static str,
+}
+
+/// Every variant; the first is ours.
+pub static TABLE_AXES: &[TableAxes] = &[
+    TableAxes { name: "n+r+" },
+    TableAxes { name: "n+r-" },
+    TableAxes { name: "n-r+" },
+    TableAxes { name: "n-r-" },
+    TableAxes { name: "r+n+" },
+    TableAxes { name: "r+n-" },
+    TableAxes { name: "r-n+" },
+    TableAxes { name: "r-n-" },
+];
+
+impl TableAxes {
+    /// Returns n·v and perceptual roughness at texture coordinates.
+    pub fn parameters(&self, uv: DVec2) -> DVec2 {
+        self.swapped(self.flipped(uv))
+    }
+
+    /// Returns texture coordinates of n·v and perceptual roughness. Inverse: [`Self::parameters`].
+    pub fn place(&self, parameters: DVec2) -> DVec2 {
+        self.flipped(self.swapped(parameters))
+    }
+
+    fn flipped(&self, uv: DVec2) -> DVec2 {
+        let falls = |sign: usize| self.name.as_bytes()[sign] == b'-';
+        DVec2::select(glam::BVec2::new(falls(1), falls(3)), 1.0 - uv, uv)
+    }
+
+    fn swapped(&self, at: DVec2) -> DVec2 {
+        if self.name.starts_with('r') {
+            DVec2::new(at.y, at.x)
+        } else {
+            at
+        }
+    }
+}
+
+/// Content of a DFG table's first two channels: scale A of F0 and bias B.
+#[derive(Debug)]
+pub struct TableChannels {
+    pub name: &'static str,
+    /// Converts the channels to A and B.
+    pub pair: fn(DVec2) -> DVec2,
+}
+
+/// Every variant; the first is ours.
+pub static TABLE_CHANNELS: &[TableChannels] = &[
+    TableChannels {
+        name: "scale-bias",
+        pair: |texel| texel,
+    },
+    TableChannels {
+        name: "bias-scale",
+        pair: |texel| DVec2::new(texel.y, texel.x),
+    },
+    // Filament's table for several scatterings.
+    TableChannels {
+        name: "bias-albedo",
+        pair: |texel| DVec2::new(texel.y - texel.x, texel.x),
+    },
+];
+
+#[derive(Clone, Debug)]
+pub struct Convention {
+    pub axes: Axes,
+    /// Perceptual roughness of each level, unless `alphas` is set.
+    pub mapping: &'static LevelMapping,
+    pub alphas: Option<Vec<f64>>,
+    /// Radiance of a texel of 1.
+    pub scale: f64,
+    /// Irradiance over π of a texel of 1 in an irradiance map.
+    pub irradiance_scale: f64,
+    pub table_axes: &'static TableAxes,
+    pub table_channels: &'static TableChannels,
+    pub masking: MaskingShadowing,
+    /// Weight of a direction in a texel's mean.
+    pub weight: &'static Weight,
+}
+
+/// The conventions of a tool: one of `assets/bakes/presets.json`, or a TOML file of the user.
+#[derive(Debug, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct Preset {
+    pub name: &'static str,
+    pub about: &'static str,
+    /// Program or repository with version, file and function.
+    pub source: &'static str,
+    axes: &'static str,
+    level_mapping: &'static str,
+    alphas: Option<Vec<f64>>,
+    scale: f64,
+    irradiance_scale: f64,
+    table_axes: &'static str,
+    table_channels: &'static str,
+    masking: &'static str,
+    weight: &'static str,
+    product: Option<Product>,
+}
+
+impl Default for Preset {
+    fn default() -> Self {
+        Self {
+            name: "",
+            about: "",
+            source: "",
+            axes: "+x+y+z",
+            level_mapping: "linear",
+            alphas: None,
+            scale: 1.0,
+            irradiance_scale: 1.0,
+            table_axes: TABLE_AXES[0].name,
+            table_channels: TABLE_CHANNELS[0].name,
+            masking: "correlated",
+            weight: WEIGHTS[0].name,
+            product: None,
+        }
+    }
+}
+
+/// Every preset; the first is the default.
+pub static PRESETS: LazyLock<Vec<Preset>> = LazyLock::new(|| {
+    serde_json::from_str(include_str!("../../assets/bakes/presets.json"))
+        .expect("the file is part of the program")
+});
+
+listed!(TableAxes, "order of table axes", TABLE_AXES);
+listed!(TableChannels, "order of table channels", TABLE_CHANNELS);
+listed!(
+    Preset,
+    "preset",
+    PRESETS,
+    /// Finds a preset by its name or its engine's.
+    fn by_name(name: &str) -> Option<&'static Self> {
+        Self::all().find(|preset| {
+            preset.name == name || preset.has_product() && preset.product().engine == name
+        })
+    }
+);
+
+impl Preset {
+    /// Reads a user's preset from JSON. Fails on an unknown field, name or number.
+    pub fn from_json(text: String) -> Result<&'static Self, String> {
+        // The text is never freed, as listed presets are not. Its line and column are not the
+        // user's.
+        let preset: Result<Self, _> = serde_json::from_str(text.leak());
+        let preset = preset.map_err(|error| {
+            error
+                .to_string()
+                .split(" at line ")
+                .next()
+                .unwrap_or_default()
+                .to_owned()
+        })?;
+        preset.parsed()?;
+        if let Some(product) = &preset.product {
+            let given = [
+                ("alphas", preset.alphas.is_some()),
+                ("scale", preset.scale != 1.0),
+            ];
+            if let Some((name, _)) = given.iter().find(|(_, is_given)| *is_given) {
+                return Err(format!(
+                    "{name}: a preset with [product] writes radiance by a level_mapping; leave it \
+                     out"
+                ));
+            }
+            product
+                .check()
+                .map_err(|fault| format!("product.{fault}"))?;
+        }
+        Ok(Box::leak(Box::new(preset)))
+    }
+
+    /// Lists the presets for which `splitsum bake --for` writes files.
+    pub fn engines() -> impl Iterator<Item = &'static Self> {
+        PRESETS.iter().filter(|preset| preset.has_product())
+    }
+
+    pub fn has_product(&self) -> bool {
+        self.product.is_some()
+    }
+
+    /// Returns the output of `splitsum bake --for`. Panics without [`Self::has_product`].
+    pub fn product(&self) -> &Product {
+        self.product.as_ref().expect("the preset has files")
+    }
+
+    /// Returns the default side of a face, texels: the last level that the engine reads has
+    /// [`LAST_SIDE`].
+    pub fn side(&self) -> u32 {
+        let count = self
+            .product()
+            .level_count
+            .or(self.convention().mapping.engine_levels);
+        count.map_or(SIDE, |count| SIDE.max(LAST_SIDE << (count - 1)))
+    }
+
+    pub fn convention(&self) -> Convention {
+        self.parsed().expect("checked where it was read")
+    }
+
+    fn parsed(&self) -> Result<Convention, String> {
+        if let Some(bad) = [self.scale, self.irradiance_scale]
+            .iter()
+            .find(|scale| !(scale.is_finite() && **scale > 0.0))
+        {
+            return Err(format!(
+                "a scale of {bad}; expected a finite number above 0"
+            ));
+        }
+        if let Some(alphas) = self
+            .alphas
+            .as_ref()
+            .filter(|all| !all.is_sorted() || all.iter().any(|x| !(0.0..=1.0).contains(x)))
+        {
+            return Err(format!(
+                "alphas: {alphas:?}; expected ascending widths from 0 to 1"
+            ));
+        }
+        Ok(Convention {
+            axes: Axes::parse(self.axes)?,
+            mapping: LevelMapping::parse(self.level_mapping)?,
+            alphas: self.alphas.clone(),
+            scale: self.scale,
+            irradiance_scale: self.irradiance_scale,
+            table_axes: TableAxes::parse(self.table_axes)?,
+            table_channels: TableChannels::parse(self.table_channels)?,
+            masking: *MaskingShadowing::parse(self.masking)?,
+            weight: Weight::parse(self.weight)?,
+        })
+    }
+}
+
+impl Convention {
+    pub fn alphas(&self, count: usize) -> Result<Vec<f64>, String> {
+        match &self.alphas {
+            Some(alphas) if alphas.len() == count && alphas.is_sorted() => Ok(alphas.clone()),
+            Some(alphas) if alphas.len() == count => {
+                Err("--alphas: expected ascending widths".to_owned())
+            }
+            Some(all) => Err(format!(
+                "widths: {}, levels: {count}; --level-mapping tells what is missing",
+                all.len()
+            )),
+            None if count == 1 => Ok(vec![0.0]),
+            None => {
+                let last = self.mapping_levels(count);
+                Ok((0..count as u32)
+                    .map(|level| {
+                        self.mapping
+                            .alpha_from_mip(level.min(last - 1).into(), last)
+                    })
+                    .collect())
+            }
+        }
+    }
+
+    pub fn mapping_levels(&self, count: usize) -> u32 {
+        self.mapping.engine_levels.unwrap_or(count as u32)
+    }
+}

@@ -1,0 +1,44 @@
+//! Exact texels of a level.
+
+use super::directions::Directions;
+use super::{Truth, has_width};
+use crate::instrument::environment::Environment;
+use crate::instrument::precompute::prefilter::Kernel;
+use glam::DVec3;
+use rayon::prelude::*;
+
+/// Returns exact texels of a level: prefiltered radiance, or the averaged environment for a mirror
+/// level.
+pub fn exact(truth: &Truth, kernel: Kernel, directions: &Directions, alpha: f64) -> Vec<DVec3> {
+    match has_width(alpha) {
+        true => {
+            let map = truth.prefiltered_by(kernel, alpha);
+            directions
+                .world
+                .par_iter()
+                .map(|direction| map.value(*direction))
+                .collect()
+        }
+        false => mirror(truth.environment, directions),
+    }
+}
+
+/// Averages the environment over each texel, at least two points per texel of the environment.
+pub fn mirror(environment: &Environment, directions: &Directions) -> Vec<DVec3> {
+    let points = (2 * finer(environment, directions)).clamp(2, 16);
+    directions.means(points, |direction| environment.radiance(direction))
+}
+
+/// Returns how many texels of the environment a texel covers along a side, rounded up.
+pub fn finer(environment: &Environment, directions: &Directions) -> u32 {
+    let (map, [width, height]) = (&environment.image, directions.size);
+    // A cube has two faces from pole to pole and four around.
+    let (rows, columns) = if directions.layout.face_count > 1 {
+        (2, 4)
+    } else {
+        (1, 1)
+    };
+    map.height
+        .div_ceil(rows * height)
+        .max(map.width.div_ceil(columns * width))
+}

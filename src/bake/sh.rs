@@ -1,0 +1,163 @@
+//! Nine coefficients of spherical harmonics in files: cmgen's text and our JSON.
+
+use crate::base::files::{TEXT_BYTES_MAX, read_text};
+use crate::base::math::quadrature::GaussLegendre;
+use crate::base::math::spherical_harmonics::{COSINE_LOBE, COUNT, DEGREE, basis};
+use crate::base::pixels::{Fault, PixelsError};
+use crate::instrument::precompute::sh9::reference::Sh9;
+use glam::DVec3;
+use std::f64::consts::PI;
+use std::path::Path;
+
+/// Coefficients of radiance as in [`crate::base::math::spherical_harmonics`], in the file's axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Coefficients {
+    pub radiance: Sh9,
+    /// The file's number over each coefficient.
+    pub factors: [f64; COUNT],
+}
+
+/// Reads `.json` as ours and other text as cmgen's.
+pub fn read(path: &Path) -> Result<Coefficients, PixelsError> {
+    let text = read_text(path, TEXT_BYTES_MAX).map_err(|error| {
+        Fault::new(
+            format!("cannot be read ({error})"),
+            "a text of nine coefficients",
+        )
+        .at(path)
+    })?;
+    parse(path, &text)
+}
+
+/// Parses the text of the file at `path`.
+pub fn parse(path: &Path, text: &str) -> Result<Coefficients, PixelsError> {
+    let is_json = path
+        .extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
+    let found = if is_json {
+        from_json(text)
+    } else {
+        from_cmgen(text)
+    };
+    found.map_err(|fault| fault.at(path))
+}
+
+fn from_json(text: &str) -> Result<Coefficients, Fault> {
+    const EXPECTED: &str = "the sh9.json of splitsum bake: \"radiance\" with 9 triples";
+    #[derive(serde::Deserialize)]
+    struct File {
+        radiance: Vec<[f64; 3]>,
+    }
+    let file: File = serde_json::from_str(text)
+        .map_err(|error| Fault::new(format!("cannot be read ({error})"), EXPECTED))?;
+    let count = file.radiance.len();
+    let radiance = <[[f64; 3]; COUNT]>::try_from(file.radiance)
+        .map_err(|_| Fault::new(format!("\"radiance\" has {count} triples"), EXPECTED))?;
+    finite(Coefficients {
+        radiance: radiance.map(DVec3::from_array),
+        factors: [1.0; COUNT],
+    })
+}
+
+/// Parses cmgen's lines `( r, g, b); // L00, irradiance, pre-scaled base`. Each number multiplies
+/// its polynomial, such as `3 z² - 1`, in irradiance over π.
+fn from_cmgen(text: &str) -> Result<Coefficients, Fault> {
+    const EXPECTED: &str = "nine lines such as \"( 0.5, 0.4, 0.6); // L00, irradiance, pre-scaled \
+                            base\", as cmgen writes them";
+    let mut found = Vec::new();
+    for (number, line) in (1..)
+        .zip(text.lines())
+        .filter(|(_, line)| !line.trim().is_empty())
+    {
+        let numbers = line
+            .trim_start()
+            .strip_prefix('(')
+            .and_then(|rest| rest.split_once(')'));
+        let triple: Option<Vec<f64>> = numbers.and_then(|(inside, _)| {
+            inside
+                .split(',')
+                .map(|number| number.trim().parse().ok())
+                .collect()
+        });
+        let triple = triple.and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
+        // Other bases need other factors, so they are refused.
+        match triple.filter(|_| line.contains("irradiance") && line.contains("pre-scaled")) {
+            Some(triple) => found.push(DVec3::from_array(triple)),
+            None => {
+                return Err(Fault::new(
+                    format!("line {number} is not a coefficient of irradiance"),
+                    EXPECTED,
+                ));
+            }
+        }
+    }
+    let count = found.len();
+    let scaled = Sh9::try_from(found)
+        .map_err(|_| Fault::new(format!("it has {count} coefficients"), EXPECTED))?;
+    let factors = prescaled();
+    finite(Coefficients {
+        radiance: std::array::from_fn(|k| scaled[k] / factors[k]),
+        factors,
+    })
+}
+
+/// Returns cmgen's coefficient over ours for each function: `A_l / π` times the constant of its
+/// polynomial.
+pub fn prescaled() -> [f64; COUNT] {
+    // At z = 1 the polynomials z and 3 z² - 1 are 1 and 2; xy, yz and xz are 1/2 at a diagonal.
+    let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z];
+    let places = [z, y, z, x, x + y, y + z, z, x + z, x];
+    let polynomials = [1.0, 1.0, 1.0, 1.0, 0.5, 0.5, 2.0, 0.5, 1.0];
+    std::array::from_fn(|k| {
+        basis(places[k].normalize())[k] / polynomials[k] * COSINE_LOBE[DEGREE[k]] / PI
+    })
+}
+
+pub fn to_cmgen(radiance: &Sh9) -> String {
+    const NAMES: [&str; COUNT] = [
+        "L00", "L1-1", "L10", "L11", "L2-2", "L2-1", "L20", "L21", "L22",
+    ];
+    let line = |(name, [r, g, b]): (&str, [f64; 3])| {
+        format!("({r:18.15}, {g:18.15}, {b:18.15}); // {name}, irradiance, pre-scaled base\n")
+    };
+    NAMES.into_iter().zip(scaled(radiance)).map(line).collect()
+}
+
+pub fn scaled(radiance: &Sh9) -> [[f64; 3]; COUNT] {
+    let factors = prescaled();
+    std::array::from_fn(|k| (radiance[k] * factors[k]).to_array())
+}
+
+/// Returns the coefficients of `n -> f(turn(n))`.
+pub fn turned(f: &Sh9, turn: impl Fn(DVec3) -> DVec3) -> Sh9 {
+    // Products of two functions have degree 4, for which six nodes of z and six azimuths are exact.
+    let rule = GaussLegendre::<6>::new();
+    let mut sums = Sh9::default();
+    for (z, weight) in rule.nodes.iter().zip(rule.weights) {
+        for i in 0..6 {
+            let (sin, cos) = (f64::from(i) * PI / 3.0).sin_cos();
+            let s = (1.0 - z * z).sqrt();
+            let n = DVec3::new(s * cos, s * sin, *z);
+            let value: DVec3 = f
+                .iter()
+                .zip(basis(turn(n)))
+                .map(|(value, y)| *value * y)
+                .sum();
+            basis(n)
+                .iter()
+                .zip(&mut sums)
+                .for_each(|(y, sum)| *sum += PI / 3.0 * weight * *y * value);
+        }
+    }
+    sums
+}
+
+fn finite(found: Coefficients) -> Result<Coefficients, Fault> {
+    match found.radiance.iter().position(|triple| !triple.is_finite()) {
+        Some(k) => Err(Fault::new(
+            format!("coefficient {k} is {:?}", found.radiance[k].to_array()),
+            "finite numbers",
+        )),
+        None => Ok(found),
+    }
+}

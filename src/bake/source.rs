@@ -1,0 +1,429 @@
+//! Finds the parts of a bake in files and folders.
+//!
+//! A cube or lat-long map is prefiltered radiance, or irradiance if it has one level; a square
+//! image is a DFG table; text is SH. `irradiance=FILE` and so on override this.
+
+use super::container::{FACE_COUNT, FORMATS, Texture, read_texture};
+use super::parts::{Bake, Manifest, Map};
+use super::sh;
+use crate::base::files::{RECORD_BYTES_MAX, inside, names_in, read_text};
+use crate::base::names::Listed;
+use crate::base::pixels::{Fault, Pixels, PixelsError, RgbImage};
+use crate::instrument::brdf::MODELS;
+use crate::instrument::environment::layout::{LAYOUTS, MapLayout};
+use std::path::{Path, PathBuf};
+
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Part {
+    Specular,
+    Irradiance,
+    Dfg,
+    Sh,
+}
+
+/// Prefixes of a file argument.
+pub const PARTS: &[(&str, Part)] = &[
+    ("specular", Part::Specular),
+    ("irradiance", Part::Irradiance),
+    ("dfg", Part::Dfg),
+    ("sh", Part::Sh),
+];
+
+#[derive(Clone, Copy, Debug)]
+pub struct Reading<'a> {
+    /// Layout of images that are neither a cube nor a table.
+    pub layout: Option<&'static MapLayout>,
+    /// Model whose tables to read from a folder of several.
+    pub brdf: &'a str,
+}
+
+impl Default for Reading<'_> {
+    /// Reads tables of GGX and lat-long images.
+    fn default() -> Self {
+        Self {
+            layout: None,
+            brdf: MODELS[0].name(),
+        }
+    }
+}
+
+/// Reads a bake from `FILE`, `FOLDER` or `PART=FILE`. Images of one level each form a chain in the
+/// given order.
+pub fn read(files: &[String], reading: Reading) -> Result<Bake, PixelsError> {
+    let mut bake = Bake::default();
+    for file in files {
+        let (part, path) = part_and_path(file)?;
+        if path.is_dir() {
+            read_folder(&path, part, reading, &mut bake)?;
+            continue;
+        }
+        add_file(&mut bake, &path, part, reading)?;
+    }
+    Ok(bake)
+}
+
+fn part_and_path(file: &str) -> Result<(Option<Part>, PathBuf), PixelsError> {
+    let Some((name, path)) = file.split_once('=').filter(|_| !Path::new(file).exists()) else {
+        return Ok((None, file.into()));
+    };
+    match PARTS.iter().find(|(known, _)| *known == name) {
+        Some((_, part)) => Ok((Some(*part), path.into())),
+        None if Path::new(path).exists() => {
+            let known: Vec<String> = PARTS
+                .iter()
+                .map(|(name, _)| format!("{name}=FILE"))
+                .collect();
+            Err(
+                Fault::new("is neither a file nor a part of a bake", known.join(", "))
+                    .at(Path::new(file)),
+            )
+        }
+        None => Ok((None, file.into())),
+    }
+}
+
+fn once<T>(place: &mut Option<T>, value: T, what: &str, path: &Path) -> Result<(), PixelsError> {
+    match place.replace(value) {
+        None => Ok(()),
+        Some(_) => Err(Fault::new(
+            format!("is the second {what} of this bake"),
+            "one; check them separately",
+        )
+        .at(path)),
+    }
+}
+
+fn add_file(
+    bake: &mut Bake,
+    path: &Path,
+    part: Option<Part>,
+    reading: Reading,
+) -> Result<(), PixelsError> {
+    let extension = path
+        .extension()
+        .map(|extension| extension.to_string_lossy().to_lowercase());
+    let is_text = matches!(extension.as_deref(), Some("txt" | "json"));
+    if part == Some(Part::Sh) || (part.is_none() && is_text) {
+        return once(&mut bake.sh, sh::read(path)?, "SH", path);
+    }
+    let Texture {
+        mut levels, keys, ..
+    } = read_texture(path)?;
+    bake.stated.add(&keys);
+    let first = &levels[0][0];
+    let (width, height, faces, count) = (first.width, first.height, levels[0].len(), levels.len());
+    let is_square_image = faces == 1 && width == height;
+    if part == Some(Part::Dfg) || (part.is_none() && is_square_image && reading.layout.is_none()) {
+        if faces != 1 {
+            return Err(Fault::new("is a cube", "one image for a DFG table").at(path));
+        }
+        if width != height {
+            return Err(
+                Fault::new(format!("it is {width}x{height}"), "a square DFG table").at(path),
+            );
+        }
+        return once(
+            &mut bake.dfg,
+            levels.swap_remove(0).swap_remove(0),
+            "DFG table",
+            path,
+        );
+    }
+    let layout = match (faces, reading.layout) {
+        (FACE_COUNT, _) => cube(),
+        (_, Some(layout)) => layout,
+        _ if width == 2 * height => MapLayout::listed("equirect"),
+        _ if height == FACE_COUNT as u32 * width => cube(),
+        _ => {
+            return Err(Fault::new(
+                format!("it is one image of {width}x{height}"),
+                "a lat-long map (2:1), a cube as six faces below each other (1:6) or a square DFG \
+                 table; --layout selects another",
+            )
+            .at(path));
+        }
+    };
+    let split = |image: RgbImage| split(image, layout).map_err(|fault| fault.at(path));
+    if faces == 1 {
+        levels = levels
+            .into_iter()
+            .map(|mut level| split(level.swap_remove(0)))
+            .collect::<Result<_, _>>()?;
+    }
+    let map = Map { layout, levels };
+    // A single level in a cube or container is irradiance.
+    let is_irradiance = part.map_or(faces == FACE_COUNT && count == 1, |part| {
+        part == Part::Irradiance
+    });
+    match &mut bake.specular {
+        _ if is_irradiance => once(&mut bake.irradiance, map, "irradiance map", path),
+        Some(chain) if chain.layout == layout && count == 1 => {
+            let before = chain.levels[chain.levels.len() - 1][0].width;
+            if map.levels[0][0].width > before {
+                let what = format!(
+                    "its level is {} wide, the one before {before}",
+                    map.levels[0][0].width
+                );
+                return Err(Fault::new(what, "levels from the smoothest, the widest, on").at(path));
+            }
+            chain.levels.extend(map.levels);
+            Ok(())
+        }
+        place => once(place, map, "prefiltered map", path),
+    }
+}
+
+fn cube() -> &'static MapLayout {
+    &LAYOUTS[0]
+}
+
+/// Splits an image of faces below each other.
+fn split(image: RgbImage, layout: &'static MapLayout) -> Result<Vec<RgbImage>, Fault> {
+    let Pixels {
+        width,
+        height,
+        data,
+    } = image;
+    let side = height / layout.face_count;
+    if side == 0 || height % layout.face_count != 0 || (layout.is_square && side != width) {
+        return Err(Fault::new(
+            format!("it is one image of {width}x{height}"),
+            format!("the layout {}: {}", layout.name, layout.mapping),
+        ));
+    }
+    let faces = data.chunks_exact(width as usize * side as usize);
+    Ok(faces
+        .map(|face| Pixels::new(width, side, face.to_vec()))
+        .collect())
+}
+
+fn read_folder(
+    path: &Path,
+    part: Option<Part>,
+    reading: Reading,
+    bake: &mut Bake,
+) -> Result<(), PixelsError> {
+    let names = names_in(path);
+    if let Some((name, _)) = PARTS
+        .iter()
+        .find(|(_, known)| part == Some(*known) && matches!(known, Part::Dfg | Part::Sh))
+    {
+        return Err(Fault::new("is a folder", format!("a file for {name}=")).at(path));
+    }
+    if names.iter().any(|name| name == MANIFEST) {
+        return read_ours(path, &names, reading, bake);
+    }
+    // The files of a tool such as cmgen; its skybox is the map itself.
+    let is_part = |name: &&String| {
+        let is_texture = FORMATS
+            .iter()
+            .any(|format| name.ends_with(&format!(".{}", format.extension)));
+        (is_texture || name.ends_with("sh.txt")) && !name.contains("skybox")
+    };
+    let parts: Vec<&String> = names.iter().filter(is_part).collect();
+    if part.is_none()
+        && parts
+            .iter()
+            .any(|name| !name.ends_with("sh.txt") && face_of(name).is_none())
+    {
+        return parts
+            .into_iter()
+            .try_for_each(|name| add_file(bake, &path.join(name), None, reading));
+    }
+    add_faces(bake, path, part)?;
+    let own = names.iter().find(|name| *name == "sh.txt");
+    own.map_or(Ok(()), |name| {
+        once(&mut bake.sh, sh::read(&path.join(name))?, "SH", path)
+    })
+}
+
+fn add_faces(bake: &mut Bake, path: &Path, part: Option<Part>) -> Result<(), PixelsError> {
+    let map = read_faces(path, &names_in(path))?;
+    let is_irradiance = part.map_or(map.levels.len() == 1, |part| part == Part::Irradiance);
+    let (place, what) = match is_irradiance {
+        true => (&mut bake.irradiance, "irradiance map"),
+        false => (&mut bake.specular, "prefiltered map"),
+    };
+    once(place, map, what, path)
+}
+
+pub const FACES: [&str; FACE_COUNT] = ["px", "nx", "py", "ny", "pz", "nz"];
+
+/// Parses level and face of cmgen's `mL_px.exr`, or of `px.exr`.
+fn face_of(name: &str) -> Option<(usize, usize)> {
+    let (stem, _) = name.rsplit_once('.')?;
+    let (level, face) = match stem.rsplit_once('_') {
+        Some((level, face)) => (level.strip_prefix('m')?.parse().ok()?, face),
+        None => (0, stem),
+    };
+    Some((level, FACES.iter().position(|known| *known == face)?))
+}
+
+fn read_faces(path: &Path, names: &[String]) -> Result<Map, PixelsError> {
+    let refuse = |what: String| {
+        Fault::new(
+            what,
+            "one file a face, m0_px.exr, m0_nx.exr, ... of each level from 0, or the folder of \
+             splitsum bake",
+        )
+        .at(path)
+    };
+    let mut found: Vec<Vec<Option<RgbImage>>> = Vec::new();
+    let mut faces: Vec<_> = names
+        .iter()
+        .filter_map(|name| Some((face_of(name)?, name)))
+        .collect();
+    faces.sort();
+    for ((level, face), name) in faces {
+        if level > found.len() || (level == found.len() && face > 0) {
+            return Err(refuse(format!(
+                "it has {name}, but not every face before it"
+            )));
+        }
+        if level == found.len() {
+            found.push(vec![None; FACE_COUNT]);
+        }
+        let file = path.join(name);
+        let texture = read_texture(&file)?;
+        let image = &texture.levels[0][0];
+        let side = found[level]
+            .iter()
+            .flatten()
+            .next()
+            .map_or(image.width, |first| first.width);
+        if texture.is_cube() || texture.levels.len() > 1 || [image.width, image.height] != [side; 2]
+        {
+            let (levels, size) = (texture.levels.len(), [image.width, image.height]);
+            let levels = if levels == 1 {
+                "one level".to_owned()
+            } else {
+                format!("{levels} levels")
+            };
+            let what = format!("it is {levels} of {}x{}", size[0], size[1]);
+            return Err(Fault::new(what, format!("one square face of {side}x{side}")).at(&file));
+        }
+        let image = texture.levels.into_iter().flatten().next();
+        if found[level][face].is_some() {
+            return Err(refuse(format!("{name} is the second file of its face")));
+        }
+        found[level][face] = image;
+    }
+    if found.is_empty() {
+        return Err(refuse("it has neither faces nor a bake.json".to_owned()));
+    }
+    let whole = |(level, faces): (usize, Vec<Option<RgbImage>>)| {
+        let missing: Vec<&str> = FACES
+            .iter()
+            .zip(&faces)
+            .filter(|(_, face)| face.is_none())
+            .map(|(n, _)| *n)
+            .collect();
+        let all: Option<Vec<RgbImage>> = faces.into_iter().collect();
+        all.ok_or_else(|| {
+            refuse(format!(
+                "level {level} lacks the faces {}",
+                missing.join(", ")
+            ))
+        })
+    };
+    Ok(Map {
+        layout: cube(),
+        levels: found
+            .into_iter()
+            .enumerate()
+            .map(whole)
+            .collect::<Result<_, _>>()?,
+    })
+}
+
+pub const MANIFEST: &str = "bake.json";
+
+fn read_ours(
+    path: &Path,
+    names: &[String],
+    reading: Reading,
+    bake: &mut Bake,
+) -> Result<(), PixelsError> {
+    #[derive(serde::Deserialize)]
+    struct File {
+        layout: String,
+        prefilter_alphas: Vec<f64>,
+    }
+    let manifest = path.join(MANIFEST);
+    let refuse = |what: String| Fault::new(what, "the bake.json of splitsum bake").at(&manifest);
+    let not_read = |error: serde_json::Error| refuse(format!("cannot be read ({error})"));
+    let text = read_text(&manifest, RECORD_BYTES_MAX)
+        .map_err(|error| refuse(format!("cannot be read ({error})")))?;
+    bake.stated = serde_json::from_str(&text).map_err(not_read)?;
+    if bake.stated.preset.is_some() {
+        return read_engines(
+            path,
+            serde_json::from_str(&text).map_err(not_read)?,
+            reading,
+            bake,
+        );
+    }
+    let file: File = serde_json::from_str(&text).map_err(not_read)?;
+    let layout = MapLayout::by_name(&file.layout)
+        .ok_or_else(|| refuse(format!("its layout is {:?}", file.layout)))?;
+    if file.prefilter_alphas.is_empty() {
+        return Err(refuse("it lists no level".to_owned()));
+    }
+    let (brdf, reading) = (
+        reading.brdf,
+        Reading {
+            layout: Some(layout),
+            ..reading
+        },
+    );
+    let levels = (0..file.prefilter_alphas.len())
+        .map(|k| (format!("prefiltered_{brdf}_{k}.exr"), Part::Specular));
+    let others = [
+        (format!("dfg_{brdf}.exr"), Part::Dfg),
+        ("sh9.json".to_owned(), Part::Sh),
+        ("irradiance_over_pi.exr".to_owned(), Part::Irradiance),
+    ];
+    for (name, part) in levels.chain(others.into_iter().filter(|(name, _)| names.contains(name))) {
+        add_file(bake, &path.join(name), Some(part), reading)?;
+    }
+    Ok(())
+}
+
+fn read_engines(
+    path: &Path,
+    file: Manifest,
+    reading: Reading,
+    bake: &mut Bake,
+) -> Result<(), PixelsError> {
+    if file.brdf != reading.brdf {
+        let what = format!("its model is {}", file.brdf);
+        return Err(
+            Fault::new(what, format!("{}; --brdf selects another", reading.brdf))
+                .at(&path.join(MANIFEST)),
+        );
+    }
+    let maps = [
+        (Some(&file.specular), Part::Specular),
+        (file.irradiance.as_ref(), Part::Irradiance),
+    ];
+    let maps = maps
+        .into_iter()
+        .filter_map(|(name, part)| Some((name?, part)));
+    let named = |name: &str| {
+        inside(path, name)
+            .map_err(|what| Fault::new(what, "files beside bake.json").at(&path.join(MANIFEST)))
+    };
+    // One table format is enough.
+    let table = file.tables.first().map(|name| (name, Part::Dfg));
+    for (name, part) in maps
+        .chain(table)
+        .chain(file.sh.as_ref().map(|name| (name, Part::Sh)))
+    {
+        let path = named(name)?;
+        match path.is_dir() {
+            true => add_faces(bake, &path, Some(part))?,
+            false => add_file(bake, &path, Some(part), reading)?,
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,325 @@
+//! Tidy CSV tables (RFC 4180, UTF-8, `\n`): one header, one row per case.
+//!
+//! Numbers have the fewest digits that read back to the same f64; infinities are `inf` and `-inf`,
+//! which pandas, R and DuckDB read. A missing value is an empty cell.
+
+use crate::base::files::open_regular;
+use crate::base::names::not_one_of;
+use std::collections::HashMap;
+use std::fs::File;
+use std::io::{Read, Seek};
+use std::path::{Path, PathBuf};
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum Cell {
+    Text(String),
+    Number(f64),
+    Integer(u64),
+    Missing,
+}
+
+macro_rules! cell_from {
+    ($($value:ident: $of:ty => $cell:expr),+ $(,)?) => {
+        $(impl From<$of> for Cell {
+            fn from($value: $of) -> Self {
+                $cell
+            }
+        })+
+    };
+}
+
+cell_from! {
+    text: &str => Self::Text(text.to_owned()),
+    text: String => Self::Text(text),
+    number: f64 => Self::Number(number),
+    number: u32 => Self::Integer(number.into()),
+    number: usize => Self::Integer(number as u64),
+    // 1 or 0.
+    is: bool => Self::Integer(is.into()),
+}
+
+impl<T: Into<Cell>> From<Option<T>> for Cell {
+    fn from(value: Option<T>) -> Self {
+        value.map_or(Self::Missing, T::into)
+    }
+}
+
+impl Cell {
+    fn field(&self) -> String {
+        match self {
+            Self::Text(text) => text.clone(),
+            Self::Number(number) => shortest(*number),
+            Self::Integer(integer) => integer.to_string(),
+            Self::Missing => String::new(),
+        }
+    }
+}
+
+pub fn rounded(number: f64, digits: usize) -> f64 {
+    format!("{number:.*e}", digits - 1)
+        .parse()
+        .expect("a number reads back")
+}
+
+/// Numbers from here on, and below its inverse, are written with an exponent.
+const EXPONENT_FROM: f64 = 1e16;
+/// Smallest magnitude that is written without an exponent.
+const EXPONENT_BELOW: f64 = 1e-5;
+
+/// The shortest text that reads back to the same number.
+fn shortest(number: f64) -> String {
+    let magnitude = number.abs();
+    if magnitude == 0.0
+        || !magnitude.is_finite()
+        || (EXPONENT_BELOW..EXPONENT_FROM).contains(&magnitude)
+    {
+        number.to_string()
+    } else {
+        format!("{number:e}")
+    }
+}
+
+#[derive(Debug, thiserror::Error)]
+pub enum TableError {
+    #[error("{}: {source}", path.display())]
+    File {
+        path: PathBuf,
+        source: std::io::Error,
+    },
+    #[error("{}: {}", path.display(), in_words(source))]
+    Syntax { path: PathBuf, source: ::csv::Error },
+    #[error("{}: row {row}, column {column}: {value:?} is not a number", path.display())]
+    Number {
+        path: PathBuf,
+        row: usize,
+        column: String,
+        value: String,
+    },
+    #[error("{}: ends within a row; it is probably truncated", path.display())]
+    Torn { path: PathBuf },
+    #[error("{}: {what}", path.display())]
+    NoColumn { path: PathBuf, what: String },
+}
+
+/// Describes a row of a wrong length by its line; other faults as the crate does.
+fn in_words(error: &::csv::Error) -> String {
+    match error.kind() {
+        ::csv::ErrorKind::UnequalLengths {
+            pos: Some(place),
+            expected_len,
+            len,
+        } => {
+            format!(
+                "line {}: the row has {len} cells; expected {expected_len}, as the header",
+                place.line()
+            )
+        }
+        _ => error.to_string(),
+    }
+}
+
+impl TableError {
+    fn no_column(path: &Path, column: &str, columns: &[String]) -> Self {
+        let columns: Vec<&str> = columns.iter().map(String::as_str).collect();
+        Self::NoColumn {
+            path: path.to_owned(),
+            what: not_one_of("column", column, &columns, ""),
+        }
+    }
+}
+
+pub fn to_text<'r>(columns: &[String], rows: impl IntoIterator<Item = &'r [Cell]>) -> Vec<u8> {
+    let mut writer = ::csv::Writer::from_writer(Vec::new());
+    writer
+        .write_record(columns)
+        .expect("memory takes rows of equal length");
+    for row in rows {
+        writer
+            .write_record(row.iter().map(Cell::field))
+            .expect("memory takes rows of equal length");
+    }
+    writer.into_inner().expect("memory can be flushed")
+}
+
+/// Writes a table row by row, to save memory.
+pub fn write<E: From<TableError>>(
+    path: &Path,
+    columns: &[String],
+    rows: impl IntoIterator<Item = Result<Vec<Cell>, E>>,
+) -> Result<(), E> {
+    let fault = |source: ::csv::Error| TableError::Syntax {
+        path: path.to_owned(),
+        source,
+    };
+    let mut writer = ::csv::Writer::from_path(path).map_err(fault)?;
+    writer.write_record(columns).map_err(fault)?;
+    for row in rows {
+        writer
+            .write_record(row?.iter().map(Cell::field))
+            .map_err(fault)?;
+    }
+    Ok(writer.flush().map_err(|source| file_error(path, source))?)
+}
+
+#[derive(Clone, Debug, PartialEq)]
+pub struct Table {
+    path: PathBuf,
+    pub columns: Vec<String>,
+    pub rows: Vec<Vec<String>>,
+}
+
+impl Table {
+    /// Reads a whole table; every row must have as many cells as the header, and the last line must
+    /// be whole.
+    pub fn read(path: &Path) -> Result<Self, TableError> {
+        let mut table = TableRows::open(path)?;
+        let mut rows = Vec::new();
+        table.each(|row| {
+            rows.push(row.record.iter().map(str::to_owned).collect());
+            Ok(())
+        })?;
+        Ok(Self {
+            path: table.path,
+            columns: table.columns,
+            rows,
+        })
+    }
+
+    pub fn column(&self, name: &str) -> Result<usize, TableError> {
+        let place = self.columns.iter().position(|column| column == name);
+        place.ok_or_else(|| TableError::no_column(&self.path, name, &self.columns))
+    }
+}
+
+/// A table that is read row by row, to save memory.
+#[derive(Debug)]
+pub struct TableRows {
+    path: PathBuf,
+    columns: Vec<String>,
+    places: HashMap<String, usize>,
+    reader: ::csv::Reader<File>,
+}
+
+#[derive(Clone, Copy, Debug)]
+pub struct Row<'t> {
+    table: &'t TableRows,
+    record: &'t ::csv::StringRecord,
+    /// From 1.
+    number: usize,
+}
+
+impl TableRows {
+    /// Opens a whole table: the last line must be whole.
+    pub fn open(path: &Path) -> Result<Self, TableError> {
+        let io = |source| file_error(path, source);
+        let mut file = open_regular(path).map_err(io)?;
+        if !is_whole(&mut file).map_err(io)? {
+            return Err(TableError::Torn {
+                path: path.to_owned(),
+            });
+        }
+        file.rewind().map_err(io)?;
+        let mut reader = ::csv::Reader::from_reader(file);
+        let heads = reader.headers().map_err(|source| TableError::Syntax {
+            path: path.to_owned(),
+            source,
+        })?;
+        let columns: Vec<String> = heads.iter().map(str::to_owned).collect();
+        let places = columns
+            .iter()
+            .enumerate()
+            .rev()
+            .map(|(place, name)| (name.clone(), place))
+            .collect();
+        Ok(Self {
+            path: path.to_owned(),
+            columns,
+            places,
+            reader,
+        })
+    }
+
+    pub fn path(&self) -> &Path {
+        &self.path
+    }
+
+    pub fn columns(&self) -> &[String] {
+        &self.columns
+    }
+
+    /// Fails without this column.
+    pub fn needs(&self, name: &str) -> Result<(), TableError> {
+        let error = || TableError::no_column(&self.path, name, &self.columns);
+        self.places
+            .contains_key(name)
+            .then_some(())
+            .ok_or_else(error)
+    }
+
+    /// Calls `see` with each row; every row must have as many cells as the header.
+    pub fn each(
+        &mut self,
+        mut see: impl FnMut(Row) -> Result<(), TableError>,
+    ) -> Result<(), TableError> {
+        let (mut record, mut number) = (::csv::StringRecord::new(), 0);
+        while self
+            .reader
+            .read_record(&mut record)
+            .map_err(|source| TableError::Syntax {
+                path: self.path.clone(),
+                source,
+            })?
+        {
+            number += 1;
+            see(Row {
+                table: self,
+                record: &record,
+                number,
+            })?;
+        }
+        Ok(())
+    }
+}
+
+impl<'t> Row<'t> {
+    /// The field of a column; `None` if it is empty or missing.
+    pub fn text(&self, column: &str) -> Option<&'t str> {
+        Some(&self.record[*self.table.places.get(column)?]).filter(|text| !text.is_empty())
+    }
+
+    pub fn number(&self, column: &str) -> Option<f64> {
+        self.text(column)?.parse().ok()
+    }
+
+    /// As [`Row::number`]; fails if the field is neither empty nor a number.
+    pub fn checked_number(&self, column: &str) -> Result<Option<f64>, TableError> {
+        let number = |text: &str| {
+            text.parse().map_err(|_| TableError::Number {
+                path: self.table.path.clone(),
+                row: self.number,
+                column: column.to_owned(),
+                value: text.to_owned(),
+            })
+        };
+        self.text(column).map(number).transpose()
+    }
+}
+
+fn is_whole(file: &mut File) -> std::io::Result<bool> {
+    let (mut buffer, mut is_quoted, mut last) = (vec![0; 1 << 16], false, b'\n');
+    loop {
+        let count = file.read(&mut buffer)?;
+        let Some(end) = buffer[..count].last() else {
+            return Ok(!is_quoted && last == b'\n');
+        };
+        is_quoted ^= buffer[..count].iter().filter(|byte| **byte == b'"').count() % 2 == 1;
+        last = *end;
+    }
+}
+
+fn file_error(path: &Path, source: std::io::Error) -> TableError {
+    TableError::File {
+        path: path.to_owned(),
+        source,
+    }
+}

@@ -1,0 +1,312 @@
+//! Reads one layer: R, G, B channels and, if present, A.
+//!
+//! The crate `exr` parses and unpacks. The checks here are those that it lacks: claims of memory
+//! and time, and repeated blocks, which would leave others at 0.
+
+use super::layers::choose;
+use crate::base::color::{Chromaticities, REC709};
+use crate::base::pixels::file::{ENVIRONMENT_TEXELS_MAX, Fault, check_claim, filled, read_bounded};
+use crate::base::pixels::{Decoded, GrayImage, PixelsError, RgbImage};
+use ::exr::block::UncompressedBlock;
+use ::exr::block::chunk::{Chunk, CompressedBlock};
+use ::exr::block::reader::{FilteredChunksReader, Reader};
+use ::exr::meta::attribute::EnvironmentMap;
+use ::exr::meta::header::Header;
+use ::exr::meta::{BlockDescription, MetaData};
+use ::exr::prelude::{Compression, Error, SampleType, Vec2, f16};
+use glam::{DVec2, DVec3};
+use rayon::prelude::*;
+use std::collections::HashSet;
+use std::io::Cursor;
+use std::path::Path;
+
+/// Most pixels of an image that is not an environment (4096 x 4096).
+const FRAME_TEXELS_MAX: u64 = 1 << 24;
+/// Bytes of pixels per batch, or one block if it is larger; codecs need two or three times this.
+const BATCH_BYTES: usize = 1 << 26;
+/// Largest block: one tile of 8192 x 4096 pixels of four halves.
+const BLOCK_BYTES_MAX: usize = 1 << 28;
+/// Most bytes of pixels in an image: about ten seconds of unpacking.
+const PART_BYTES_MAX: usize = 1 << 32;
+/// Most pixels per byte of a file; only absurd claims exceed it.
+const TEXELS_PER_BYTE: u64 = 1 << 16;
+
+/// Reads the data window of the first colour layer as linear Rec.709: half, float or uint; scan
+/// lines or tiles.
+pub fn read(path: &Path) -> Result<Decoded, PixelsError> {
+    read_layer(path, None)
+}
+
+/// Reads the layer `layer`: the channels `layer.R` ..., or the part of that name.
+pub fn read_layer(path: &Path, layer: Option<&str>) -> Result<Decoded, PixelsError> {
+    guarded(path, &read_bounded(path)?, |bytes| {
+        decode(bytes, layer, FRAME_TEXELS_MAX)
+    })
+}
+
+/// Reads an environment from memory; errors name `path`.
+pub fn read_bytes(path: &Path, bytes: &[u8], layer: Option<&str>) -> Result<Decoded, PixelsError> {
+    guarded(path, bytes, |bytes| {
+        decode(bytes, layer, ENVIRONMENT_TEXELS_MAX)
+    })
+}
+
+/// Calls `read`. The crate's codecs may panic on bad input, which must not end a run.
+fn guarded<T>(
+    path: &Path,
+    bytes: &[u8],
+    read: impl Fn(&[u8]) -> Result<T, Fault>,
+) -> Result<T, PixelsError> {
+    // The bytes are only borrowed.
+    std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| read(bytes)))
+        .unwrap_or_else(|_| Err(Fault::new("is damaged", "a valid OpenEXR file")))
+        .map_err(|fault| fault.at(path))
+}
+
+fn damaged(error: Error) -> Fault {
+    let expected = "a complete OpenEXR file without deep data and subsampled channels";
+    Fault::new(format!("cannot be decoded ({error})"), expected)
+}
+
+/// Iterates over the packed blocks of a part's largest level.
+fn chunks(bytes: &[u8], part: usize) -> Result<FilteredChunksReader<Cursor<&[u8]>>, Error> {
+    Reader::read_from_buffered(Cursor::new(bytes), false)?.filter_chunks(true, |_, tile, block| {
+        block.layer == part && tile.is_largest_resolution_level()
+    })
+}
+
+fn decode(bytes: &[u8], layer: Option<&str>, most_texels: u64) -> Result<Decoded, Fault> {
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(|error| {
+        Fault::new(
+            format!("has no usable header ({error})"),
+            "a valid OpenEXR file",
+        )
+    })?;
+    let (layer, warning) = choose(&meta.headers, layer)?;
+    let header = &meta.headers[layer.part];
+    let Vec2(width, height) = header.layer_size;
+    check_claim(
+        width as u64,
+        height as u64,
+        most_texels,
+        bytes.len(),
+        TEXELS_PER_BYTE,
+    )?;
+    let block_bytes = check_unpacked(header)?;
+    let mut chunks = chunks(bytes, layer.part).map_err(damaged)?;
+
+    let mut rgb = filled(width * height, [0.0; 3])?;
+    let mut alpha = layer
+        .alpha
+        .map(|_| filled(width * height, 0.0))
+        .transpose()?;
+    let mut seen = HashSet::new();
+    loop {
+        let batch = chunks
+            .by_ref()
+            .take((BATCH_BYTES / block_bytes).max(1))
+            .collect::<Result<Vec<Chunk>, Error>>();
+        let batch = batch.map_err(damaged)?;
+        if batch.is_empty() {
+            break;
+        }
+        let blocks = batch
+            .into_par_iter()
+            .map(|chunk| unpack(chunk, &meta))
+            .collect::<Result<Vec<_>, Fault>>()?;
+        for block in blocks {
+            let Vec2(x, y) = block.index.pixel_position;
+            if (block.index.layer, block.index.level) != (layer.part, Vec2(0, 0))
+                || !seen.insert((x, y))
+            {
+                let what =
+                    format!("the block at column {x}, line {y} comes twice or belongs elsewhere");
+                return Err(Fault::new(what, "every block once"));
+            }
+            for line in block.lines(&header.channels) {
+                let Vec2(x, y) = line.location.position;
+                let (channel, pixels) = (
+                    line.location.channel,
+                    y * width + x..y * width + x + line.location.sample_count,
+                );
+                let kind = header.channels.list[channel].sample_type;
+                if let Some(i) = layer.rgb.iter().position(|wanted| *wanted == Some(channel)) {
+                    put(
+                        rgb[pixels].iter_mut().map(|texel| &mut texel[i]),
+                        line.value,
+                        kind,
+                    );
+                } else if let Some(alpha) = alpha.as_mut().filter(|_| layer.alpha == Some(channel))
+                {
+                    put(alpha[pixels].iter_mut(), line.value, kind);
+                }
+            }
+        }
+    }
+    let mut warnings = oddities(header);
+    warnings.extend(warning);
+    let missing = ["R", "G", "B"]
+        .iter()
+        .zip(layer.rgb)
+        .filter(|(_, channel)| channel.is_none());
+    warnings
+        .extend(missing.map(|(name, _)| format!("Channel {name} is missing; it was set to 0.")));
+    convert_to_rec709(&mut rgb, header, &mut warnings);
+    let (width, height) = (width as u32, height as u32);
+    let alpha = alpha.map(|alpha| GrayImage::new(width, height, alpha));
+    Ok(Decoded {
+        rgb: RgbImage::new(width, height, rgb),
+        alpha,
+        warnings,
+    })
+}
+
+/// Returns the bytes of a part's block, at least 1. Refuses parts that need too much memory or
+/// time.
+fn check_unpacked(header: &Header) -> Result<usize, Fault> {
+    let block = match header.blocks {
+        BlockDescription::ScanLines => Vec2(
+            header.layer_size.width(),
+            header.compression.scan_lines_per_block(),
+        ),
+        BlockDescription::Tiles(tiles) => tiles.tile_size,
+    };
+    let bytes = |Vec2(x, y): Vec2<usize>| {
+        x.saturating_mul(y)
+            .saturating_mul(header.channels.bytes_per_pixel)
+            .max(1)
+    };
+    let (block, all) = (bytes(block), bytes(header.layer_size));
+    for (what, bytes, most) in [
+        ("a block has", block, BLOCK_BYTES_MAX),
+        ("its blocks have", all, PART_BYTES_MAX),
+    ] {
+        if bytes > most {
+            let what = format!(
+                "{what} {} MiB of pixels in {} channels",
+                bytes >> 20,
+                header.channels.list.len()
+            );
+            let expected = format!(
+                "at most {} MiB; keep the channels of the colour only",
+                most >> 20
+            );
+            return Err(Fault::new(what, expected));
+        }
+    }
+    Ok(block)
+}
+
+fn unpack(chunk: Chunk, meta: &MetaData) -> Result<UncompressedBlock, Fault> {
+    check_dwa_counters(&chunk, &meta.headers[chunk.layer_index])?;
+    UncompressedBlock::decompress_chunk(chunk, meta, false).map_err(damaged)
+}
+
+/// Checks unpacked sizes that a DWA block claims: the codec allocates them before it reads.
+fn check_dwa_counters(chunk: &Chunk, header: &Header) -> Result<(), Fault> {
+    /// Indices among eleven counters: other channels, run-length codes and bytes, AC and DC
+    /// coefficients.
+    const UNPACKED_SIZES: [usize; 5] = [1, 6, 7, 8, 9];
+    let packed = match &chunk.compressed_block {
+        CompressedBlock::ScanLine(block) => &block.compressed_pixels_le,
+        CompressedBlock::Tile(block) => &block.compressed_pixels_le,
+        _ => return Ok(()),
+    };
+    let tile = header
+        .get_block_data_indices(&chunk.compressed_block)
+        .map_err(damaged)?;
+    let Vec2(width, height) = header
+        .get_absolute_block_pixel_coordinates(tile)
+        .map_err(damaged)?
+        .size;
+    let is_raw = packed.len() == width * height * header.channels.bytes_per_pixel;
+    if is_raw
+        || !matches!(
+            header.compression,
+            Compression::DWAA(_) | Compression::DWAB(_)
+        )
+    {
+        return Ok(());
+    }
+    // The transform pads to 8 x 8; the factor 2 covers run-length codes that grow.
+    let limit = 2
+        * (width.next_multiple_of(8) * height.next_multiple_of(8) * header.channels.bytes_per_pixel)
+            as u64;
+    let (counters, _) = packed.as_chunks::<8>();
+    let sizes = UNPACKED_SIZES
+        .iter()
+        .filter_map(|&index| counters.get(index))
+        .map(|&bytes| u64::from_le_bytes(bytes));
+    match sizes.max().filter(|&size| size > limit) {
+        Some(size) => Err(Fault::new(
+            format!("a block has a DWA counter of {size}"),
+            format!("at most {limit}"),
+        )),
+        None => Ok(()),
+    }
+}
+
+fn put<'t>(targets: impl Iterator<Item = &'t mut f32>, bytes: &[u8], kind: SampleType) {
+    fn each<'t, const N: usize>(
+        targets: impl Iterator<Item = &'t mut f32>,
+        bytes: &[u8],
+        number: impl Fn([u8; N]) -> f32,
+    ) {
+        targets
+            .zip(bytes.as_chunks().0)
+            .for_each(|(to, from)| *to = number(*from));
+    }
+    match kind {
+        SampleType::F16 => each(targets, bytes, |bytes| f16::from_ne_bytes(bytes).to_f32()),
+        SampleType::F32 => each(targets, bytes, f32::from_ne_bytes),
+        SampleType::U32 => each(targets, bytes, |bytes| u32::from_ne_bytes(bytes) as f32),
+    }
+}
+
+fn convert_to_rec709(rgb: &mut [[f32; 3]], header: &Header, warnings: &mut Vec<String>) {
+    let xy = |Vec2(x, y): Vec2<f32>| DVec2::new(x.into(), y.into());
+    let chromaticities = header
+        .shared_attributes
+        .chromaticities
+        .map(|c| Chromaticities {
+            red: xy(c.red),
+            green: xy(c.green),
+            blue: xy(c.blue),
+            white: xy(c.white),
+        });
+    let foreign = chromaticities.filter(|c| !c.is_close_to(&REC709));
+    if let Some(matrix) = foreign.and_then(|c| c.to_rec709_with_warning("chromaticities", warnings))
+    {
+        rgb.iter_mut().for_each(|texel| {
+            *texel = (matrix * DVec3::from(texel.map(f64::from)))
+                .as_vec3()
+                .to_array()
+        });
+    }
+}
+
+fn oddities(header: &Header) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let (Vec2(x, y), Vec2(width, height)) =
+        (header.own_attributes.layer_position, header.layer_size);
+    let display = header.shared_attributes.display_window;
+    if (display.position, display.size) != (Vec2(x, y), Vec2(width, height)) {
+        warnings.push(format!(
+            "The data window ({width}x{height} at {x}, {y}) differs from the display window ({}x{} \
+             at {}, {}); the data window is used.",
+            display.size.0, display.size.1, display.position.0, display.position.1
+        ));
+    }
+    if header.shared_attributes.pixel_aspect != 1.0 {
+        let aspect = header.shared_attributes.pixel_aspect;
+        warnings.push(format!(
+            "The pixel aspect ratio {aspect} is ignored; pixels are taken as square."
+        ));
+    }
+    if header.own_attributes.environment_map == Some(EnvironmentMap::Cube) {
+        warnings.push(
+            "The header calls the image a cube map; it is taken as equirectangular.".to_owned(),
+        );
+    }
+    warnings
+}

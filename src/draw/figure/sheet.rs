@@ -1,0 +1,243 @@
+//! A table of images as one SVG: title, labelled columns and rows, legends of the error maps,
+//! caption. It is for the eye: the images are JPEGs.
+
+use super::element::{path, rectangle, words};
+use super::ink::style;
+use super::text::{AXIS, Font, LABEL, LINE, MIDDLE, TITLE, escape, px, stack};
+use crate::base::pixels::Rgb8Image;
+use crate::draw::colormap::ColorScale;
+use crate::draw::markdown::significant;
+use base64::Engine;
+use base64::prelude::BASE64_STANDARD;
+use image::codecs::jpeg::JpegEncoder;
+
+#[derive(Clone, Debug, PartialEq)]
+pub enum Tile {
+    /// An image with a note below it; a smaller one is magnified to the sheet's tile size.
+    Image {
+        image: Rgb8Image,
+        note: String,
+    },
+    /// Why there is no image.
+    Missing(String),
+    Blank,
+}
+
+/// The label of a row or column.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Head {
+    pub label: String,
+    /// A wider gap is before it.
+    pub starts_group: bool,
+}
+
+/// A sheet with at least one row.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ContactSheet {
+    pub title: String,
+    pub caption: String,
+    /// Size of every image, pixels.
+    pub tile: [u32; 2],
+    pub columns: Vec<Head>,
+    /// One tile per column.
+    pub rows: Vec<(Head, Vec<Tile>)>,
+    pub legends: Vec<(&'static str, ColorScale)>,
+}
+
+const JPEG_QUALITY: u8 = 90;
+const MARGIN: f64 = 24.0;
+const GAP: f64 = 4.0;
+const GROUP_GAP: f64 = 16.0;
+/// Between title, grid, legends and caption, and between labels and images.
+const BLOCK_GAP: f64 = 14.0;
+/// Narrowest page.
+const WIDTH_MIN: f64 = 460.0;
+/// Groups of rows that would make the table higher, in widths of the page, are left out.
+const HEIGHT_MAX: f64 = 2.0;
+const ROW_LABEL_MAX: f64 = 170.0;
+const LINES_MAX: usize = 6;
+const BAR: [f64; 2] = [256.0, 12.0];
+
+impl ContactSheet {
+    pub fn svg(&self) -> String {
+        let [tile_width, tile_height] = self.tile.map(f64::from);
+        let gap = |head: &Head| if head.starts_group { GROUP_GAP } else { GAP };
+        let lines = |head: &Head, room: f64| -> Vec<String> {
+            head.label
+                .lines()
+                .flat_map(|line| AXIS.wrap(line, room, LINES_MAX))
+                .collect()
+        };
+        let row_labels: Vec<Vec<String>> = self
+            .rows
+            .iter()
+            .map(|(head, _)| lines(head, ROW_LABEL_MAX))
+            .collect();
+        let heads: Vec<Vec<String>> = self
+            .columns
+            .iter()
+            .map(|head| lines(head, tile_width))
+            .collect();
+        let mut lefts = vec![MARGIN + AXIS.widest(row_labels.iter().flatten()) + BLOCK_GAP];
+        for (i, head) in self.columns.iter().enumerate().skip(1) {
+            lefts.push(lefts[i - 1] + tile_width + gap(head));
+        }
+        let width = (lefts[lefts.len() - 1] + tile_width + MARGIN).max(WIDTH_MIN);
+
+        let mut page = Page {
+            body: String::new(),
+            y: MARGIN,
+        };
+        page.paragraph(&self.title, TITLE, width);
+        page.y += BLOCK_GAP + heads.iter().map(Vec::len).max().unwrap_or(0) as f64 * AXIS.line();
+        for (head, left) in heads.iter().zip(&lefts) {
+            let top = page.y - head.len() as f64 * AXIS.line();
+            page.lines(head, [left + tile_width / 2.0, top], AXIS, "middle");
+        }
+        let (mut shown, start) = (0, page.y);
+        while shown < self.rows.len() {
+            // A group of rows stays together.
+            let end = (shown + 1..self.rows.len())
+                .find(|i| self.rows[*i].0.starts_group)
+                .unwrap_or(self.rows.len());
+            if shown > 0 && page.y - start + (end - shown) as f64 * tile_height > HEIGHT_MAX * width
+            {
+                break;
+            }
+            for ((head, tiles), label) in self.rows[shown..end].iter().zip(&row_labels[shown..end])
+            {
+                page.y += gap(head);
+                let top = page.y + (tile_height - label.len() as f64 * AXIS.line()) / 2.0;
+                page.lines(label, [lefts[0] - BLOCK_GAP / 2.0, top], AXIS, "end");
+                tiles
+                    .iter()
+                    .zip(&lefts)
+                    .for_each(|(tile, left)| page.tile(tile, [*left, page.y], self.tile));
+                let has_note =
+                    |tile: &Tile| matches!(tile, Tile::Image { note, .. } if !note.is_empty());
+                page.y += tile_height
+                    + if tiles.iter().any(has_note) {
+                        LABEL.line()
+                    } else {
+                        0.0
+                    };
+            }
+            shown = end;
+        }
+        self.legends
+            .iter()
+            .for_each(|(label, scale)| page.legend(label, scale, lefts[0]));
+        let count = self.rows.len();
+        let left_out = if shown < count {
+            format!(" These are the first {shown} of {count} rows.")
+        } else {
+            String::new()
+        };
+        page.y += BLOCK_GAP;
+        page.paragraph(&format!("{}{left_out}", self.caption), AXIS, width);
+        let (title, style, body) = (escape(&self.title), style(), page.body);
+        let [width, height] = [width.ceil(), (page.y + MARGIN).ceil()].map(px);
+        format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"fig\" width=\"{width}\" \
+             height=\"{height}\" viewBox=\"0 0 {width} {height}\">\n\
+             <title>{title}</title>\n<style>{style}image{{image-rendering:pixelated}}</style>\n\
+             <rect class=\"fig-ground\" width=\"{width}\" height=\"{height}\"/>\n{body}</svg>\n"
+        )
+    }
+}
+
+/// A page that is drawn from top to bottom, down to `y`.
+struct Page {
+    body: String,
+    y: f64,
+}
+
+impl Page {
+    fn lines(&mut self, lines: &[String], [x, top]: [f64; 2], font: Font, anchor: &'static str) {
+        let baseline = top + font.size * (LINE / 2.0 + MIDDLE);
+        self.body
+            .extend(stack(lines, "", [x, baseline], font, anchor).map(|line| words(&line)));
+    }
+
+    fn paragraph(&mut self, text: &str, font: Font, width: f64) {
+        let lines = font.wrap(text, width - 2.0 * MARGIN, usize::MAX);
+        self.lines(&lines, [MARGIN, self.y], font, "start");
+        self.y += lines.len() as f64 * font.line();
+    }
+
+    fn tile(&mut self, tile: &Tile, [x, y]: [f64; 2], size: [u32; 2]) {
+        let [width, height] = size.map(f64::from);
+        let middle = x + width / 2.0;
+        match tile {
+            Tile::Blank => {}
+            Tile::Image { image, note } => {
+                let data = BASE64_STANDARD.encode(jpeg(image));
+                let [x, top] = [x, y].map(px);
+                self.body += &format!(
+                    "<image x=\"{x}\" y=\"{top}\" width=\"{width}\" height=\"{height}\" \
+                     href=\"data:image/jpeg;base64,{data}\"/>\n"
+                );
+                self.lines(
+                    std::slice::from_ref(note),
+                    [middle, y + height],
+                    LABEL,
+                    "middle",
+                );
+            }
+            Tile::Missing(reason) => {
+                self.body += &path("fig-grid", "", &rectangle([x, y, width, height]));
+                let lines = LABEL.wrap(reason, width - 2.0 * GAP, LINES_MAX);
+                let top = y + (height - lines.len() as f64 * LABEL.line()) / 2.0;
+                self.lines(&lines, [middle, top], LABEL, "middle");
+            }
+        }
+    }
+
+    /// Label, colour bar and ticks with their values.
+    fn legend(&mut self, label: &str, scale: &ColorScale, left: f64) {
+        self.y += BLOCK_GAP;
+        self.lines(&[label.to_owned()], [left, self.y], LABEL, "start");
+        self.y += LABEL.line();
+        let [width, height] = BAR;
+        for step in 0..64 {
+            let [r, g, b] = scale.palette.color(f64::from(step) / 63.0);
+            // Half a pixel wider, or seams would show.
+            let data = rectangle([
+                left + f64::from(step) * width / 64.0,
+                self.y,
+                width / 64.0 + 0.5,
+                height,
+            ]);
+            self.body += &path("", &format!(" fill=\"rgb({r},{g},{b})\""), &data);
+        }
+        for tick in scale.ticks() {
+            let value = significant(tick, 2).replace('-', "−");
+            let value = if value.contains('.') {
+                value.trim_end_matches('0').trim_end_matches('.')
+            } else {
+                &value
+            };
+            self.lines(
+                &[value.to_owned()],
+                [left + scale.place(tick) * width, self.y + height],
+                LABEL,
+                "middle",
+            );
+        }
+        self.y += height + LABEL.line();
+    }
+}
+
+fn jpeg(image: &Rgb8Image) -> Vec<u8> {
+    let mut bytes = Vec::new();
+    let mut encoder = JpegEncoder::new_with_quality(&mut bytes, JPEG_QUALITY);
+    let (width, height) = (image.width, image.height);
+    let encoded = encoder.encode(
+        image.data.as_flattened(),
+        width,
+        height,
+        image::ExtendedColorType::Rgb8,
+    );
+    encoded.expect("a picture in memory can be encoded");
+    bytes
+}

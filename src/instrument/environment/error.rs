@@ -1,0 +1,27 @@
+//! Errors of environments.
+
+use crate::base::pixels::PixelsError;
+
+/// The f32 sum of the squares of a million such values is still finite; the sun in cd/m² is 2e9.
+pub(super) const MAX_RADIANCE: f32 = 1e15;
+
+#[derive(Debug, thiserror::Error)]
+pub enum EnvironmentError {
+    #[error("environment {0}")]
+    Unreadable(#[from] PixelsError),
+    #[error(
+        "environment {spec}: {found}; expected finite values of at least 0 (--clamp-invalid sets \
+         all others to 0)"
+    )]
+    InvalidTexels { spec: String, found: String },
+    /// Any other problem; `what` includes the expected value.
+    #[error("environment {spec}: {what}")]
+    Unusable { spec: String, what: String },
+}
+
+pub(super) fn unusable(spec: &str, what: String) -> EnvironmentError {
+    EnvironmentError::Unusable {
+        spec: spec.to_owned(),
+        what,
+    }
+}

@@ -1,0 +1,345 @@
+//! Recorded commands: dispatches, draws, fills, copies.
+
+use super::binding::interface;
+use super::{Bind, Recorder};
+use crate::instrument::gpu::sync::Access;
+use crate::instrument::gpu::{Buffer, GpuError, GraphicsDescription, Groups, Image};
+use ash::vk;
+use std::ops::Range;
+
+#[derive(Clone, Copy)]
+pub struct DrawCall<'a> {
+    pub vertex_buffers: &'a [&'a Buffer],
+    /// u32 indices; without them vertices are drawn in order.
+    pub index_buffer: Option<&'a Buffer>,
+    /// Number of indices, or of vertices without an index buffer.
+    pub count: u32,
+    pub instance_count: u32,
+    pub is_one_sided: bool,
+}
+
+#[derive(Clone, Copy)]
+pub struct Targets<'a> {
+    pub colors: &'a [&'a Image],
+    pub depth: &'a Image,
+    /// Clears first: colours to 0, depth to 1.
+    pub clear: bool,
+}
+
+impl Recorder {
+    /// Dispatches a shader permutation with specialization constants 0, 1, ...; `push` are push
+    /// constants' bytes.
+    pub fn dispatch(
+        &mut self,
+        shader: &str,
+        constants: &[u32],
+        binds: &[Bind<'_>],
+        push: &[u8],
+        groups: impl Into<Groups>,
+    ) -> Result<(), GpuError> {
+        let shared = &self.gpu.shared;
+        let pipeline = shared.compute_pipeline(shader, constants, interface(binds, push))?;
+        let limits = shared.limits.max_compute_work_group_count;
+        let Groups {
+            first: [x, y, z],
+            count: [columns, rows, layers],
+        } = groups.into();
+        let ends = [x + columns, y + rows, z + layers];
+        if let Some((needed, &limit)) = ends
+            .into_iter()
+            .zip(&limits)
+            .find(|(end, limit)| end > *limit)
+        {
+            let (name, needed, limit) = (shader.to_owned(), needed.into(), limit.into());
+            return Err(GpuError::Limit {
+                what: "work groups of",
+                name,
+                needed,
+                limit,
+            });
+        }
+        self.access_binds(binds);
+        self.emit();
+        self.bind(&pipeline, vk::PipelineBindPoint::COMPUTE, binds, push)?;
+        // SAFETY: recording; the pipeline with its set and constants is bound and takes a first
+        // group; the groups are within the limits.
+        unsafe {
+            self.device()
+                .cmd_dispatch_base(self.commands, x, y, z, columns, rows, layers)
+        };
+        self.shaders.insert(shader.to_owned());
+        Ok(())
+    }
+
+    pub fn draw(
+        &mut self,
+        description: GraphicsDescription<'_>,
+        binds: &[Bind<'_>],
+        push: &[u8],
+        targets: Targets<'_>,
+        call: DrawCall<'_>,
+    ) -> Result<(), GpuError> {
+        let Targets {
+            colors,
+            depth,
+            clear,
+        } = targets;
+        let pipeline =
+            self.gpu
+                .shared
+                .graphics_pipeline(description, colors.len(), interface(binds, push))?;
+        self.access_binds(binds);
+        for image in colors {
+            self.access_image(image, 0..1, Access::COLOR);
+        }
+        self.access_image(depth, 0..1, Access::DEPTH);
+        for buffer in call.vertex_buffers {
+            self.access_buffer(buffer, Access::VERTEX);
+        }
+        if let Some(buffer) = call.index_buffer {
+            self.access_buffer(buffer, Access::INDEX);
+        }
+        self.emit();
+
+        let load = if clear {
+            vk::AttachmentLoadOp::CLEAR
+        } else {
+            vk::AttachmentLoadOp::LOAD
+        };
+        let attachment = |view, layout, value| {
+            vk::RenderingAttachmentInfo::default()
+                .image_view(view)
+                .image_layout(layout)
+                .load_op(load)
+                .store_op(vk::AttachmentStoreOp::STORE)
+                .clear_value(value)
+        };
+        let mut color_infos = Vec::with_capacity(colors.len());
+        for image in colors {
+            let value = vk::ClearValue {
+                color: vk::ClearColorValue { float32: [0.0; 4] },
+            };
+            color_infos.push(attachment(
+                image.inner.view(0..1, false)?,
+                Access::COLOR.layout,
+                value,
+            ));
+        }
+        let far = vk::ClearValue {
+            depth_stencil: vk::ClearDepthStencilValue {
+                depth: 1.0,
+                stencil: 0,
+            },
+        };
+        let depth_info = attachment(depth.inner.view(0..1, false)?, Access::DEPTH.layout, far);
+        let [width, height] = depth.inner.size;
+        let area = vk::Rect2D {
+            offset: vk::Offset2D::default(),
+            extent: vk::Extent2D { width, height },
+        };
+        let rendering = vk::RenderingInfo::default()
+            .render_area(area)
+            .layer_count(1)
+            .color_attachments(&color_infos)
+            .depth_attachment(&depth_info);
+        let viewport = vk::Viewport {
+            x: 0.0,
+            y: 0.0,
+            width: width as f32,
+            height: height as f32,
+            min_depth: 0.0,
+            max_depth: 1.0,
+        };
+        // SAFETY: recording; attachments are in their layouts by the barriers above.
+        unsafe { self.device().cmd_begin_rendering(self.commands, &rendering) };
+        // SAFETY: recording; the pipeline's viewport is dynamic.
+        unsafe {
+            self.device()
+                .cmd_set_viewport(self.commands, 0, &[viewport])
+        };
+        // SAFETY: likewise.
+        unsafe { self.device().cmd_set_scissor(self.commands, 0, &[area]) };
+        let culled = if call.is_one_sided {
+            vk::CullModeFlags::BACK
+        } else {
+            vk::CullModeFlags::NONE
+        };
+        // SAFETY: likewise.
+        unsafe { self.device().cmd_set_cull_mode(self.commands, culled) };
+        self.bind(&pipeline, vk::PipelineBindPoint::GRAPHICS, binds, push)?;
+        let vertex_buffers: Vec<_> = call
+            .vertex_buffers
+            .iter()
+            .map(|buffer| buffer.inner.raw)
+            .collect();
+        if !vertex_buffers.is_empty() {
+            let offsets = vec![0; vertex_buffers.len()];
+            // SAFETY: recording; the buffers are kept alive below.
+            unsafe {
+                self.device()
+                    .cmd_bind_vertex_buffers(self.commands, 0, &vertex_buffers, &offsets)
+            };
+        }
+        if let Some(buffer) = call.index_buffer {
+            // SAFETY: likewise.
+            unsafe {
+                self.device().cmd_bind_index_buffer(
+                    self.commands,
+                    buffer.inner.raw,
+                    0,
+                    vk::IndexType::UINT32,
+                )
+            };
+            // SAFETY: inside rendering with everything bound.
+            unsafe {
+                self.device().cmd_draw_indexed(
+                    self.commands,
+                    call.count,
+                    call.instance_count,
+                    0,
+                    0,
+                    0,
+                )
+            };
+        } else {
+            // SAFETY: inside rendering with everything bound.
+            unsafe {
+                self.device()
+                    .cmd_draw(self.commands, call.count, call.instance_count, 0, 0)
+            };
+        }
+        // SAFETY: rendering was begun above.
+        unsafe { self.device().cmd_end_rendering(self.commands) };
+        self.shaders.extend(description.shaders.map(str::to_owned));
+        Ok(())
+    }
+
+    pub fn fill(&mut self, buffer: &Buffer, word: u32) {
+        self.access_buffer(buffer, Access::FILL);
+        self.emit();
+        // SAFETY: recording; sizes are multiples of 4 and the buffer is kept alive.
+        unsafe {
+            self.device().cmd_fill_buffer(
+                self.commands,
+                buffer.inner.raw,
+                0,
+                buffer.size() & !3,
+                word,
+            )
+        };
+    }
+
+    /// Copies a whole buffer to another of the same size.
+    pub(in crate::instrument::gpu) fn copy_buffer(
+        &mut self,
+        from: &Buffer,
+        to: &Buffer,
+    ) -> Result<(), GpuError> {
+        assert_eq!(from.size(), to.size(), "'{}': sizes of a copy", self.name);
+        self.access_buffer(from, Access::COPY_READ);
+        self.access_buffer(to, Access::COPY_WRITE);
+        self.emit();
+        let region = [vk::BufferCopy {
+            src_offset: 0,
+            dst_offset: 0,
+            size: from.size(),
+        }];
+        // SAFETY: recording; both are kept alive and as large as the region.
+        unsafe {
+            self.device()
+                .cmd_copy_buffer(self.commands, from.inner.raw, to.inner.raw, &region)
+        };
+        // The target may be mapped.
+        self.access_buffer(to, Access::HOST_READ);
+        self.emit();
+        Ok(())
+    }
+
+    /// Fills rows of one face of a level from a buffer that holds just these rows.
+    pub(in crate::instrument::gpu) fn copy_buffer_to_rows(
+        &mut self,
+        from: &Buffer,
+        image: &Image,
+        face: u32,
+        mip: u32,
+        rows: Range<u32>,
+    ) {
+        self.access_buffer(from, Access::COPY_READ);
+        self.access_image(image, mip..mip + 1, Access::COPY_WRITE);
+        self.emit();
+        let whole = image_region(image, mip);
+        let region = [vk::BufferImageCopy {
+            image_subresource: vk::ImageSubresourceLayers {
+                base_array_layer: face,
+                layer_count: 1,
+                ..whole.image_subresource
+            },
+            image_offset: vk::Offset3D {
+                y: rows.start as i32,
+                ..whole.image_offset
+            },
+            image_extent: vk::Extent3D {
+                height: rows.end - rows.start,
+                ..whole.image_extent
+            },
+            ..whole
+        }];
+        let layout = Access::COPY_WRITE.layout;
+        // SAFETY: recording; both are kept alive, the image is in its layout, the buffer holds the
+        // rows.
+        unsafe {
+            self.device().cmd_copy_buffer_to_image(
+                self.commands,
+                from.inner.raw,
+                image.inner.raw,
+                layout,
+                &region,
+            )
+        };
+    }
+
+    pub(in crate::instrument::gpu) fn copy_image_to_buffer(
+        &mut self,
+        image: &Image,
+        mip: u32,
+        to: &Buffer,
+    ) {
+        self.access_image(image, mip..mip + 1, Access::COPY_READ);
+        self.access_buffer(to, Access::COPY_WRITE);
+        self.emit();
+        let region = [image_region(image, mip)];
+        let layout = Access::COPY_READ.layout;
+        // SAFETY: recording; both are kept alive, the image is in its layout, the buffer holds the
+        // level.
+        unsafe {
+            self.device().cmd_copy_image_to_buffer(
+                self.commands,
+                image.inner.raw,
+                layout,
+                to.inner.raw,
+                &region,
+            )
+        };
+        // The target may be mapped.
+        self.access_buffer(to, Access::HOST_READ);
+        self.emit();
+    }
+}
+
+fn image_region(image: &Image, mip: u32) -> vk::BufferImageCopy {
+    let [width, height] = image.mip_size(mip);
+    vk::BufferImageCopy {
+        image_subresource: vk::ImageSubresourceLayers {
+            aspect_mask: image.inner.format.aspect(),
+            mip_level: mip,
+            base_array_layer: 0,
+            layer_count: image.face_count(),
+        },
+        image_extent: vk::Extent3D {
+            width,
+            height,
+            depth: 1,
+        },
+        ..Default::default()
+    }
+}

@@ -1,0 +1,130 @@
+//! Antialiased edges.
+//!
+//! Shading stays at one point per pixel, so that "16 samples a pixel" means 16. A g-buffer with
+//! [`POINTS_PER_SIDE`]² points per pixel finds the pixels where surfaces meet, or a surface and the
+//! background. Each point takes the radiance of the most similar of the nine pixels around it; the
+//! pixel is the mean. Scores exclude these pixels.
+
+use super::Frame;
+use crate::base::pixels::GrayImage;
+use crate::instrument::gbuffer::Gbuffer;
+use crate::instrument::scene::{Camera, Projection};
+use glam::Vec3;
+use rayon::prelude::*;
+use std::sync::Arc;
+
+/// Points along a pixel's side: 17 steps from uncovered to covered.
+pub(super) const POINTS_PER_SIDE: u32 = 4;
+const POINTS: usize = (POINTS_PER_SIDE * POINTS_PER_SIDE) as usize;
+/// Points that differ more belong to different surfaces: normals 37 degrees apart, or a step of a
+/// pixel's width.
+pub(super) const UNLIKE: f32 = 0.2;
+
+/// Position and normal at a point; `None` if nothing is hit.
+pub(super) type Point = Option<(Vec3, Vec3)>;
+
+/// The pixels that several surfaces share, each with the pixels that its points take their radiance
+/// from.
+pub(super) struct Edges(Vec<(usize, [usize; POINTS])>);
+
+impl Edges {
+    /// Compares the centre of each pixel, in `pixels`, with its `points`.
+    pub(super) fn find(pixels: &Gbuffer<f32>, points: &Gbuffer<f32>, camera: &Camera) -> Self {
+        let [width, height] = [pixels.position_mask.width, pixels.position_mask.height];
+        let difference = difference(camera, [width, height]);
+        let edge = |index: usize| {
+            let (x, y) = (index as u32 % width, index as u32 / width);
+            let own = point(pixels, x, y);
+            let mut is_edge = false;
+            let sources = std::array::from_fn(|i| {
+                let (dx, dy) = (i as u32 % POINTS_PER_SIDE, i as u32 / POINTS_PER_SIDE);
+                let at = point(points, x * POINTS_PER_SIDE + dx, y * POINTS_PER_SIDE + dy);
+                let unlike = difference(at, own);
+                if unlike < UNLIKE {
+                    return index;
+                }
+                is_edge = true;
+                let rows = y.saturating_sub(1)..=(y + 1).min(height - 1);
+                let around = rows.flat_map(|y| {
+                    (x.saturating_sub(1)..=(x + 1).min(width - 1)).map(move |x| (x, y))
+                });
+                let nearest = around
+                    .map(|(x, y)| {
+                        (
+                            difference(at, point(pixels, x, y)),
+                            (y * width + x) as usize,
+                        )
+                    })
+                    .min_by(|a, b| a.0.total_cmp(&b.0));
+                nearest
+                    .filter(|(least, _)| *least < unlike)
+                    .map_or(index, |(_, source)| source)
+            });
+            is_edge.then_some((index, sources))
+        };
+        Self(
+            (0..(width * height) as usize)
+                .into_par_iter()
+                .filter_map(edge)
+                .collect(),
+        )
+    }
+
+    /// Resolves the edges of a frame. The mask keeps the pixels that one surface fills.
+    pub(super) fn resolve(&self, frame: Frame) -> Frame {
+        let mut radiance = frame.radiance.clone();
+        let mut mask = GrayImage::clone(&frame.mask);
+        for (index, sources) in &self.0 {
+            let sum = |channel: usize| {
+                sources
+                    .iter()
+                    .map(|&source| frame.radiance.data[source][channel])
+                    .sum::<f32>()
+            };
+            radiance.data[*index] = std::array::from_fn(|channel| sum(channel) / POINTS as f32);
+            mask.data[*index] = 0.0;
+        }
+        Frame {
+            radiance,
+            mask: Arc::new(mask),
+            ..frame
+        }
+    }
+
+    pub(super) fn bytes(&self) -> u64 {
+        size_of_val(&self.0[..]) as u64
+    }
+}
+
+/// Returns the difference of two points in an image of a camera: 0 on one plane, [`UNLIKE`] and
+/// more on different surfaces.
+pub(super) fn difference(
+    camera: &Camera,
+    [width, height]: [u32; 2],
+) -> impl Fn(Point, Point) -> f32 + Sync + use<> {
+    let [_, half_height] = camera.extent(f64::from(width) / f64::from(height));
+    let step = (2.0 * half_height / f64::from(height)) as f32;
+    let (eye, forward) = (camera.eye.as_vec3(), camera.forward.as_vec3());
+    let is_perspective = matches!(camera.projection, Projection::Perspective { .. });
+    move |a, b| match (a, b) {
+        (None, None) => 0.0,
+        (Some((place, normal)), Some((other, other_normal))) => {
+            let width = if is_perspective {
+                step * (place - eye).dot(forward)
+            } else {
+                step
+            };
+            1.0 - normal.dot(other_normal)
+                + UNLIKE * (place - other).dot(other_normal).abs() / width
+        }
+        _ => f32::INFINITY,
+    }
+}
+
+pub(super) fn point(gbuffer: &Gbuffer<f32>, x: u32, y: u32) -> Point {
+    let ([px, py, pz, mask], [nx, ny, nz, _]) = (
+        gbuffer.position_mask.get(x, y),
+        gbuffer.normal_alpha.get(x, y),
+    );
+    (mask == 1.0).then(|| (Vec3::new(px, py, pz), Vec3::new(nx, ny, nz)))
+}

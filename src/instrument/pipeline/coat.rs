@@ -1,0 +1,108 @@
+//! Clear coat: the base and the coat, added with the shares of [`crate::instrument::shade::coat`].
+
+use super::layers::combined;
+use super::request::Frame;
+use super::{Pipeline, PipelineError, RenderRequest};
+use crate::base::names::Listed;
+use crate::instrument::brdf::Compensation;
+use crate::instrument::shade::coat::{CoatWeight, shares};
+use crate::instrument::shade::{Diffuse, Method, NONE, Shading};
+use glam::{DVec2, DVec3};
+use std::sync::Arc;
+
+impl RenderRequest {
+    /// Returns the requests of the base and of the coat, if a material has one.
+    pub(super) fn coat_layers(&self) -> Option<[Self; 2]> {
+        if !self.scene.has_coat() {
+            return None;
+        }
+        let base = Self {
+            scene: Arc::new(self.scene.uncoated()),
+            ..self.clone()
+        };
+        let Shading {
+            coat_layering,
+            coat_renderer,
+            method,
+            ..
+        } = self.shading;
+        let f0 = if coat_renderer.lookup.is_none() {
+            coat_layering.f0()
+        } else {
+            1.0
+        };
+        let scene = Arc::new(self.scene.coat(f0 as f32, coat_renderer.alpha));
+        let lookup = coat_renderer
+            .lookup
+            .filter(|_| method.has_pass())
+            .map(Method::listed);
+        let shading = Shading {
+            method: lookup.unwrap_or(method),
+            diffuse: Diffuse::listed(NONE),
+            compensation: Compensation::None,
+            ..self.shading
+        };
+        Some([
+            base,
+            Self {
+                scene,
+                shading,
+                background: false,
+                ..self.clone()
+            },
+        ])
+    }
+}
+
+impl Pipeline {
+    /// Renders the base and the coat of `request`, and adds them.
+    pub(super) fn render_coated(
+        &mut self,
+        request: &RenderRequest,
+        [base, coat]: &[RenderRequest; 2],
+    ) -> Result<Frame, PipelineError> {
+        let Shading {
+            coat_layering,
+            coat_renderer,
+            brdf,
+            masking_shadowing,
+            ..
+        } = request.shading;
+        let whole = self.render_layers(base)?;
+        let is_split = coat_renderer.powers[0] != coat_renderer.powers[1]
+            && !request.shading.diffuse.is_none();
+        let specular_only = base.shaded(|shading| shading.diffuse = Diffuse::listed(NONE));
+        let specular = if is_split {
+            Some(self.render_layers(&specular_only)?)
+        } else {
+            None
+        };
+        let over = self.render_points(coat)?;
+        let pixels = self.layer_pixels(coat, &over, request.scene.coat_weights())?;
+        let needs_pair =
+            coat_renderer.lookup.is_some() || coat_layering.loss() == CoatWeight::Albedo;
+        let pairs = match needs_pair {
+            true => self.layer_albedos(brdf, masking_shadowing, &pixels),
+            false => vec![DVec2::X; pixels.len()],
+        };
+        let shares = pixels.iter().zip(pairs).map(|(pixel, pair)| {
+            let pair = if pixel.is_hit { pair } else { DVec2::X };
+            let shares = shares(
+                coat_layering,
+                coat_renderer,
+                pixel.weight.x,
+                pixel.n_dot_v,
+                pair,
+            );
+            // The diffuse term is what `whole` has beyond `specular`.
+            let [of_specular, of_diffuse] = shares.base;
+            [of_diffuse, of_specular - of_diffuse, shares.coat].map(DVec3::splat)
+        });
+        let shares: Vec<_> = shares.collect();
+        Ok(combined(
+            [&whole, specular.as_ref().unwrap_or(&whole), &over],
+            &shares,
+        )
+        .after(over))
+    }
+}

@@ -1,0 +1,182 @@
+//! References on disk: their keys and bytes.
+
+use super::RenderRequest;
+use super::inputs::{DfgInputs, SharedKey, mips_key};
+use crate::base::names::Listed;
+use crate::base::pixels::RgbImage;
+use crate::instrument::gbuffer;
+use crate::instrument::shade::Shading;
+use crate::instrument::shade::pass::BACKGROUND_SHADER;
+use crate::instrument::shade::reference_pass::Convergence;
+
+/// The expensive parts of a reference frame.
+#[derive(Debug, PartialEq)]
+pub(super) struct Reference {
+    pub(super) radiance: RgbImage,
+    pub(super) standard_error: Option<RgbImage>,
+    pub(super) convergences: Vec<Convergence>,
+}
+
+/// Returns everything that determines the frame of `request`; `None` without a reference term: such
+/// frames are cheap.
+///
+/// Of the table settings only the DFG table's matter, and only if the frame reads it.
+pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
+    let RenderRequest {
+        environment,
+        scene,
+        camera,
+        size: [width, height],
+        shading,
+        reference_samples,
+        reference_error,
+        background,
+        // Applied after the kept image.
+        antialias: _,
+        // A given table has its own key, and no reference reads a prefiltered map.
+        given: _,
+        seed,
+    } = request;
+    let Shading {
+        placement,
+        environment_scale,
+        brdf,
+        masking_shadowing,
+        compensation,
+        method,
+        diffuse,
+        samples,
+        precompute,
+        // Parameters of sampled methods.
+        sequence: _,
+        point_set: _,
+        pixel_points: _,
+        frames: _,
+        frame: _,
+        lod_bias: _,
+        // Layers are kept each by itself.
+        widths,
+        bend: _,
+        coat_layering: _,
+        coat_renderer: _,
+        // The model of their layer.
+        sheen_visibility: _,
+        sheen_lookup: _,
+    } = shading;
+    if !request.has_reference_term() || method.has_pass() || diffuse.has_pass() {
+        return None;
+    }
+    let levels = method.uses_levels.then_some((
+        precompute.prefilter_level_count,
+        precompute.level_mapping.name,
+    ));
+    let weight = method
+        .uses_weight
+        .then_some(precompute.prefilter_weight.name);
+    let dfg = request.needs_dfg().then(|| DfgInputs::of(request).key());
+    let table = dfg.as_ref().map_or("none\n".to_owned(), |key| {
+        format!("{:?}\n{}", precompute.storage, key.inputs)
+    });
+    let inputs = format!(
+        "environment={}\nplacement={placement:?}\nscale={environment_scale}\nepsilon={}\nscene={}\ncamera={camera:?}\n\
+         size={width}x{height}\nmethod={}\ndiffuse={}\nbrdf={}\nmasking={masking_shadowing:?}\ncompensation={compensation:?}\nsamples={samples}\n\
+         reference_samples={reference_samples}\nreference_error={reference_error:?}\n\
+         background={background}\nseed={seed}\nlevels={levels:?}\nweight={weight:?}\ndfg={table}",
+        environment.hash,
+        request.epsilon().beside_square(),
+        scene.hash,
+        method.name,
+        diffuse.name,
+        brdf.name(),
+    );
+    let widths = if scene.has_anisotropy() {
+        format!("widths={}\n", widths.name())
+    } else {
+        String::new()
+    };
+    let inputs = inputs + &widths;
+    let lobes = request
+        .reference_lobes()
+        .into_iter()
+        .flat_map(|lobe| lobe.shaders(*brdf));
+    let shaders = gbuffer::pass::shaders().map(str::to_owned).chain(lobes);
+    let shaders = shaders
+        // A background reads the levels of the environment.
+        .chain(mips_key(environment).shaders)
+        .chain(dfg.into_iter().flat_map(|key| key.shaders))
+        .chain(background.then(|| BACKGROUND_SHADER.to_owned()))
+        .collect();
+    Some(SharedKey {
+        kind: "reference",
+        inputs,
+        shaders,
+    })
+}
+
+/// The possible values of [`Convergence::term`].
+const TERMS: [&str; 2] = ["shade-specular", "shade-diffuse"];
+const CONVERGENCE_LENGTH: usize = 18;
+
+impl Reference {
+    /// Radiance, a flag, the standard error if there is one, then the terms.
+    pub(super) fn to_bytes(&self) -> Vec<u8> {
+        let mut bytes: Vec<u8> = bytemuck::cast_slice(&self.radiance.data).to_vec();
+        bytes.push(u8::from(self.standard_error.is_some()));
+        if let Some(image) = &self.standard_error {
+            bytes.extend_from_slice(bytemuck::cast_slice(&image.data));
+        }
+        for Convergence {
+            term,
+            sample_count,
+            relative_error,
+            is_met,
+        } in &self.convergences
+        {
+            bytes.push(
+                TERMS
+                    .iter()
+                    .position(|known| known == term)
+                    .map_or(u8::MAX, |index| index as u8),
+            );
+            bytes.extend(sample_count.to_le_bytes());
+            bytes.extend(relative_error.to_le_bytes());
+            bytes.push(u8::from(*is_met));
+        }
+        bytes
+    }
+
+    /// Inverse of `to_bytes`; `None` if `bytes` are not a frame of this size.
+    pub(super) fn from_bytes(bytes: &[u8], [width, height]: [u32; 2]) -> Option<Self> {
+        let image_length = size_of::<[f32; 3]>() * width as usize * height as usize;
+        let image =
+            |bytes: &[u8]| RgbImage::new(width, height, bytemuck::pod_collect_to_vec(bytes));
+        let (radiance, rest) = bytes.split_at_checked(image_length)?;
+        let (flag, rest) = rest.split_first()?;
+        let (standard_error, rest) = match flag {
+            0 => (None, rest),
+            _ => rest
+                .split_at_checked(image_length)
+                .map(|(error, rest)| (Some(image(error)), rest))?,
+        };
+        let term = |bytes: &[u8]| -> Option<Convergence> {
+            let (index, rest) = bytes.split_first()?;
+            let (sample_count, rest) = rest.split_first_chunk()?;
+            let (relative_error, rest) = rest.split_first_chunk()?;
+            Some(Convergence {
+                term: TERMS.get(usize::from(*index))?,
+                sample_count: u64::from_le_bytes(*sample_count),
+                relative_error: f64::from_le_bytes(*relative_error),
+                is_met: *rest.first()? == 1,
+            })
+        };
+        let convergences = rest
+            .chunks(CONVERGENCE_LENGTH)
+            .map(term)
+            .collect::<Option<Vec<_>>>()?;
+        Some(Self {
+            radiance: image(radiance),
+            standard_error,
+            convergences,
+        })
+    }
+}

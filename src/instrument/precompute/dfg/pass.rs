@@ -1,0 +1,46 @@
+//! The device pass: one dispatch per part of the table.
+
+use super::DfgAxes;
+use crate::base::glsl::layout::{DfgParams, SharedStruct};
+use crate::instrument::brdf::{Brdf, MaskingShadowing};
+use crate::instrument::gpu::{Bind, Format, Gpu, GpuError, Image, Report};
+
+pub fn shader(brdf: &dyn Brdf) -> String {
+    format!("precompute/dfg.comp:{}", brdf.name())
+}
+
+pub fn table(gpu: &Gpu, side: u32) -> Result<Image, GpuError> {
+    gpu.image("DFG table", [side, side], 1, Format::Rgba32Float)
+}
+
+/// Fills `table` by quadrature with `sample_count` nodes per texel (a multiple of 32; others round
+/// down).
+pub fn run(
+    gpu: &Gpu,
+    brdf: &dyn Brdf,
+    masking_shadowing: MaskingShadowing,
+    axes: DfgAxes,
+    sample_count: u32,
+    table: &Image,
+) -> Result<Report, GpuError> {
+    let [width, height] = table.mip_size(0);
+    let (shader, constants) = (
+        shader(brdf),
+        [masking_shadowing as u32, 0, 0, 0, 0, 0, axes as u32],
+    );
+    let mut total = Report::default();
+    for part in gpu.parts([width, height], 1, sample_count.into()) {
+        let push = DfgParams {
+            width,
+            height,
+            sample_count,
+            first_row: part.first_row,
+        }
+        .to_bytes();
+        let binds = [Bind::StoreMip(table, 0)];
+        total.add(gpu.submit_pass("dfg", |r| {
+            r.dispatch(&shader, &constants, &binds, &push, part.groups)
+        })?);
+    }
+    Ok(total)
+}

@@ -1,0 +1,28 @@
+//! The device pass: one dispatch per level.
+
+use crate::base::glsl::layout::{MipsParams, SharedStruct};
+use crate::instrument::gpu::{Bind, Gpu, GpuError, Image, Report, Sampler, image_groups};
+
+pub const SHADER: &str = "precompute/mips.comp";
+
+/// Fills every level of `image` from level 1 on.
+pub fn run(gpu: &Gpu, image: &Image) -> Result<Report, GpuError> {
+    gpu.submit_pass("mips", |recorder| {
+        (1..image.mip_count()).try_for_each(|mip| {
+            let ([source_width, source_height], [width, height]) =
+                (image.mip_size(mip - 1), image.mip_size(mip));
+            let push = MipsParams {
+                source_width,
+                source_height,
+                width,
+                height,
+            }
+            .to_bytes();
+            let binds = [
+                Bind::SampleMip(image, Sampler::TEXELS, mip - 1),
+                Bind::StoreMip(image, mip),
+            ];
+            recorder.dispatch(SHADER, &[], &binds, &push, image_groups(width, height))
+        })
+    })
+}

@@ -1,0 +1,134 @@
+//! A lobe as weighted directions, by the quadrature derived in
+//! `shaders/lib/directional_albedo.glsl`.
+
+use crate::instrument::brdf::{Brdf, MaskingShadowing, g1, g2_from_g1, schlick_weight};
+use glam::{DVec2, DVec3};
+use std::f64::consts::{PI, TAU};
+
+/// Nodes in azimuth, over half a turn, and in each of two ranges of the polar angle.
+const PHI_COUNT: u32 = 16;
+const R_COUNT: u32 = 16;
+
+/// The lobe of a view at `(sin θ, 0, cos θ)`. Its mirror image in y is omitted.
+pub struct Lobe {
+    model: &'static dyn Brdf,
+    masking: MaskingShadowing,
+    pub alpha: f64,
+    v: DVec3,
+    g1_v: f64,
+    /// Directions, and the contribution of each to A and B.
+    nodes: Vec<(DVec3, DVec2)>,
+    /// (A, B).
+    pub albedos: DVec2,
+}
+
+/// Returns node and weight on `[0, 1]` of the midpoint rule after the sin² transformation
+/// \[Sidi93\].
+fn periodic_node(i: u32, count: u32) -> (f64, f64) {
+    let x = (f64::from(i) + 0.5) / f64::from(count);
+    (
+        x - (TAU * x).sin() / TAU,
+        (1.0 - (TAU * x).cos()) / f64::from(count),
+    )
+}
+
+impl Lobe {
+    pub fn new(
+        model: &'static dyn Brdf,
+        masking: MaskingShadowing,
+        n_dot_v: f64,
+        alpha: f64,
+    ) -> Self {
+        let alpha2 = alpha * alpha;
+        let v = DVec3::new(((1.0 - n_dot_v) * (1.0 + n_dot_v)).sqrt(), 0.0, n_dot_v);
+        let g1_v = g1(model, n_dot_v, alpha, masking);
+        let low2 = 0.5 * n_dot_v * n_dot_v / (1.0 + v.x);
+        let high2 = 0.5 * (1.0 + v.x);
+        let ggx_r = |sin2: f64, cos2: f64| (alpha2 * cos2 / (sin2 + alpha2 * cos2)).sqrt();
+        let r_ends = [1.0, ggx_r(low2, high2), ggx_r(high2, low2)];
+        let (mut nodes, mut albedos) = (
+            Vec::with_capacity((2 * R_COUNT * PHI_COUNT) as usize),
+            DVec2::ZERO,
+        );
+        for (range, i) in (0..2).flat_map(|range| (0..R_COUNT).map(move |i| (range, i))) {
+            let (place, weight) = periodic_node(i, R_COUNT);
+            let r = r_ends[range] + (r_ends[range + 1] - r_ends[range]) * place;
+            let u = (1.0 - r) * (1.0 + r);
+            let k = 1.0 / (1.0 + (alpha2 - 1.0) * u);
+            let (cos_h, sin_h) = (r * k.sqrt(), alpha * (u * k).sqrt());
+            let phi_end = match range {
+                0 => PI,
+                _ => (v.z * (0.5 / cos_h - cos_h) / (v.x * sin_h).max(1e-30))
+                    .clamp(-1.0, 1.0)
+                    .acos(),
+            };
+            let k_ggx = sin_h * sin_h + alpha2 * cos_h * cos_h;
+            let d_ratio =
+                model.d(DVec3::new(sin_h, 0.0, cos_h), alpha) * PI * k_ggx * k_ggx / alpha2;
+            let of_r =
+                weight * (r_ends[range] - r_ends[range + 1]) * 2.0 * r * (phi_end / PI) * d_ratio;
+            for j in 0..PHI_COUNT {
+                let (place, weight) = periodic_node(j, PHI_COUNT);
+                let (sin_phi, cos_phi) = (place * phi_end).sin_cos();
+                let h = DVec3::new(sin_h * cos_phi, sin_h * sin_phi, cos_h);
+                let v_dot_h = v.dot(h);
+                // The sine form keeps l a unit vector at small alpha.
+                let l = 2.0 * v_dot_h * h - v;
+                if l.z <= 0.0 || v_dot_h <= 0.0 {
+                    continue;
+                }
+                let gv = g2_from_g1(g1_v, g1(model, l.z, alpha, masking), masking) * v_dot_h
+                    / (n_dot_v * cos_h);
+                let fc = schlick_weight(v_dot_h);
+                let part = of_r * weight * gv * DVec2::new(1.0 - fc, fc);
+                albedos += part;
+                nodes.push((l, part));
+            }
+        }
+        Self {
+            model,
+            masking,
+            alpha,
+            v,
+            g1_v,
+            nodes,
+            albedos,
+        }
+    }
+
+    /// Returns the normalised lobe in a direction; `share` weighs the part of weight Fc.
+    pub fn density(&self, share: f64, l: DVec3) -> f64 {
+        if l.z <= 0.0 {
+            return 0.0;
+        }
+        let h = (self.v + l).normalize();
+        let fc = schlick_weight(self.v.dot(h));
+        let parts = DVec2::new((1.0 - share) * (1.0 - fc), share * fc) / self.albedos;
+        let g2 = g2_from_g1(
+            self.g1_v,
+            g1(self.model, l.z, self.alpha, self.masking),
+            self.masking,
+        );
+        // f n·l, so n·l cancels.
+        self.model.d(h, self.alpha) * g2 / (4.0 * self.v.z) * parts.element_sum()
+    }
+
+    /// Returns the angle from the normal to the first moment; `share` weighs the part of weight Fc.
+    pub fn moment_angle(&self, share: f64) -> f64 {
+        let [of_f0, of_f90] = self.moments();
+        let of = of_f0.lerp(of_f90, share);
+        f64::atan2(of.x * self.v.x, of.x * self.v.z + of.y)
+    }
+
+    /// Returns the first moment of each part over its integral, as shares of r and n.
+    pub fn moments(&self) -> [DVec2; 2] {
+        let (mut x, mut z) = (DVec2::ZERO, DVec2::ZERO);
+        for (l, part) in &self.nodes {
+            x += *part * l.x;
+            z += *part * l.z;
+        }
+        let of_r = -x / (self.v.x * self.albedos);
+        let of_n = z / self.albedos - of_r * self.v.z;
+        [DVec2::new(of_r.x, of_n.x), DVec2::new(of_r.y, of_n.y)]
+    }
+}

@@ -1,0 +1,258 @@
+//! Metallic-workflow materials.
+
+use crate::base::glsl::constants::ALPHA_MIN;
+
+/// F0 of a common dielectric (index of refraction 1.5).
+pub const DEFAULT_F0: f32 = 0.04;
+/// Default albedo, linear grey.
+pub const DEFAULT_ALBEDO: f32 = 0.8;
+/// Default microfacet width.
+pub const DEFAULT_ALPHA: f32 = 0.25;
+
+/// A clear coat over a surface (`crate::instrument::shade::coat`).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coat {
+    /// From 0, no coat, to 1.
+    pub weight: f32,
+    /// Index into `Scene::textures`; red multiplies `weight`.
+    pub weight_map: Option<usize>,
+    /// Microfacet width in (0, 1].
+    pub alpha: f32,
+    /// Index into `Scene::textures`; the square of green multiplies `alpha`.
+    pub roughness_map: Option<usize>,
+    /// Index into `Scene::textures`; normals of the coat, which has none of the base's.
+    pub normal_map: Option<usize>,
+}
+
+impl Default for Coat {
+    fn default() -> Self {
+        Self {
+            weight: 0.0,
+            weight_map: None,
+            alpha: ALPHA_MIN,
+            roughness_map: None,
+            normal_map: None,
+        }
+    }
+}
+
+/// Sheen over a surface (`crate::instrument::shade::sheen`), with the normal of the surface.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sheen {
+    /// Linear RGB in [0, 1]; black has none.
+    pub color: [f32; 3],
+    /// Index into `Scene::textures`; multiplies `color`.
+    pub color_map: Option<usize>,
+    /// Width from [`crate::instrument::brdf::SHEEN_ALPHA_MIN`] to 1.
+    pub alpha: f32,
+    /// Index into `Scene::textures`; the square of green multiplies `alpha`.
+    pub roughness_map: Option<usize>,
+}
+
+impl Default for Sheen {
+    fn default() -> Self {
+        Self {
+            color: [0.0; 3],
+            color_map: None,
+            alpha: DEFAULT_ALPHA,
+            roughness_map: None,
+        }
+    }
+}
+
+/// Two widths of the lobe (`crate::instrument::brdf::anisotropy`).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Anisotropy {
+    /// From 0, one width, to 1.
+    pub strength: f32,
+    /// Turns the direction of the larger width counter-clockwise about the normal, radians.
+    pub turn: f32,
+    /// Index into `Scene::textures`; directions in tangent space, whose lengths multiply
+    /// `strength`.
+    pub map: Option<usize>,
+    /// Whether the g-buffer has the tangent and the strength in place of normal and alpha.
+    pub is_shown: bool,
+}
+
+/// A surface. Its F0 is `mix(f0, albedo, metallic)`, its diffuse albedo `(1 - metallic) albedo`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Material {
+    pub name: String,
+    /// Linear RGB in [0, 1].
+    pub albedo: [f32; 3],
+    /// Index into `Scene::textures`; multiplies `albedo`.
+    pub albedo_map: Option<usize>,
+    pub metallic: f32,
+    /// Index into `Scene::textures`; blue multiplies `metallic`.
+    pub metallic_map: Option<usize>,
+    /// Microfacet width in (0, 1].
+    pub alpha: f32,
+    /// Index into `Scene::textures`; the square of green multiplies `alpha`.
+    pub roughness_map: Option<usize>,
+    /// Dielectric F0, linear RGB.
+    pub f0: [f32; 3],
+    /// Index into `Scene::textures`; tangent-space normals of any length.
+    pub normal_map: Option<usize>,
+    pub anisotropy: Anisotropy,
+    pub coat: Coat,
+    pub sheen: Sheen,
+    /// Culls back faces. Otherwise their normals are negated.
+    pub is_one_sided: bool,
+}
+
+impl Material {
+    pub fn maps(&self) -> impl Iterator<Item = usize> {
+        [
+            self.albedo_map,
+            self.metallic_map,
+            self.roughness_map,
+            self.normal_map,
+        ]
+        .into_iter()
+        .flatten()
+    }
+
+    /// A surface whose tangent and strength of anisotropy replace normal and alpha.
+    pub(super) fn as_tangent(&self) -> Self {
+        Self {
+            name: self.name.clone(),
+            normal_map: self.anisotropy.map,
+            anisotropy: Anisotropy {
+                is_shown: true,
+                ..self.anisotropy
+            },
+            is_one_sided: self.is_one_sided,
+            ..Self::default()
+        }
+    }
+
+    /// The coat as a surface without a diffuse term.
+    pub(super) fn as_coat(&self, f0: f32, alpha: fn(f32) -> f32) -> Self {
+        Self {
+            name: self.name.clone(),
+            albedo: [0.0; 3],
+            alpha: alpha(self.coat.alpha),
+            roughness_map: self.coat.roughness_map,
+            f0: [f0; 3],
+            normal_map: self.coat.normal_map,
+            is_one_sided: self.is_one_sided,
+            ..Self::default()
+        }
+    }
+
+    /// The sheen as a white surface.
+    pub(super) fn as_sheen(&self) -> Self {
+        Self {
+            name: self.name.clone(),
+            albedo: [1.0; 3],
+            alpha: self.sheen.alpha,
+            roughness_map: self.sheen.roughness_map,
+            normal_map: self.normal_map,
+            is_one_sided: self.is_one_sided,
+            ..Self::default()
+        }
+    }
+
+    /// A surface whose albedo is the colour of the sheen.
+    pub(super) fn as_sheen_color(&self) -> Self {
+        Self {
+            albedo: self.sheen.color,
+            albedo_map: self.sheen.color_map,
+            ..self.as_coat_weight()
+        }
+    }
+
+    /// A surface whose albedo is the weight of the coat.
+    pub(super) fn as_coat_weight(&self) -> Self {
+        Self {
+            name: self.name.clone(),
+            albedo: [self.coat.weight; 3],
+            albedo_map: self.coat.weight_map,
+            is_one_sided: self.is_one_sided,
+            ..Self::default()
+        }
+    }
+}
+
+impl Default for Material {
+    fn default() -> Self {
+        Self {
+            name: "default".to_owned(),
+            albedo: [DEFAULT_ALBEDO; 3],
+            albedo_map: None,
+            metallic: 0.0,
+            metallic_map: None,
+            alpha: DEFAULT_ALPHA,
+            roughness_map: None,
+            f0: [DEFAULT_F0; 3],
+            normal_map: None,
+            anisotropy: Anisotropy::default(),
+            coat: Coat::default(),
+            sheen: Sheen::default(),
+            is_one_sided: false,
+        }
+    }
+}
+
+/// Values for every material of a scene. Each also replaces the map.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct MaterialOverride {
+    pub albedo: Option<[f32; 3]>,
+    pub metallic: Option<f32>,
+    pub alpha: Option<f32>,
+    pub f0: Option<[f32; 3]>,
+    pub anisotropy: Option<f32>,
+    /// Radians.
+    pub anisotropy_turn: Option<f32>,
+    pub coat: Option<f32>,
+    pub coat_alpha: Option<f32>,
+    pub sheen_color: Option<[f32; 3]>,
+    pub sheen_alpha: Option<f32>,
+}
+
+impl MaterialOverride {
+    pub fn apply(&self, material: &Material) -> Material {
+        Material {
+            name: material.name.clone(),
+            albedo: self.albedo.unwrap_or(material.albedo),
+            albedo_map: material.albedo_map.filter(|_| self.albedo.is_none()),
+            metallic: self.metallic.unwrap_or(material.metallic),
+            metallic_map: material.metallic_map.filter(|_| self.metallic.is_none()),
+            alpha: self.alpha.unwrap_or(material.alpha),
+            roughness_map: material.roughness_map.filter(|_| self.alpha.is_none()),
+            f0: self.f0.unwrap_or(material.f0),
+            anisotropy: Anisotropy {
+                strength: self.anisotropy.unwrap_or(material.anisotropy.strength),
+                turn: self.anisotropy_turn.unwrap_or(material.anisotropy.turn),
+                map: material
+                    .anisotropy
+                    .map
+                    .filter(|_| self.anisotropy.is_none() && self.anisotropy_turn.is_none()),
+                ..material.anisotropy
+            },
+            coat: Coat {
+                weight: self.coat.unwrap_or(material.coat.weight),
+                weight_map: material.coat.weight_map.filter(|_| self.coat.is_none()),
+                alpha: self.coat_alpha.unwrap_or(material.coat.alpha),
+                roughness_map: material
+                    .coat
+                    .roughness_map
+                    .filter(|_| self.coat_alpha.is_none()),
+                ..material.coat
+            },
+            sheen: Sheen {
+                color: self.sheen_color.unwrap_or(material.sheen.color),
+                color_map: material
+                    .sheen
+                    .color_map
+                    .filter(|_| self.sheen_color.is_none()),
+                alpha: self.sheen_alpha.unwrap_or(material.sheen.alpha),
+                roughness_map: material
+                    .sheen
+                    .roughness_map
+                    .filter(|_| self.sheen_alpha.is_none()),
+            },
+            ..*material
+        }
+    }
+}

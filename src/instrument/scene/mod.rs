@@ -1,0 +1,366 @@
+//! Scenes: cameras, spheres, meshes, materials.
+
+pub mod builtin;
+pub mod camera;
+mod gltf;
+mod maps;
+pub mod material;
+pub mod mesh;
+mod obj;
+mod shader_ball;
+mod source;
+
+pub use builtin::{SCENES, SceneEntry, is_design};
+pub use camera::{Camera, CameraKind, Orbit, Projection};
+pub use maps::Texture;
+pub use material::{Anisotropy, Coat, Material, MaterialOverride, Sheen};
+pub use mesh::Mesh;
+pub use source::SceneFiles;
+
+use crate::base::names::suggestion;
+use crate::base::pixels::lookup::Wrap;
+use glam::DVec3;
+use std::path::Path;
+
+/// An exact sphere, never tessellated.
+#[derive(Clone, Copy, Debug)]
+pub struct Sphere {
+    pub center: DVec3,
+    pub radius: f64,
+    /// Index into [`Scene::materials`].
+    pub material: usize,
+}
+
+/// Geometry and materials, without a camera.
+#[derive(Clone, Debug)]
+pub struct Scene {
+    /// A built-in name or a path.
+    pub name: String,
+    pub spheres: Vec<Sphere>,
+    pub meshes: Vec<Mesh>,
+    pub materials: Vec<Material>,
+    pub textures: Vec<Texture>,
+    /// Whether each pixel is an independent experiment (`gbuffer::design`).
+    pub is_design: bool,
+    /// Unit vector to the automatic cameras: +z for spheres, 30 degrees right of it and 20 degrees
+    /// above for files.
+    pub toward_viewer: DVec3,
+    /// blake3 (hex) of everything but names.
+    pub hash: String,
+    /// One sentence each.
+    pub warnings: Vec<String>,
+}
+
+/// Why a scene could not be loaded.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct SceneError(String);
+
+impl SceneError {
+    fn of_file(path: &Path, what: impl std::fmt::Display) -> Self {
+        Self(format!("{}: {what}", path.display()))
+    }
+
+    fn of_line(path: &Path, line: usize, what: impl std::fmt::Display) -> Self {
+        Self(format!("{}:{line}: {what}", path.display()))
+    }
+}
+
+pub struct SceneFormat {
+    /// Lower case.
+    pub extension: &'static str,
+    /// One line for `splitsum list scenes`.
+    pub about: &'static str,
+    read: fn(&str, &Path, &dyn SceneFiles) -> Result<Scene, SceneError>,
+}
+
+pub static SCENE_FORMATS: &[SceneFormat] = &[
+    SceneFormat {
+        extension: "obj",
+        about: "triangles with the materials of its MTL file, framed automatically",
+        read: obj::load,
+    },
+    SceneFormat {
+        extension: "glb",
+        about: "glTF 2.0 in one file: metallic-roughness materials with their maps, framed \
+                automatically",
+        read: gltf::load,
+    },
+    SceneFormat {
+        extension: "gltf",
+        about: "glTF 2.0 with the files that it names",
+        read: gltf::load,
+    },
+];
+
+/// Finds the format by a file's extension.
+pub fn scene_format(path: &Path) -> Option<&'static SceneFormat> {
+    let extension = path.extension()?.to_string_lossy().to_lowercase();
+    SCENE_FORMATS
+        .iter()
+        .find(|format| format.extension == extension)
+}
+
+/// Joins the extensions: `.obj, .glb or .gltf`.
+pub fn scene_extensions() -> String {
+    let dotted: Vec<String> = SCENE_FORMATS
+        .iter()
+        .map(|format| format!(".{}", format.extension))
+        .collect();
+    let (last, others) = dotted.split_last().expect("there are formats");
+    format!("{} or {last}", others.join(", "))
+}
+
+/// Returns the direction to automatic cameras of files, which see a front, a side and the top.
+fn toward_viewer_of_files() -> DVec3 {
+    toward(30.0, 20.0)
+}
+
+/// Returns the unit vector at an azimuth to the right of +z and an elevation, degrees.
+fn toward(azimuth_deg: f64, elevation_deg: f64) -> DVec3 {
+    let (azimuth, elevation) = (azimuth_deg.to_radians(), elevation_deg.to_radians());
+    DVec3::new(
+        azimuth.sin() * elevation.cos(),
+        elevation.sin(),
+        azimuth.cos() * elevation.cos(),
+    )
+}
+
+impl Scene {
+    /// Loads an entry of [`SCENES`], or a file relative to `base_dir`.
+    pub fn load(spec: &str, base_dir: &Path) -> Result<Self, SceneError> {
+        if let Some(entry) = SCENES.iter().find(|entry| entry.name == spec) {
+            return Ok((entry.build)());
+        }
+        let path = base_dir.join(spec);
+        match scene_format(&path) {
+            Some(format) => (format.read)(spec, &path, &source::Disk),
+            None if path.extension().is_some() && path.exists() => Err(SceneError::of_file(
+                &path,
+                format!("expected a scene file: {}", scene_extensions()),
+            )),
+            None => {
+                let names: Vec<&str> = SCENES.iter().map(|entry| entry.name).collect();
+                let (known, near) = (names.join(", "), suggestion(spec, &names));
+                let files = scene_extensions();
+                let what = format!(
+                    "neither a built-in scene ({known}) nor the path of a file ({files}){near}"
+                );
+                Err(SceneError(format!("scene \"{spec}\": {what}")))
+            }
+        }
+    }
+
+    pub fn sphere() -> Self {
+        builtin::sphere()
+    }
+
+    /// Loads the scene at `path` of `files`, which also contain its materials, maps and buffers.
+    pub fn from_file(path: &Path, files: &dyn SceneFiles) -> Result<Self, SceneError> {
+        let format =
+            scene_format(path).ok_or_else(|| SceneError::of_file(path, "not a scene file"))?;
+        (format.read)(&path.to_string_lossy(), path, files)
+    }
+
+    /// Overrides values of every material.
+    pub fn apply(&self, values: &MaterialOverride) -> Self {
+        self.with_materials(|material| values.apply(material))
+    }
+
+    fn with_materials(&self, change: impl Fn(&Material) -> Material) -> Self {
+        let materials = self.materials.iter().map(change).collect();
+        Self {
+            materials,
+            ..self.clone()
+        }
+        .hashed()
+    }
+
+    pub fn has_coat(&self) -> bool {
+        self.materials
+            .iter()
+            .any(|material| material.coat.weight > 0.0)
+    }
+
+    pub fn has_sheen(&self) -> bool {
+        self.materials
+            .iter()
+            .any(|material| material.sheen.color != [0.0; 3])
+    }
+
+    pub fn has_anisotropy(&self) -> bool {
+        self.materials
+            .iter()
+            .any(|material| material.anisotropy.strength > 0.0)
+    }
+
+    /// Returns the scene whose g-buffer has tangents and strengths of anisotropy in place of
+    /// normals and alphas.
+    pub fn tangents(&self) -> Self {
+        self.with_materials(Material::as_tangent)
+    }
+
+    /// Returns the scene without coats.
+    pub fn uncoated(&self) -> Self {
+        self.with_materials(|material| Material {
+            coat: Coat::default(),
+            name: material.name.clone(),
+            ..*material
+        })
+    }
+
+    /// Returns the scene without sheen.
+    pub fn without_sheen(&self) -> Self {
+        self.with_materials(|material| Material {
+            sheen: Sheen::default(),
+            name: material.name.clone(),
+            ..*material
+        })
+    }
+
+    /// Returns the sheens as white surfaces.
+    pub fn sheen(&self) -> Self {
+        self.with_materials(Material::as_sheen)
+    }
+
+    /// Returns the scene whose albedo is the colour of the sheen.
+    pub fn sheen_colors(&self) -> Self {
+        self.with_materials(Material::as_sheen_color)
+    }
+
+    /// Returns the coats as surfaces of that F0, without a diffuse term; `alpha` converts their
+    /// widths.
+    pub fn coat(&self, f0: f32, alpha: fn(f32) -> f32) -> Self {
+        self.with_materials(|material| material.as_coat(f0, alpha))
+    }
+
+    /// Returns the scene whose albedo is the weight of the coat.
+    pub fn coat_weights(&self) -> Self {
+        self.with_materials(Material::as_coat_weight)
+    }
+
+    /// Returns the smallest and largest corners of the bounding box.
+    pub fn bounds(&self) -> (DVec3, DVec3) {
+        let spheres = self
+            .spheres
+            .iter()
+            .flat_map(|s| [s.center - s.radius, s.center + s.radius]);
+        let points = spheres.chain(self.meshes.iter().flat_map(Mesh::corners));
+        points.fold((DVec3::INFINITY, DVec3::NEG_INFINITY), |(low, high), p| {
+            (low.min(p), high.max(p))
+        })
+    }
+
+    /// Builds a scene without textures or warnings, seen from +z.
+    fn assemble(
+        name: &str,
+        spheres: Vec<Sphere>,
+        meshes: Vec<Mesh>,
+        materials: Vec<Material>,
+    ) -> Self {
+        let unhashed = Self {
+            name: name.to_owned(),
+            spheres,
+            meshes,
+            materials,
+            textures: Vec::new(),
+            is_design: false,
+            toward_viewer: DVec3::Z,
+            hash: String::new(),
+            warnings: Vec::new(),
+        };
+        unhashed.hashed()
+    }
+
+    fn hashed(mut self) -> Self {
+        let mut hasher = blake3::Hasher::new();
+        // Lengths keep different scenes from feeding equal bytes.
+        fn list<T: bytemuck::NoUninit>(hasher: &mut blake3::Hasher, values: &[T]) {
+            hasher.update(&(values.len() as u64).to_ne_bytes());
+            hasher.update(bytemuck::cast_slice(values));
+        }
+        list(&mut hasher, &self.toward_viewer.to_array());
+        list(&mut hasher, &[u8::from(self.is_design)]);
+        for sphere in &self.spheres {
+            list(&mut hasher, &sphere.center.extend(sphere.radius).to_array());
+            list(&mut hasher, &[sphere.material as u64]);
+        }
+        list(
+            &mut hasher,
+            &[self.spheres.len() as u64, self.meshes.len() as u64],
+        );
+        for mesh in &self.meshes {
+            list(&mut hasher, &mesh.positions);
+            list(&mut hasher, &mesh.normals);
+            list(&mut hasher, &mesh.uvs);
+            list(&mut hasher, &mesh.tangents);
+            list(&mut hasher, &mesh.indices);
+            list(&mut hasher, &[mesh.material as u64]);
+        }
+        list(&mut hasher, &[self.materials.len() as u64]);
+        for material in &self.materials {
+            list(&mut hasher, &material.albedo);
+            list(&mut hasher, &[material.metallic, material.alpha]);
+            list(&mut hasher, &material.f0);
+            let maps = [
+                material.albedo_map,
+                material.metallic_map,
+                material.roughness_map,
+                material.normal_map,
+            ];
+            list(
+                &mut hasher,
+                &maps.map(|map| map.map_or(0, |map| map as u64 + 1)),
+            );
+            list(&mut hasher, &[u8::from(material.is_one_sided)]);
+            let Anisotropy {
+                strength,
+                turn,
+                map,
+                is_shown,
+            } = material.anisotropy;
+            if strength > 0.0 || is_shown {
+                list(&mut hasher, &[strength, turn]);
+                list(
+                    &mut hasher,
+                    &[map.map_or(0, |map| map as u64 + 1), u64::from(is_shown)],
+                );
+            }
+            let Coat {
+                weight,
+                weight_map,
+                alpha,
+                roughness_map,
+                normal_map,
+            } = material.coat;
+            if weight > 0.0 {
+                list(&mut hasher, &[weight, alpha]);
+                list(
+                    &mut hasher,
+                    &[weight_map, roughness_map, normal_map]
+                        .map(|map| map.map_or(0, |map| map as u64 + 1)),
+                );
+            }
+            let Sheen {
+                color,
+                color_map,
+                alpha,
+                roughness_map,
+            } = material.sheen;
+            if color != [0.0; 3] {
+                list(&mut hasher, &[color, [alpha, 0.0, 0.0]].concat());
+                list(
+                    &mut hasher,
+                    &[color_map, roughness_map].map(|map| map.map_or(0, |map| map as u64 + 1)),
+                );
+            }
+        }
+        for texture in &self.textures {
+            let Wrap(u, v) = texture.wrap;
+            list(&mut hasher, &[texture.levels[0].width, u as u32, v as u32]);
+            list(&mut hasher, &texture.levels[0].data);
+        }
+        self.hash = hasher.finalize().to_hex().to_string();
+        self
+    }
+}

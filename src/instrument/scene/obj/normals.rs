@@ -1,0 +1,66 @@
+//! Missing normals.
+
+use crate::instrument::scene::Mesh;
+use crate::instrument::scene::mesh::position;
+use glam::{DVec3, Vec3};
+use std::collections::HashMap;
+
+/// Shorter sums of unit normals have no direction.
+const MIN_SUM: f64 = 1e-6;
+
+/// Replaces normals (0, 0, 0) by the mean of the adjacent triangles' normals, weighted by angle, so
+/// that triangulation does not matter. Corners at equal positions are one point: there are no
+/// creases. No triangle may be degenerate.
+pub fn fill_missing(meshes: &mut [Mesh]) {
+    let is_missing = |mesh: &Mesh| mesh.normals.contains(&[0.0; 3]);
+    if !meshes.iter().any(is_missing) {
+        return;
+    }
+    let mut sums: HashMap<[u32; 3], Sum> = HashMap::new();
+    for mesh in meshes.iter() {
+        for triangle in mesh.triangles() {
+            let corners @ [a, b, c] = triangle.map(|index| position(&mesh.positions, index));
+            let face = (b - a).cross(c - a).normalize();
+            for k in 0..3 {
+                let [p, next, last] = [corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]];
+                let sum = sums
+                    .entry(key(mesh.positions[triangle[k] as usize]))
+                    .or_insert(Sum {
+                        weighted: DVec3::ZERO,
+                        any: face,
+                    });
+                sum.weighted += face * (next - p).angle_between(last - p);
+            }
+        }
+    }
+    for mesh in meshes {
+        for (normal, &p) in mesh.normals.iter_mut().zip(&mesh.positions) {
+            if *normal == [0.0; 3] {
+                // Positions without a sum belong to dropped triangles.
+                *normal = sums.get(&key(p)).map_or(Vec3::Z, Sum::normal).to_array();
+            }
+        }
+    }
+}
+
+struct Sum {
+    weighted: DVec3,
+    /// Normal of one of the triangles.
+    any: DVec3,
+}
+
+impl Sum {
+    fn normal(&self) -> Vec3 {
+        let n = if self.weighted.length() < MIN_SUM {
+            self.any
+        } else {
+            self.weighted.normalize()
+        };
+        n.as_vec3()
+    }
+}
+
+/// Returns the bits of a position; -0 equals 0.
+fn key(p: [f32; 3]) -> [u32; 3] {
+    p.map(|x| (x + 0.0).to_bits())
+}

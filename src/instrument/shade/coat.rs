@@ -1,0 +1,177 @@
+//! Clear coat: a second specular lobe over the base, with its own weight c, width alpha_c and
+//! normal n_c.
+//!
+//! With base L_b and, at μ = n_c·v and alpha_c, the coat's integrals `I1 = ∫ f n·l L dl` for F = 1
+//! and `I` for f0 = 0.04, its albedo `E = 0.04 A + B` and Schlick's `F = 0.04 + 0.96 (1 - μ)⁵`, the
+//! truths are
+//!
+//! | | radiance | source |
+//! |---|---|---|
+//! | `khr` | `(1 - c F) L_b + c F I1` | KHR_materials_clearcoat, "Layering" \[KhrClearcoat20\] |
+//! | `albedo` | `(1 - c E) L_b + c I` | OpenPBR 1.1, albedo scaling; exact in a white furnace |
+//!
+//! The base loses light once, diffuse term included. Refraction, absorption and light between the
+//! layers are left out.
+
+use crate::base::names::listed;
+use crate::instrument::brdf::f_schlick;
+use glam::{DVec2, DVec3};
+
+/// F0 of every coat: index of refraction 1.5.
+pub const COAT_F0: f64 = 0.04;
+const _: () = assert!(COAT_F0 as f32 == crate::base::glsl::constants::COAT_F0);
+
+/// The exact radiance of a coated surface.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum CoatLayering {
+    #[default]
+    Khr,
+    Albedo,
+}
+
+listed!(CoatLayering, "coat layering", { "khr": Khr, "albedo": Albedo });
+
+impl CoatLayering {
+    /// What the base loses.
+    pub fn loss(self) -> CoatWeight {
+        match self {
+            Self::Khr => CoatWeight::Fresnel,
+            Self::Albedo => CoatWeight::Albedo,
+        }
+    }
+
+    /// F0 of the coat's integral.
+    pub fn f0(self) -> f64 {
+        match self {
+            Self::Khr => 1.0,
+            Self::Albedo => COAT_F0,
+        }
+    }
+}
+
+/// The reflectance that scales a coat's lookup, or that the base loses.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum CoatWeight {
+    /// Schlick's F at n_c·v.
+    Fresnel,
+    /// `0.04 A + B`, of the DFG table.
+    Albedo,
+}
+
+impl CoatWeight {
+    /// Returns the reflectance at μ = n_c·v; `pair` is (A, B).
+    pub fn reflectance(self, n_dot_v: f64, pair: DVec2) -> f64 {
+        match self {
+            Self::Fresnel => f_schlick(DVec3::splat(COAT_F0), n_dot_v).x,
+            Self::Albedo => COAT_F0 * pair.x + pair.y,
+        }
+    }
+}
+
+/// How a renderer shades a coat.
+#[derive(Debug)]
+pub struct CoatRenderer {
+    pub name: &'static str,
+    /// Where it is from, for `splitsum list coats`.
+    pub about: &'static str,
+    /// The method of the coat's lookup `P (A + B)`, of which only P counts; `None` for the exact
+    /// layers by the method of the image.
+    pub lookup: Option<&'static str>,
+    /// Converts alpha_c to the alpha of the level that is read.
+    pub alpha: fn(f32) -> f32,
+    /// Scales P.
+    pub scale: CoatWeight,
+    /// What the base loses: its specular term `(1 - c w)^p` and its diffuse term with the other
+    /// power.
+    pub loss: CoatWeight,
+    pub powers: [i32; 2],
+}
+
+const EXACT: CoatRenderer = CoatRenderer {
+    name: "exact",
+    about: "the layers of coat_layering, each by the image's method",
+    lookup: None,
+    alpha: |alpha| alpha,
+    scale: CoatWeight::Fresnel,
+    loss: CoatWeight::Fresnel,
+    powers: [1, 1],
+};
+
+/// Every renderer; the first is exact. Sources at the versions that `docs/coat.md` names.
+pub static COAT_RENDERERS: &[CoatRenderer] = &[
+    EXACT,
+    CoatRenderer {
+        name: "filament",
+        about: "evaluateClearCoatIBL of Filament; also the glTF Sample Renderer and PlayCanvas: c \
+                F P along r",
+        lookup: Some("split-sum"),
+        ..EXACT
+    },
+    CoatRenderer {
+        name: "bevy",
+        about: "environment_map_light_clearcoat of Bevy: Frostbite's direction, the base's \
+                specular term attenuated twice",
+        lookup: Some("split-sum-frostbite"),
+        powers: [2, 1],
+        ..EXACT
+    },
+    CoatRenderer {
+        name: "unity",
+        about: "EvaluateBSDF_Env of HDRP's Lit: a mirror, the specular term attenuated twice and \
+                the diffuse term never",
+        lookup: Some("split-sum"),
+        alpha: |_| crate::base::glsl::constants::ALPHA_MIN,
+        powers: [2, 0],
+        ..EXACT
+    },
+    CoatRenderer {
+        name: "three",
+        about: "RE_IndirectSpecular_Physical of three.js: c (0.04 A + B) P, bent to n by alpha^2",
+        lookup: Some("split-sum-filament"),
+        scale: CoatWeight::Albedo,
+        ..EXACT
+    },
+    CoatRenderer {
+        name: "openpbr",
+        about: "mx_dielectric_bsdf of MaterialX, as OpenPBR layers it: c (0.04 A + B) P along r, \
+                the base scaled by the albedo",
+        lookup: Some("split-sum"),
+        scale: CoatWeight::Albedo,
+        loss: CoatWeight::Albedo,
+        ..EXACT
+    },
+];
+
+listed!(CoatRenderer, "coat renderer", COAT_RENDERERS);
+
+/// What the images of a coated surface count, pixel by pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct CoatShares {
+    /// Of the base's specular and diffuse terms.
+    pub base: [f64; 2],
+    /// Of the coat's image.
+    pub coat: f64,
+}
+
+/// Returns the shares for a coat of weight `weight` at μ = n_c·v; `pair` is its (A, B).
+pub fn shares(
+    layering: CoatLayering,
+    renderer: &CoatRenderer,
+    weight: f64,
+    n_dot_v: f64,
+    pair: DVec2,
+) -> CoatShares {
+    let (loss, coat) = match (renderer.lookup, layering) {
+        (Some(_), _) => (
+            renderer.loss,
+            renderer.scale.reflectance(n_dot_v, pair) / (pair.x + pair.y),
+        ),
+        (None, CoatLayering::Khr) => (layering.loss(), layering.loss().reflectance(n_dot_v, pair)),
+        (None, CoatLayering::Albedo) => (layering.loss(), 1.0),
+    };
+    let left = 1.0 - weight * loss.reflectance(n_dot_v, pair);
+    CoatShares {
+        base: renderer.powers.map(|power| left.powi(power)),
+        coat: weight * coat,
+    }
+}

@@ -1,0 +1,64 @@
+//! The diffuse methods: names, parameters, f64 twins.
+
+mod fresnel_inside;
+mod irradiance_map;
+mod sh9;
+
+use super::reference::integrate;
+use super::twin::{DiffuseTwin, Twin};
+use super::{NONE, REFERENCE};
+use crate::base::names::listed;
+use glam::DVec3;
+
+/// A way to compute the diffuse irradiance. Names are the stems of shader files (with `-` for `_`).
+#[derive(Clone, Copy, Debug)]
+pub struct Diffuse {
+    pub name: &'static str,
+    pub about: &'static str,
+    /// Twin that device tests compare its frames with.
+    pub twin: DiffuseTwin,
+    /// Whether the size and sample count of the irradiance map change its result.
+    pub uses_irradiance_map: bool,
+    pub uses_sh9: bool,
+    /// The integrand if the passes of the reference estimate the term without bias: a file of
+    /// `shaders/shade/lobe/`.
+    pub lobe: Option<&'static str>,
+}
+
+/// Every diffuse method. To add one: `shaders/shade/diffuse/<stem>.glsl`, its file here with its
+/// twin, and a line here.
+pub static DIFFUSE: &[Diffuse] = &[
+    sh9::DIFFUSE,
+    irradiance_map::DIFFUSE,
+    INTEGRATED,
+    fresnel_inside::DIFFUSE,
+    Diffuse::plain(NONE, "no diffuse term", Twin::Estimator(|_, _| DVec3::ZERO)),
+];
+
+/// The unbiased estimator of irradiance, by many random samples of cosine and environment.
+const INTEGRATED: Diffuse = Diffuse {
+    lobe: Some("lambert"),
+    ..Diffuse::plain(
+        REFERENCE,
+        "unbiased: cosine and environment sampling combined, many samples",
+        Twin::Mean(|environment, surface, _, tolerance| {
+            integrate(environment, surface, tolerance).diffuse
+        }),
+    )
+};
+
+impl Diffuse {
+    /// A method without lookups. Each file sets its flags; every method has a twin.
+    const fn plain(name: &'static str, about: &'static str, twin: DiffuseTwin) -> Self {
+        Self {
+            name,
+            about,
+            twin,
+            uses_irradiance_map: false,
+            uses_sh9: false,
+            lobe: None,
+        }
+    }
+}
+
+listed!(Diffuse, "diffuse method", DIFFUSE);

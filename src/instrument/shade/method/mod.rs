@@ -1,0 +1,268 @@
+//! The specular methods: names, parameters, f64 twins.
+
+pub mod ladder;
+pub mod own;
+mod sampled;
+mod sampled_unfiltered;
+mod sampled_vndf;
+mod sheen_lookup;
+pub mod split_sum;
+mod split_sum_bent;
+mod split_sum_cap;
+mod split_sum_engines;
+mod split_sum_major;
+mod split_sum_strips;
+mod split_sum_taps;
+
+use super::diffuse::Diffuse;
+use super::reference::integrate;
+use super::twin::{SpecularTwin, Twin};
+use super::{NONE, REFERENCE};
+use crate::base::names::{Listed, listed};
+use crate::instrument::brdf::Compensation;
+use crate::instrument::precompute::taps::TapCount;
+use crate::instrument::precompute::{PrecomputeSettings, PrefilterBy, StorageFormat};
+use glam::DVec3;
+
+/// A way to compute the specular term. Names are the stems of shader files (with `-` for `_`).
+///
+/// The flags name the axes that change its result: along any other axis an experiment has one cell.
+#[derive(Clone, Copy, Debug)]
+pub struct Method {
+    pub name: &'static str,
+    pub title: &'static str,
+    pub about: &'static str,
+    /// Twin that device tests compare its frames with.
+    pub twin: SpecularTwin,
+    pub uses_samples: bool,
+    /// Reads the points of a sequence and set (`math::sequence`).
+    pub uses_point_set: bool,
+    pub uses_lod_bias: bool,
+    pub uses_bend: bool,
+    /// Lookups of the prefiltered map per pixel.
+    pub lookups: u32,
+    /// Reads the DFG table for the specular term itself; see [`Method::needs_dfg`].
+    pub uses_dfg: bool,
+    /// The table of taps that it reads.
+    pub tap_table: Option<TapCount>,
+    /// Depends on the widths of the prefiltered map's levels without reading the map.
+    pub uses_levels: bool,
+    /// Depends on the weight of prefiltered maps without reading one.
+    pub uses_weight: bool,
+    /// Overrides how its filtered maps are made.
+    pub prefilter: Option<PrefilterBy>,
+    /// Overrides the number format of its tables.
+    pub storage: Option<StorageFormat>,
+    /// Whether its error has a ladder of steps (`crate::instrument::ladder`).
+    pub has_ladder: bool,
+    /// Replaces its name in the name of its shader: for methods in files.
+    pub shader: Option<&'static str>,
+    /// The text of its shader, for methods in files.
+    pub text: Option<&'static str>,
+    /// The integrand if the passes of the reference estimate the term without bias: a file of
+    /// `shaders/shade/lobe/`.
+    pub lobe: Option<&'static str>,
+}
+
+/// Every specular method. To add one: `shaders/shade/method/<stem>.glsl` (or `lobe/`), its file and
+/// a line here.
+pub static METHODS: &[Method] = &[
+    sampled::METHOD,
+    sampled_vndf::METHOD,
+    sampled_unfiltered::METHOD,
+    split_sum::METHOD,
+    split_sum_engines::FILAMENT,
+    split_sum_engines::FROSTBITE,
+    split_sum_engines::GODOT,
+    split_sum_engines::NRD,
+    split_sum_engines::UNITY,
+    split_sum_cap::METHOD,
+    split_sum_taps::ONE,
+    split_sum_taps::TWO,
+    split_sum_taps::FOUR,
+    split_sum_bent::METHOD,
+    split_sum_major::TWO,
+    split_sum_major::FOUR,
+    split_sum_strips::TWO,
+    split_sum_strips::FOUR,
+    Method::plain(
+        NONE,
+        "No specular term",
+        "no specular term",
+        Twin::Estimator(|_, _, _| DVec3::ZERO),
+    ),
+    INTEGRATED,
+    ladder::FRESNEL,
+    ladder::MASKING,
+    ladder::MASKING_ALONE,
+    ladder::VIEW,
+    ladder::LEVELS,
+    ladder::TEXELS,
+    ladder::SAMPLES,
+    ladder::STORAGE,
+];
+
+const CORRECTED: [&str; 4] = [
+    split_sum_cap::METHOD.name,
+    split_sum_taps::ONE.name,
+    split_sum_taps::TWO.name,
+    split_sum_taps::FOUR.name,
+];
+
+/// The unbiased estimator of the specular integral, by many random samples of BRDF and environment.
+const INTEGRATED: Method = Method {
+    uses_samples: true,
+    lobe: Some("specular"),
+    ..Method::plain(
+        REFERENCE,
+        "Reference",
+        "unbiased: BRDF and environment sampling combined, many samples, unfiltered",
+        Twin::Mean(|environment, surface, _, tolerance| {
+            integrate(environment, surface, tolerance).specular
+        }),
+    )
+};
+
+impl Method {
+    /// A method that depends on the scene only. Each file sets its flags; every method has a twin.
+    const fn plain(
+        name: &'static str,
+        title: &'static str,
+        about: &'static str,
+        twin: SpecularTwin,
+    ) -> Self {
+        Self {
+            name,
+            title,
+            about,
+            twin,
+            uses_samples: false,
+            uses_point_set: false,
+            uses_lod_bias: false,
+            uses_bend: false,
+            lookups: 0,
+            uses_dfg: false,
+            tap_table: None,
+            uses_levels: false,
+            uses_weight: false,
+            prefilter: None,
+            storage: None,
+            has_ladder: false,
+            shader: None,
+            text: None,
+            lobe: None,
+        }
+    }
+
+    /// Returns the settings of its tables if `asked` is requested.
+    pub fn tables(&self, asked: PrecomputeSettings) -> PrecomputeSettings {
+        let (prefilter, storage) = (
+            self.prefilter.unwrap_or(asked.prefilter),
+            self.storage.unwrap_or(asked.storage),
+        );
+        PrecomputeSettings {
+            prefilter,
+            storage,
+            ..asked
+        }
+    }
+
+    /// Its role; `None` for references and their ladder.
+    pub fn role(&self) -> Option<Role> {
+        match () {
+            () if self.is_integrated() || self.is_none() => None,
+            () if self.uses_samples => Some(Role::Sampling),
+            () if self.has_ladder => Some(Role::Textbook),
+            () if !self.uses_dfg && self.shader.is_none() => None,
+            () if CORRECTED.contains(&self.name) || self.shader.is_some() => Some(Role::Corrected),
+            () => Some(Role::Other),
+        }
+    }
+
+    /// Its name with a sample count: "Sampling, 16 samples".
+    pub fn words(&self, samples: Option<&str>) -> String {
+        match samples.filter(|count| !count.is_empty()) {
+            Some("1") => format!("{}, 1 sample", self.title),
+            Some(count) => format!("{}, {count} samples", self.title),
+            None => self.title.to_owned(),
+        }
+    }
+
+    pub fn uses_prefiltered(&self) -> bool {
+        self.lookups > 0
+    }
+
+    /// Returns how often a pixel looks up an environment map, prefiltered or not, at that sample
+    /// count; `None` if another image is integrated, or for a shader in a file.
+    pub fn lookups_of_pixel(&self, samples: Option<u32>) -> Option<u32> {
+        if self.shader.is_some() {
+            return None;
+        }
+        let count = if self.uses_samples {
+            samples?
+        } else {
+            self.lookups
+        };
+        (count > 0).then_some(count)
+    }
+
+    /// Whether a frame reads the DFG table: for the specular term itself, or to weigh the other
+    /// terms.
+    pub fn needs_dfg(&self, compensation: Compensation, diffuse: &Diffuse) -> bool {
+        let is_compensated = compensation != Compensation::None;
+        self.uses_dfg || (!self.is_none() && (is_compensated || !diffuse.is_none()))
+    }
+}
+
+listed!(
+    Method,
+    "method",
+    METHODS,
+    /// Finds a listed method, or `file:PATH` ([`own`]).
+    fn by_name(name: &str) -> Option<&'static Self> {
+        Self::all()
+            .find(|method| method.name == name)
+            .or_else(|| own::loaded(name))
+    }
+);
+
+/// Role of a method, which sets its colour in figures and captions.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Role {
+    Textbook,
+    /// A split sum to prefer to the textbook's, or a method in a file.
+    Corrected,
+    Sampling,
+    /// Another split sum, such as an engine's.
+    Other,
+}
+
+/// Replaces the code names of methods in a text by their titles: "Split sum (textbook)" for
+/// `split-sum`, "Sampling, 16 samples" for `sampled 16`. The words `none`, `reference` and
+/// `sampled` alone stay: they mean other things, too.
+pub fn words_in(text: &str) -> String {
+    const ENDS: [char; 5] = [':', ',', ';', '.', ')'];
+    let mut words = text.split(' ').peekable();
+    let mut all = Vec::new();
+    while let Some(word) = words.next() {
+        let name = word.trim_end_matches(ENDS);
+        let next = words.peek().map(|next| next.trim_end_matches(ENDS));
+        let count = next.filter(|next| name == word && next.parse::<u32>().is_ok());
+        let is_plain = [NONE, REFERENCE].contains(&name)
+            || (name == sampled::METHOD.name && count.is_none() && next != Some("over"));
+        let Some(method) = Method::by_name(name).filter(|_| !is_plain) else {
+            all.push(word.to_owned());
+            continue;
+        };
+        let count = count.filter(|_| method.uses_samples);
+        let said = method.words(count);
+        let end = if count.is_some() {
+            words.next().unwrap_or_default()
+        } else {
+            word
+        };
+        all.push(said + &end[end.trim_end_matches(ENDS).len()..]);
+    }
+    all.join(" ")
+}

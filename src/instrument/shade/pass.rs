@@ -1,0 +1,252 @@
+//! The device passes of all methods but the reference: specular, diffuse, background.
+
+use super::{Method, Shading};
+use crate::base::glsl::constants::SHADE_FLAG_NO_SPECULAR;
+use crate::base::glsl::layout::{BackgroundParams, ShadeParams, SharedStruct};
+use crate::instrument::brdf::{Brdf, MaskingShadowing};
+use crate::instrument::environment::layout::MapLayout;
+use crate::instrument::gbuffer::pass::GbufferImages;
+use crate::instrument::gpu::{
+    Bind, Buffer, Filter, GpuError, Image, Part, Recorder, Sampler, Wrap, has_shader,
+};
+use crate::instrument::precompute::points::{PointRange, Points};
+use crate::instrument::scene::{Camera, Projection};
+use glam::DVec3;
+
+#[derive(Clone)]
+pub struct Tables {
+    pub environment: Image,
+    /// The environment's levels in the layout of the maps.
+    pub filtered: Image,
+    pub prefiltered: Image,
+    pub dfg: Image,
+    /// The table of taps that the method reads.
+    pub tap_table: Image,
+    pub irradiance_map: Image,
+    pub sh9: Buffer,
+    pub points: Points,
+    /// Shift of each pixel's points, as fixed point; read only in sequences of frames.
+    pub shifts: Buffer,
+}
+
+/// Inputs of one frame's passes, and the radiance that each adds to.
+#[derive(Clone, Copy)]
+pub struct Passes<'a> {
+    pub shading: &'a Shading,
+    pub camera: &'a Camera,
+    pub tables: &'a Tables,
+    pub gbuffer: &'a GbufferImages,
+    /// The g-buffer of [`crate::instrument::scene::Scene::tangents`], if lobes have two widths.
+    pub tangents: Option<&'a GbufferImages>,
+    /// A vec4 per pixel.
+    pub radiance: &'a Buffer,
+}
+
+/// Eye position (w = 1), or direction to the viewer (w = 0).
+fn eye(camera: &Camera) -> [f32; 4] {
+    match camera.projection {
+        Projection::Perspective { .. } => camera.eye.extend(1.0).as_vec4().to_array(),
+        Projection::Ortho { .. } => (-camera.forward).extend(0.0).as_vec4().to_array(),
+    }
+}
+
+pub(super) const TABLE: Sampler = Sampler(Filter::Linear, Wrap::CLAMP);
+
+pub const BACKGROUND_SHADER: &str = "shade/background.comp";
+
+/// Names the shader of a method's specular pass. Methods that do not use the model have one shader
+/// for all models.
+pub fn specular_shader(layout: &MapLayout, method: &Method, brdf: &dyn Brdf) -> String {
+    let general = format!(
+        "shade/specular.comp:{}:{}",
+        layout.name,
+        method.shader.unwrap_or(method.name)
+    );
+    let special = format!("{general}:{}", brdf.name());
+    if has_shader(&special) {
+        special
+    } else {
+        general
+    }
+}
+
+impl<'a> Passes<'a> {
+    /// Binds the g-buffer at 0 to 3 and the tangents at 4, then `rest`.
+    pub(super) fn binds(&self, rest: &[Bind<'a>]) -> Vec<Bind<'a>> {
+        let [_, tangents, ..] = &self.tangents.unwrap_or(self.gbuffer).attachments;
+        let attachments = self.gbuffer.attachments.iter().chain([tangents]);
+        attachments
+            .map(|image| Bind::Sample(image, Sampler::TEXELS))
+            .chain(rest.iter().cloned())
+            .collect()
+    }
+
+    /// Adds the law of the widths to specialization constants.
+    pub(super) fn with_widths(&self, mut constants: [u32; 9]) -> [u32; 9] {
+        constants[7] = self.tangents.map_or(0, |_| self.shading.widths as u32);
+        constants
+    }
+
+    /// Returns the push constants for rows from `first_row` on.
+    pub(super) fn params(&self, first_row: u32) -> ShadeParams {
+        let Self {
+            shading,
+            camera,
+            tables,
+            gbuffer,
+            ..
+        } = *self;
+        let rows = shading.placement.environment_from_world().transpose();
+        let row = |v: DVec3| v.extend(0.0).as_vec4().to_array();
+        let ([width, height], [environment_width, environment_height]) =
+            (gbuffer.size, tables.environment.mip_size(0));
+        ShadeParams {
+            environment_from_world_0: row(rows.x_axis),
+            environment_from_world_1: row(rows.y_axis),
+            environment_from_world_2: row(rows.z_axis),
+            eye: eye(camera),
+            width,
+            height,
+            environment_width,
+            environment_height,
+            sample_count: shading.samples,
+            first_pair: 0,
+            first_row,
+            prefilter_level_count: shading.precompute.prefilter_level_count,
+            environment_scale: shading.environment_scale,
+            lod_bias: shading.lod_bias,
+            pad0: 0,
+            flags: if shading.method.is_none() {
+                SHADE_FLAG_NO_SPECULAR
+            } else {
+                0
+            },
+            seed: shading.point_seed(),
+            pair_count: 0,
+            point_count: 0,
+            slot_count: 0,
+        }
+    }
+
+    /// Dispatches a pass; `rest` is bound after the g-buffer and before the radiance.
+    fn dispatch(
+        &self,
+        recorder: &mut Recorder,
+        shader: &str,
+        constants: [u32; 9],
+        rest: &[Bind<'a>],
+        push: &[u8],
+        part: Part,
+    ) -> Result<(), GpuError> {
+        let rest = [rest, &[Bind::ReadWrite(self.radiance)]].concat();
+        recorder.dispatch(
+            shader,
+            &self.with_widths(constants),
+            &self.binds(&rest),
+            push,
+            part.groups,
+        )
+    }
+
+    /// Adds the specular image-based radiance of `points` to a part of the image.
+    pub fn specular(
+        &self,
+        recorder: &mut Recorder,
+        points: PointRange<'a>,
+        part: Part,
+    ) -> Result<(), GpuError> {
+        let Shading {
+            method,
+            brdf,
+            precompute,
+            ..
+        } = *self.shading;
+        let shader = specular_shader(precompute.layout, method, brdf);
+        let Tables {
+            environment,
+            filtered,
+            prefiltered,
+            dfg,
+            tap_table,
+            shifts,
+            ..
+        } = self.tables;
+        let binds = [
+            Bind::Sample(environment, Sampler::MAP),
+            Bind::Sample(filtered, Sampler::MAP),
+            Bind::Sample(prefiltered, Sampler::MAP),
+            Bind::Sample(dfg, TABLE),
+            Bind::Sample(tap_table, TABLE),
+            points.bind(),
+            Bind::ReadWrite(self.radiance),
+            Bind::Read(shifts),
+        ];
+        let params = ShadeParams {
+            point_count: points.count,
+            ..self.params(part.first_row)
+        };
+        let constants = self.with_widths(self.shading.constants());
+        recorder.dispatch(
+            &shader,
+            &constants,
+            &self.binds(&binds),
+            &params.to_bytes(),
+            part.groups,
+        )
+    }
+
+    pub fn diffuse(&self, recorder: &mut Recorder, part: Part) -> Result<(), GpuError> {
+        let Shading {
+            diffuse,
+            precompute,
+            ..
+        } = *self.shading;
+        let Tables {
+            irradiance_map,
+            dfg,
+            sh9,
+            ..
+        } = self.tables;
+        let rest = [
+            Bind::Sample(irradiance_map, Sampler::MAP),
+            Bind::Sample(dfg, TABLE),
+            Bind::Read(sh9),
+        ];
+        let push = self.params(part.first_row).to_bytes();
+        let shader = format!(
+            "shade/diffuse.comp:{}:{}",
+            precompute.layout.name, diffuse.name
+        );
+        let constants = self.shading.table_constants(MaskingShadowing::default());
+        self.dispatch(recorder, &shader, constants, &rest, &push, part)
+    }
+
+    /// Shows the environment in pixels where nothing is hit.
+    pub fn background(&self, recorder: &mut Recorder, part: Part) -> Result<(), GpuError> {
+        let ([width, height], camera) = (self.gbuffer.size, self.camera);
+        let turn = self.shading.placement.environment_from_world();
+        let [extent_x, extent_y] = match camera.projection {
+            Projection::Perspective { .. } => camera.extent(f64::from(width) / f64::from(height)),
+            Projection::Ortho { .. } => [0.0, 0.0],
+        };
+        let vec4 = |v: DVec3| (turn * v).extend(0.0).as_vec4().to_array();
+        let params = BackgroundParams {
+            right: vec4(camera.right * extent_x),
+            up: vec4(camera.up * extent_y),
+            forward: vec4(camera.forward),
+            width,
+            height,
+            first_row: part.first_row,
+            environment_scale: self.shading.environment_scale,
+        };
+        let rest = [Bind::Sample(&self.tables.environment, Sampler::MAP)];
+        self.dispatch(
+            recorder,
+            BACKGROUND_SHADER,
+            [0; 9],
+            &rest,
+            &params.to_bytes(),
+            part,
+        )
+    }
+}

@@ -1,6 +1,0 @@
-//! Tables as CSV and Markdown, colours of error maps.
-
-#[cfg(feature = "cli")]
-pub mod colormap;
-pub mod csv;
-pub mod markdown;
