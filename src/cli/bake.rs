@@ -9,7 +9,7 @@ use splitsum::bake::make::{self, Making};
 use splitsum::bake::plain::{Baking, SETTINGS};
 use splitsum::base::names::{Listed, not_one_of};
 use splitsum::experiment::axis::{
-    AXES, BRDF, DFG_SIZE, IRRADIANCE_SIZE, MASKING, PREFILTER_LEVEL_COUNT, PREFILTER_SIZE,
+    AXES, AxisId, BRDF, DFG_SIZE, IRRADIANCE_SIZE, MASKING, PREFILTER_LEVEL_COUNT, PREFILTER_SIZE,
     PREFILTER_WEIGHT, Point, Settings,
 };
 use splitsum::experiment::value::Value;
@@ -35,7 +35,7 @@ pub struct Arguments {
     out: PathBuf,
     /// Set a size, level_mapping, masking, brdf or another axis of tables (`splitsum list axes`).
     #[arg(long = "set", value_name = "NAME=VALUE", value_parser = setting)]
-    settings: Vec<(usize, Value)>,
+    settings: Vec<(AxisId, Value)>,
     #[command(flatten)]
     inputs: InputFlags,
     /// Write an engine's files instead.
@@ -137,14 +137,14 @@ fn execute_for(
             "--set {name}: --for {engine} determines it; expected {names}"
         )));
     }
-    let value = |axis: usize| {
+    let value = |axis: AxisId| {
         arguments
             .settings
             .iter()
             .find(|(set, _)| *set == axis)
             .map(|(_, value)| value)
     };
-    let square = |axis: usize, default: u32| match value(axis).map(Value::pair) {
+    let square = |axis: AxisId, default: u32| match value(axis).map(Value::pair) {
         None => Ok(default),
         Some([width, height]) if width == height => Ok(width),
         Some([width, height]) => Err(Failure::input(format!(
@@ -205,11 +205,11 @@ fn execute_for(
 }
 
 /// Parses `name=value` of an axis that changes the tables.
-fn setting(text: &str) -> Result<(usize, Value), String> {
+fn setting(text: &str) -> Result<(AxisId, Value), String> {
     let (name, value) = text
         .split_once('=')
         .ok_or_else(|| format!("{text:?} is not NAME=VALUE"))?;
-    let axis = AXES.iter().position(|axis| axis.name == name);
+    let axis = AxisId::find(name);
     let axis = axis.ok_or_else(|| not_one_of("setting of a bake", name, SETTINGS, ""))?;
     if !SETTINGS.contains(&name) {
         return Err(format!("{name} does not change a bake; leave it out"));

@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 use splitsum::base::names::Listed;
 use splitsum::base::pixels::{Decoded, GrayImage, exr};
 use splitsum::draw::markdown::{Align, MarkdownTable, significant};
-use splitsum::experiment::axis::{AXES, CONTRAST, EXPOSURE};
+use splitsum::experiment::axis::{AXES, AxisId, CONTRAST, EXPOSURE};
 use splitsum::experiment::value::{Kind, Range};
 use splitsum::instrument::metrics::{Comparison, Epsilon, METRICS};
 use splitsum::instrument::tonemap::ToneCurve;
@@ -48,7 +48,7 @@ fn mean(text: &str) -> Result<f64, String> {
         .map(|value| value.number())
 }
 
-fn number(axis: usize, text: &str) -> Result<f64, String> {
+fn number(axis: AxisId, text: &str) -> Result<f64, String> {
     AXES[axis].kind.parse_text(text).map(|value| value.number())
 }
 

@@ -6,7 +6,7 @@ use clap::builder::ValueParser;
 use clap::{Arg, ArgMatches, Args, Command, Error, FromArgMatches};
 use splitsum::base::names::{Listed, capitalised};
 use splitsum::experiment::axis::named::{ambiguous, hint};
-use splitsum::experiment::axis::{AXES, Named, Point, Reference, View};
+use splitsum::experiment::axis::{AXES, AxisId, Named, Point, Reference, View};
 use splitsum::experiment::config::SEED;
 use splitsum::experiment::value::{COORDINATE, Kind, Value};
 use splitsum::instrument::scene::{CameraKind, Orbit, Scene};
@@ -92,7 +92,7 @@ pub struct AxisFlags(Vec<Given>);
 pub struct Given {
     pub flag: String,
     /// Index into [`AXES`].
-    pub axis: usize,
+    pub axis: AxisId,
     pub value: Value,
 }
 
@@ -106,7 +106,7 @@ impl AxisFlags {
         point
     }
 
-    pub fn get(&self, axis: usize) -> Option<&Value> {
+    pub fn get(&self, axis: AxisId) -> Option<&Value> {
         self.0
             .iter()
             .find(|given| given.axis == axis)

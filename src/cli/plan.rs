@@ -6,6 +6,7 @@ use super::subject::Subject;
 use super::{Failure, log, print, print_data, progress};
 use clap::Args;
 use serde_json::json;
+use splitsum::experiment::axis::AxisId;
 use splitsum::experiment::axis::named::{columns, fields};
 use splitsum::experiment::fault::Lines;
 use splitsum::experiment::{Cell, Plan};
@@ -193,7 +194,7 @@ impl Shown<'_> {
         let plan = self.plan;
         print_data("{\n  \"cells\": [")?;
         for (place, (cell, state)) in plan.cells.iter().zip(self.states).enumerate() {
-            let names = |axis: usize| columns(axis).zip(fields(axis, &cell.point[axis]));
+            let names = |axis: AxisId| columns(axis).zip(fields(axis, &cell.point[axis]));
             let axes: BTreeMap<&str, String> =
                 plan.columns.iter().flat_map(|axis| names(*axis)).collect();
             let line = json!({ "id": cell.id, "radiance": cell.radiance, "reference": cell.reference, "state": state, "axes": axes });

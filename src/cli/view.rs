@@ -6,8 +6,8 @@ use super::shared::{own_method, scene};
 use clap::Args;
 use splitsum::base::names::Listed;
 use splitsum::experiment::axis::{
-    ALPHA, AXES, DFG_TABLE, ENVIRONMENT, METALLIC, METHOD, PREFILTERED, Point, REFERENCE, SAMPLES,
-    SCENE, SIZE,
+    ALPHA, AXES, AxisId, DFG_TABLE, ENVIRONMENT, METALLIC, METHOD, PREFILTERED, Point, REFERENCE,
+    SAMPLES, SCENE, SIZE,
 };
 use splitsum::experiment::value::Value;
 use splitsum::instrument::pipeline::Options;
@@ -145,7 +145,7 @@ fn parse_samples(text: &str) -> Result<u32, String> {
 }
 
 fn state(arguments: &Arguments) -> State {
-    let is_given = |axis: usize| arguments.axes.get(axis).is_some();
+    let is_given = |axis: AxisId| arguments.axes.get(axis).is_some();
     let mut point: Point = arguments.axes.point();
     let mut firsts = FIRST.to_vec();
     if !is_given(SCENE) || !has_materials(point[SCENE].text()) {
@@ -172,7 +172,7 @@ fn state(arguments: &Arguments) -> State {
 }
 
 /// The first state: the textbook split sum and the reference, on a metal under a studio.
-const FIRST: [(usize, &str); 3] = [
+const FIRST: [(AxisId, &str); 3] = [
     (METHOD, "split-sum"),
     (SCENE, "shader-ball"),
     (ENVIRONMENT, "builtin:studio"),

@@ -1,8 +1,8 @@
 //! Checks of values together: combinations, sizes, exclusions.
 
 use super::axis::{
-    ALBEDO, ALPHA, ANISOTROPY, AXES, Axis, COAT, COMPENSATION, DFG_TABLE, FRAMES, METALLIC, METHOD,
-    MOTION, Named, PREFILTER_SIZE, PREFILTERED, Point, SAMPLES, SCENE, SHEEN_COLOR, SIZE, index_of,
+    ALBEDO, ALPHA, ANISOTROPY, AXES, Axis, AxisId, COAT, COMPENSATION, DFG_TABLE, FRAMES, METALLIC,
+    METHOD, MOTION, Named, PREFILTER_SIZE, PREFILTERED, Point, SAMPLES, SCENE, SHEEN_COLOR, SIZE,
     motion_fault,
 };
 use super::config::{Config, Placed, Sweep};
@@ -46,7 +46,9 @@ pub fn check_combinations(config: &Config, faults: &mut Faults) {
             .tables(point.settings().shading.precompute)
             .validate()
         {
-            let partners = index_of(error.field).into_iter().chain([PREFILTER_SIZE]);
+            let partners = AxisId::find(error.field)
+                .into_iter()
+                .chain([PREFILTER_SIZE]);
             let place = partners
                 .map(|axis| config.place_of(axis, &point))
                 .find(|place| *place != Place::Default);
@@ -105,7 +107,7 @@ pub fn check_sizes(config: &Config, faults: &mut Faults) {
     }
 }
 
-fn has_layer(point: &Point, axis: usize) -> bool {
+fn has_layer(point: &Point, axis: AxisId) -> bool {
     point[axis] != Value::Unset && !point[axis].is_zero()
 }
 
@@ -124,13 +126,13 @@ fn check_ladder(config: &Config, point: &Point, faults: &mut Faults) {
         );
         faults.add(&config.place_of(SIZE, point), text);
     }
-    let is_given = |axis: &usize| {
+    let is_given = |axis: &AxisId| {
         AXES[*axis]
             .kind
             .path_in(&point[*axis].to_string())
             .is_some()
     };
-    let is_other = |axis: &usize| is_given(axis) || *axis == COMPENSATION && !point.is_own(*axis);
+    let is_other = |axis: &AxisId| is_given(axis) || *axis == COMPENSATION && !point.is_own(*axis);
     for axis in [PREFILTERED, DFG_TABLE, COMPENSATION]
         .into_iter()
         .filter(is_other)
@@ -194,7 +196,7 @@ fn check_reference_counts(config: &Config, point: &Point, judge: &Point, faults:
 /// Reports excluded values that their axis does not have.
 pub fn check_exclusions(config: &Config, faults: &mut Faults) {
     // Values that could not be read have their own faults.
-    let is_read = |axis: usize| {
+    let is_read = |axis: AxisId| {
         config
             .axes
             .iter()
@@ -220,8 +222,8 @@ pub fn idle_sweeps<'p>(
     config: &Config,
     points: impl Iterator<Item = &'p Point> + Clone,
 ) -> Vec<(Place, String)> {
-    let is_unused = |axis: usize| points.clone().all(|point| point[axis] == Value::Unset);
-    let is_idle = |axis: usize| {
+    let is_unused = |axis: AxisId| points.clone().all(|point| point[axis] == Value::Unset);
+    let is_idle = |axis: AxisId| {
         points
             .clone()
             .all(|point| point.of_pixels()[axis] == Value::Unset)
@@ -279,7 +281,7 @@ pub fn black_metals<'p>(
 }
 
 /// Returns the values of an axis in the file and by `--set`, or its one fixed value.
-fn values_of(config: &Config, axis: usize) -> Vec<&Value> {
+fn values_of(config: &Config, axis: AxisId) -> Vec<&Value> {
     let sweeps: Vec<&Sweep> = config
         .axes
         .iter()

@@ -2,7 +2,7 @@
 //!
 //! Reading never stops at the first fault. Paths are relative to the file.
 
-use super::axis::{AXES, METHOD, Named, Point, Reference, SAMPLES, Terms, index_of};
+use super::axis::{AXES, AxisId, METHOD, Named, PerAxis, Point, Reference, SAMPLES, Terms};
 use super::fault::{Faults, Place};
 use super::toml_tree::{at, checked, entries, parsed, raw, section, text, unknown_key};
 use super::value::{COORDINATE, Kind, Range, Raw, Value};
@@ -23,7 +23,7 @@ pub struct Placed {
 #[derive(Clone, Debug)]
 pub struct Sweep {
     /// Index into [`AXES`].
-    pub axis: usize,
+    pub axis: AxisId,
     pub named: Named,
     pub values: Vec<Placed>,
     /// Number of values in the file; more than `values` if some are faulty.
@@ -35,13 +35,13 @@ pub struct Ask {
     pub question: String,
     pub place: Place,
     /// The axis (index into [`AXES`]) of the answer's rows.
-    pub by: Option<(usize, Place)>,
+    pub by: Option<(AxisId, Place)>,
 }
 
 #[derive(Clone, Debug)]
 pub struct Zip {
     /// Indices into [`AXES`].
-    pub axes: Vec<usize>,
+    pub axes: Vec<AxisId>,
     pub place: Place,
 }
 
@@ -49,7 +49,7 @@ pub struct Zip {
 #[derive(Clone, Debug)]
 pub struct Exclusion {
     /// Index of an axis, and the values that match.
-    pub conditions: Vec<(usize, Vec<Placed>)>,
+    pub conditions: Vec<(AxisId, Vec<Placed>)>,
     pub why: String,
     pub place: Place,
 }
@@ -84,7 +84,7 @@ pub struct Config {
     /// Values of axes that are not swept.
     pub base: Point,
     /// Place of each value of `base`, in the order of [`AXES`].
-    pub base_places: Vec<Place>,
+    pub base_places: PerAxis<Place>,
     /// In the order of the file, then of the command line.
     pub axes: Vec<Sweep>,
     /// Axes of the file that `--set` replaced.
@@ -185,7 +185,7 @@ impl Config {
             metric: HEADLINE,
             seed: 1,
             has_sheets: true,
-            base_places: vec![Place::Default; AXES.len()],
+            base_places: PerAxis::from_fn(|_| Place::Default),
             overrides: overrides.to_vec(),
             ..Self::default()
         };
@@ -216,7 +216,7 @@ impl Config {
             .map(|(key, _, place)| ("precompute.", key, place));
         let keys = entries(root)
             .into_iter()
-            .filter(|(key, ..)| index_of(key).is_some_and(|axis| AXES[axis].is_key));
+            .filter(|(key, ..)| AxisId::find(key).is_some_and(|axis| AXES[axis].is_key));
         for (prefix, key, place) in fixed.chain(keys.map(|(key, _, place)| ("", key, place))) {
             if self.axes.iter().any(|sweep| AXES[sweep.axis].name == key) {
                 faults.add(
@@ -235,23 +235,23 @@ impl Config {
         }
     }
 
-    pub(super) fn set_base(&mut self, axis: usize, value: Value, place: Place) {
+    pub(super) fn set_base(&mut self, axis: AxisId, value: Value, place: Place) {
         self.base[axis] = value;
         self.base_places[axis] = place;
     }
 
-    pub fn sweep(&self, axis: usize) -> Option<&Sweep> {
+    pub fn sweep(&self, axis: AxisId) -> Option<&Sweep> {
         self.axes.iter().find(|sweep| sweep.axis == axis)
     }
 
     /// Returns an axis by the name in the experiment, if that name can write every value.
-    pub fn named(&self, axis: usize) -> Named {
+    pub fn named(&self, axis: AxisId) -> Named {
         self.sweep(axis)
             .map_or(Named::own(axis), |sweep| sweep.named)
     }
 
     /// Lists every value of an axis, swept or not, with its place.
-    pub fn values(&self, axis: usize) -> impl Iterator<Item = (&Value, &Place)> {
+    pub fn values(&self, axis: AxisId) -> impl Iterator<Item = (&Value, &Place)> {
         let sweep = self.sweep(axis);
         let fixed = sweep
             .is_none()
@@ -264,7 +264,7 @@ impl Config {
     }
 
     /// Finds the place of a point's value on an axis.
-    pub fn place_of(&self, axis: usize, point: &Point) -> Place {
+    pub fn place_of(&self, axis: AxisId, point: &Point) -> Place {
         let found = self.values(axis).find(|(value, _)| **value == point[axis]);
         found.map_or_else(
             || self.base_places[axis].clone(),
@@ -274,7 +274,7 @@ impl Config {
 
     /// Finds the first exclusion that matches a point.
     pub fn exclusion_of(&self, point: &Point) -> Option<usize> {
-        let matches = |(axis, values): &(usize, Vec<Placed>)| {
+        let matches = |(axis, values): &(AxisId, Vec<Placed>)| {
             values.iter().any(|placed| placed.value == point.0[*axis])
         };
         self.exclusions
@@ -292,7 +292,7 @@ impl Config {
         if let Some((_, read)) = KEYS.iter().find(|(name, _)| *name == key) {
             return read(self, value, faults);
         }
-        match index_of(key).filter(|&axis| AXES[axis].is_key) {
+        match AxisId::find(key).filter(|&axis| AXES[axis].is_key) {
             Some(axis) => {
                 if let Some(checked) = checked(AXES[axis].kind, key, value, faults) {
                     self.set_base(axis, checked, at(value));

@@ -1,6 +1,6 @@
 //! Environments, scenes, methods and tables of an experiment, each loaded once.
 
-use super::axis::{DFG_TABLE, ENVIRONMENT, METHOD, PREFILTERED, SCENE, Settings};
+use super::axis::{AxisId, DFG_TABLE, ENVIRONMENT, METHOD, PREFILTERED, SCENE, Settings};
 use super::config::Config;
 use super::fault::Faults;
 use crate::bake::given;
@@ -60,7 +60,7 @@ fn stem(name: &str) -> String {
 
 fn each<T, E: Display>(
     config: &Config,
-    axis: usize,
+    axis: AxisId,
     faults: &mut Faults,
     load: impl Fn(&str, &Path) -> Result<T, E>,
 ) -> BTreeMap<String, T> {

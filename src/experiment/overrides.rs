@@ -114,7 +114,7 @@ impl Config {
 
     /// Lists every value that may be a file, with its place.
     fn inputs(&self) -> impl Iterator<Item = (&str, &Place)> {
-        AXES.iter().enumerate().flat_map(|(axis, entry)| {
+        AXES.entries().flat_map(|(axis, entry)| {
             let texts = self
                 .values(axis)
                 .filter(|(value, _)| matches!(value, Value::Text(_)));

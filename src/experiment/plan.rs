@@ -1,8 +1,8 @@
 //! The validated experiment: every cell with its id, work shared between cells, and exclusions.
 
 use super::axis::{
-    AXES, BLUR, DFG_TABLE, ENVIRONMENT, FRAMES, METHOD, PREFILTERED, Point, SCENE, SIZE, View,
-    is_blurred,
+    AXES, AxisId, BLUR, DFG_TABLE, ENVIRONMENT, FRAMES, METHOD, PREFILTERED, Point, SCENE, SIZE,
+    View, is_blurred,
 };
 use super::checks;
 use super::config::Config;
@@ -44,7 +44,7 @@ pub struct Plan {
     pub config: Config,
     pub inputs: Inputs,
     /// Indices of axes in column order: axes of the file, then the rest.
-    pub columns: Vec<usize>,
+    pub columns: Vec<AxisId>,
     /// In the order of the axes, the last one fastest.
     pub cells: Vec<Cell>,
     /// Combinations that each exclusion left out.
@@ -200,7 +200,7 @@ impl Plan {
     }
 
     /// Returns a cell's value as tables print it: environments by their short names.
-    pub fn shown(&self, cell: &Cell, axis: usize) -> Value {
+    pub fn shown(&self, cell: &Cell, axis: AxisId) -> Value {
         let name = match &cell.point[axis] {
             Value::Text(text) if axis == ENVIRONMENT => self.environment_names.get(text.as_str()),
             _ => None,
@@ -273,7 +273,7 @@ impl Plan {
     }
 
     /// Lists the axes of the file with more than one value.
-    pub fn swept(&self) -> impl Iterator<Item = usize> + '_ {
+    pub fn swept(&self) -> impl Iterator<Item = AxisId> + '_ {
         self.config
             .axes
             .iter()
@@ -337,9 +337,10 @@ impl Plan {
     }
 
     fn expanded(config: Config, inputs: Inputs) -> Self {
-        let mut columns: Vec<usize> = config.axes.iter().map(|sweep| sweep.axis).collect();
+        let mut columns: Vec<AxisId> = config.axes.iter().map(|sweep| sweep.axis).collect();
         columns.extend(
-            (0..AXES.len()).filter(|&axis| !AXES[axis].is_layer && config.sweep(axis).is_none()),
+            AXES.ids()
+                .filter(|&axis| !AXES[axis].is_layer && config.sweep(axis).is_none()),
         );
         let mut plan = Self {
             columns,
@@ -435,17 +436,13 @@ impl Plan {
             lines.push(format!("reference_error={error}"));
         }
         let given = inputs.given(&point.settings());
-        for (index, axis) in AXES
-            .iter()
-            .enumerate()
-            .filter(|(_, axis)| axis.changes_radiance())
-        {
-            let value = &point[index];
+        for (id, axis) in AXES.entries().filter(|(_, axis)| axis.changes_radiance()) {
+            let value = &point[id];
             // Layers came later: without one, ids are what they were.
             if axis.is_layer && [&Value::Unset, &(axis.default)()].contains(&value) {
                 continue;
             }
-            let content = match index {
+            let content = match id {
                 ENVIRONMENT => inputs.environment(value.text()).hash.clone(),
                 SCENE => inputs.scene(value.text()).hash.clone(),
                 METHOD => point

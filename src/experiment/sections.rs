@@ -187,11 +187,7 @@ impl Config {
     }
 
     pub(super) fn read_precompute(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
-        let axes = || {
-            AXES.iter()
-                .enumerate()
-                .filter(|(_, axis)| is_precompute(axis))
-        };
+        let axes = || AXES.entries().filter(|(_, axis)| is_precompute(axis));
         let names: Vec<&str> = axes().map(|(_, axis)| axis.name).collect();
         for (key, value, place) in section(value, "precompute", &names, faults) {
             let Some((axis, entry)) = axes().find(|(_, axis)| axis.name == key) else {

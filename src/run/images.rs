@@ -8,7 +8,8 @@ use crate::base::files::content_hash;
 use crate::base::names::short_number;
 use crate::base::pixels::{PixelsError, exr};
 use crate::experiment::axis::{
-    ALPHA, AXES, Axis, BRDF, DIFFUSE_METHOD, ENVIRONMENT, METHOD, Named, Point, SAMPLES, SCENE,
+    ALPHA, AXES, Axis, AxisId, BRDF, DIFFUSE_METHOD, ENVIRONMENT, METHOD, Named, Point, SAMPLES,
+    SCENE,
 };
 use crate::experiment::plan::{Cell, Plan};
 use crate::instrument::environment::BUILTIN_PREFIX;
@@ -43,7 +44,7 @@ pub fn short_value<'v>(axis: &Axis, text: &'v str) -> Cow<'v, str> {
 
 /// The axes whose values begin a file name. They are the same in every plan, so that a larger plan
 /// finds the files of a smaller one.
-const NAMING: [usize; 7] = [
+const NAMING: [AxisId; 7] = [
     ENVIRONMENT,
     SCENE,
     BRDF,

@@ -5,7 +5,7 @@ use super::live_model::{LiveModel, models};
 use super::renderer::{RenderFault, Renderer};
 use crate::base::names::Listed;
 use crate::base::pixels::{HALF_MAX, Pixels, RgbImage, packed};
-use crate::experiment::axis::{BRDF, ENVIRONMENT, Named, Point, Settings};
+use crate::experiment::axis::{AxisId, BRDF, ENVIRONMENT, Named, Point, Settings};
 use crate::experiment::plan::Plan;
 use crate::experiment::value::Value;
 use crate::instrument::pipeline::{LightTables, RenderRequest};
@@ -187,7 +187,7 @@ pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, Re
 /// `axes`.
 fn distinct<K: Eq + Hash>(
     plan: &Plan,
-    axes: &[usize],
+    axes: &[AxisId],
     key: impl Fn(&Settings) -> K,
 ) -> Vec<(Point, RenderRequest)> {
     let mut found: IndexMap<K, (Point, RenderRequest)> = IndexMap::new();

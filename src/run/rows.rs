@@ -3,6 +3,7 @@
 //! An item whose method ignores an axis has no value there. It belongs to every group that it does
 //! not contradict: the one `sampled` cell is beside `split-sum` at each map size.
 
+use crate::experiment::axis::AxisId;
 use crate::experiment::axis::Point;
 use crate::experiment::value::Value;
 use indexmap::IndexMap;
@@ -62,7 +63,7 @@ pub fn rows<T: Copy>(items: &[T], key: impl Fn(T) -> Key) -> Vec<(Key, Vec<T>)> 
 }
 
 /// The first point of a row with a value on an axis, else its first point.
-pub fn teller<'p>(row: impl IntoIterator<Item = &'p Point>, axis: usize) -> &'p Point {
+pub fn teller<'p>(row: impl IntoIterator<Item = &'p Point>, axis: AxisId) -> &'p Point {
     let mut points = row.into_iter();
     let first = points.next().expect("a row has at least one cell");
     let is_set = |point: &&Point| point[axis] != Value::Unset;

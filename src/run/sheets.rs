@@ -14,7 +14,7 @@ use crate::base::pixels::{Rgb8Image, write_atomically};
 use crate::draw::colormap::{FLIP_ERROR, RELATIVE_ERROR};
 use crate::draw::figure::sheet::{ContactSheet, Head, Tile};
 use crate::draw::markdown::significant;
-use crate::experiment::axis::{AXES, FRAMES, METHOD, POINT_SET, SAMPLES, SCENE, Sheet};
+use crate::experiment::axis::{AXES, AxisId, FRAMES, METHOD, POINT_SET, SAMPLES, SCENE, Sheet};
 use crate::experiment::plan::{Cell, Plan};
 use crate::experiment::value::Value;
 use indexmap::IndexMap;
@@ -90,7 +90,7 @@ pub fn sheet_files(dir: &Path) -> Vec<PathBuf> {
 }
 
 /// The swept axes whose values are in this place of a sheet.
-fn swept(plan: &Plan, place: Sheet) -> Vec<usize> {
+fn swept(plan: &Plan, place: Sheet) -> Vec<AxisId> {
     plan.swept()
         .filter(|&axis| AXES[axis].sheet == place)
         .collect()
@@ -129,7 +129,7 @@ struct Maker<'p> {
     plan: &'p Plan,
     results: &'p Results,
     columns: &'p [Vec<&'p Cell>],
-    column_axes: &'p [usize],
+    column_axes: &'p [AxisId],
     tile: [u32; 2],
     has_flip: bool,
 }
@@ -177,7 +177,7 @@ impl Maker<'_> {
 
     fn rows(&self, cells: &[&Cell]) -> Vec<(Head, Vec<Tile>)> {
         let row_axes = swept(self.plan, Sheet::Row);
-        let radiance_axes: Vec<usize> = row_axes
+        let radiance_axes: Vec<AxisId> = row_axes
             .iter()
             .copied()
             .filter(|&axis| AXES[axis].changes_radiance())
@@ -186,7 +186,7 @@ impl Maker<'_> {
         for shared in in_rows(cells, &radiance_axes) {
             let displays = in_rows(&shared, &row_axes);
             for row in &displays {
-                let line = |&axis: &usize| {
+                let line = |&axis: &AxisId| {
                     let point = rows::teller(row.iter().map(|cell| &cell.point), axis);
                     let named = self.plan.config.named(axis);
                     // An unset axis changes nothing in the row.
@@ -327,8 +327,8 @@ impl Maker<'_> {
     }
 }
 
-fn words(plan: &Plan, axes: &[usize], cell: &Cell, separator: &str) -> String {
-    let word = |&axis: &usize| {
+fn words(plan: &Plan, axes: &[AxisId], cell: &Cell, separator: &str) -> String {
+    let word = |&axis: &AxisId| {
         let (named, text) = (
             plan.config.named(axis),
             short_text(plan.config.named(axis), &cell.point),
@@ -347,11 +347,11 @@ fn words(plan: &Plan, axes: &[usize], cell: &Cell, separator: &str) -> String {
         .join(separator)
 }
 
-fn key<'c>(cell: &'c Cell, axes: &[usize]) -> Vec<&'c Value> {
+fn key<'c>(cell: &'c Cell, axes: &[AxisId]) -> Vec<&'c Value> {
     axes.iter().map(|&axis| &cell.point[axis]).collect()
 }
 
-fn in_rows<'c>(cells: &[&'c Cell], axes: &[usize]) -> Vec<Vec<&'c Cell>> {
+fn in_rows<'c>(cells: &[&'c Cell], axes: &[AxisId]) -> Vec<Vec<&'c Cell>> {
     let key = |cell: &Cell| axes.iter().map(|&axis| cell.point[axis].clone()).collect();
     rows::rows(cells, key)
         .into_iter()
@@ -360,7 +360,7 @@ fn in_rows<'c>(cells: &[&'c Cell], axes: &[usize]) -> Vec<Vec<&'c Cell>> {
 }
 
 /// Groups cells that agree on `axes`, in the order of their first member.
-fn grouped<'c>(cells: &[&'c Cell], axes: &[usize]) -> Vec<Vec<&'c Cell>> {
+fn grouped<'c>(cells: &[&'c Cell], axes: &[AxisId]) -> Vec<Vec<&'c Cell>> {
     let mut groups: IndexMap<Vec<&Value>, Vec<&Cell>> = IndexMap::new();
     cells
         .iter()

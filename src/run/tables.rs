@@ -13,7 +13,7 @@ use super::timing::TimingRecord;
 use crate::base::csv::Cell as Field;
 use crate::base::names::Listed;
 use crate::experiment::axis::named::{columns, fields};
-use crate::experiment::axis::{AXES, FRAMES, SIZE};
+use crate::experiment::axis::{AXES, AxisId, FRAMES, SIZE};
 use crate::experiment::plan::{Cell, Plan};
 use crate::instrument::metrics::{METRICS, Pooling, linear_metrics};
 use std::collections::BTreeMap;
@@ -40,13 +40,13 @@ fn metric_names() -> Vec<&'static str> {
 /// The columns of a table of cells: id and swept axes first, axes with one value last.
 struct CellColumns<'p> {
     plan: &'p Plan,
-    first: Vec<usize>,
-    last: Vec<usize>,
+    first: Vec<AxisId>,
+    last: Vec<AxisId>,
 }
 
 impl<'p> CellColumns<'p> {
     fn new(plan: &'p Plan) -> Self {
-        let swept: Vec<usize> = plan.swept().collect();
+        let swept: Vec<AxisId> = plan.swept().collect();
         let (first, last) = plan.columns.iter().partition(|axis| swept.contains(axis));
         Self { plan, first, last }
     }
@@ -59,7 +59,7 @@ impl<'p> CellColumns<'p> {
     }
 
     fn row(&self, cell: &Cell, own: impl Iterator<Item = Field>) -> Vec<Field> {
-        let fields = |axes: &[usize]| -> Vec<Field> {
+        let fields = |axes: &[AxisId]| -> Vec<Field> {
             let texts = axes
                 .iter()
                 .flat_map(|&axis| fields(axis, &self.plan.shown(cell, axis)));

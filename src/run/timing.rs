@@ -5,7 +5,7 @@
 
 use super::statistics::median;
 use crate::base::names::Listed;
-use crate::experiment::axis::{AXES, Axis, ENVIRONMENT, METHOD, SAMPLES, SCENE, SIZE};
+use crate::experiment::axis::{AXES, Axis, AxisId, ENVIRONMENT, METHOD, SAMPLES, SCENE, SIZE};
 use crate::experiment::plan::{Cell, Plan};
 use crate::instrument::shade::Method;
 use indexmap::IndexSet;
@@ -200,7 +200,7 @@ impl TimingRecord {
     }
 
     /// The value on an axis; empty if irrelevant.
-    pub fn value(&self, axis: usize) -> &str {
+    pub fn value(&self, axis: AxisId) -> &str {
         self.axes.get(AXES[axis].name).map_or("", String::as_str)
     }
 

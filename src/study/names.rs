@@ -3,7 +3,7 @@
 use super::finished::Finished;
 use crate::base::csv::Cell;
 use crate::draw::markdown::significant;
-use crate::experiment::axis::{AXES, ENVIRONMENT, Named};
+use crate::experiment::axis::{AXES, AxisId, ENVIRONMENT, Named, PerAxis};
 use crate::experiment::value::Value;
 use crate::instrument::environment::BUILTIN_PREFIX;
 use crate::run::images::short_value;
@@ -13,7 +13,7 @@ const DIGITS: usize = 2;
 
 /// The name that an experiment uses for each axis: `alpha` or `perceptual_roughness`.
 #[derive(Clone, Debug)]
-pub struct Names(Vec<Named>);
+pub struct Names(PerAxis<Named>);
 
 impl Names {
     /// The names of a run's experiment; the axes' own if it is unknown.
@@ -23,29 +23,29 @@ impl Names {
                 .as_ref()
                 .map_or(Named::own(axis), |config| config.named(axis))
         };
-        Self((0..AXES.len()).map(named).collect())
+        Self(AXES.ids().map(named).collect())
     }
 
-    pub fn named(&self, axis: usize) -> Named {
+    pub fn named(&self, axis: AxisId) -> Named {
         self.0[axis]
     }
 
-    pub fn name(&self, axis: usize) -> &'static str {
+    pub fn name(&self, axis: AxisId) -> &'static str {
         self.0[axis].name()
     }
 
-    pub fn plural(&self, axis: usize) -> String {
+    pub fn plural(&self, axis: AxisId) -> String {
         self.0[axis].plural()
     }
 
     /// The value under that name.
-    pub fn shown(&self, axis: usize, value: &Value) -> Value {
+    pub fn shown(&self, axis: AxisId, value: &Value) -> Value {
         self.0[axis].shown(value)
     }
 
     /// A short value: builtins without prefix, numbers with few digits. Environments of files are
     /// short already; a folder distinguishes equal file names.
-    pub fn short(&self, axis: usize, value: &Value) -> String {
+    pub fn short(&self, axis: AxisId, value: &Value) -> String {
         let text = self.shown(axis, value).to_string();
         match axis == ENVIRONMENT && !text.starts_with(BUILTIN_PREFIX) {
             true => text,
@@ -54,21 +54,21 @@ impl Names {
     }
 
     /// "6 levels", "256x128": a value in a sentence.
-    pub fn said(&self, axis: usize, value: &Value) -> String {
+    pub fn said(&self, axis: AxisId, value: &Value) -> String {
         self.0[axis].symbol().said(&self.short(axis, value))
     }
 
     /// "alpha 0.1 · sky · ggx", "256x128 · 5 lv".
-    pub fn label(&self, axes: &[usize], key: &[Value]) -> String {
+    pub fn label(&self, axes: &[AxisId], key: &[Value]) -> String {
         self.label_where(axes, key, |_| true)
     }
 
     /// As [`Self::label`], for the axes with `is_shown`.
     pub fn label_where(
         &self,
-        axes: &[usize],
+        axes: &[AxisId],
         key: &[Value],
-        is_shown: impl Fn(usize) -> bool,
+        is_shown: impl Fn(AxisId) -> bool,
     ) -> String {
         let shown = axes
             .iter()
@@ -81,7 +81,7 @@ impl Names {
     }
 
     /// "alpha 0.1", "sky"; empty for an unset value.
-    pub fn one(&self, axis: usize, value: &Value) -> String {
+    pub fn one(&self, axis: AxisId, value: &Value) -> String {
         if *value == Value::Unset {
             String::new()
         } else {
@@ -90,7 +90,7 @@ impl Names {
     }
 
     /// "alpha 0.05 (roughness 0.22)", "sky".
-    pub fn heading(&self, axis: usize, value: &Value) -> String {
+    pub fn heading(&self, axis: AxisId, value: &Value) -> String {
         match self
             .beside(axis)
             .map(|second| (second, second.shown(value).size()))
@@ -107,16 +107,16 @@ impl Names {
     }
 
     /// Column heads of values on these axes: alpha also shows the perceptual roughness.
-    pub fn heads(&self, axes: &[usize]) -> Vec<&'static str> {
-        let names = |&axis: &usize| {
+    pub fn heads(&self, axes: &[AxisId]) -> Vec<&'static str> {
+        let names = |&axis: &AxisId| {
             std::iter::once(self.name(axis)).chain(self.beside(axis).map(Named::name))
         };
         axes.iter().flat_map(names).collect()
     }
 
     /// Cells under [`Self::heads`].
-    pub fn head(&self, axes: &[usize], key: &[Value]) -> Vec<Cell> {
-        let cells = |(&axis, value): (&usize, &Value)| {
+    pub fn head(&self, axes: &[AxisId], key: &[Value]) -> Vec<Cell> {
+        let cells = |(&axis, value): (&AxisId, &Value)| {
             let beside = self
                 .beside(axis)
                 .map(|second| Cell::from(&second.shown(value)));
@@ -128,12 +128,12 @@ impl Names {
     }
 
     /// As [`Self::head`], for one axis.
-    pub fn head_of(&self, axis: usize, value: &Value) -> Vec<Cell> {
+    pub fn head_of(&self, axis: AxisId, value: &Value) -> Vec<Cell> {
         self.head(&[axis], std::slice::from_ref(value))
     }
 
     /// The second name of an axis, if the experiment uses the first.
-    fn beside(&self, axis: usize) -> Option<Named> {
+    fn beside(&self, axis: AxisId) -> Option<Named> {
         Some(Named::usual(axis)).filter(|usual| usual.is_second() && !self.0[axis].is_second())
     }
 }

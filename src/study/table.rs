@@ -4,6 +4,7 @@ pub use crate::run::columns::{Column, column};
 
 use crate::base::csv::{self, Cell};
 use crate::draw::markdown::{Align, MarkdownTable, significant};
+use crate::experiment::axis::AxisId;
 use crate::experiment::axis::Named;
 use crate::experiment::axis::named::columns;
 use crate::experiment::value::Value;
@@ -27,8 +28,8 @@ impl From<&Value> for Cell {
 }
 
 /// Cells of values on these axes, under the columns of [`Table::new`].
-pub fn axis_cells(axes: &[usize], key: &[Value]) -> Vec<Cell> {
-    let cells = |(&axis, value): (&usize, &Value)| {
+pub fn axis_cells(axes: &[AxisId], key: &[Value]) -> Vec<Cell> {
+    let cells = |(&axis, value): (&AxisId, &Value)| {
         let usual = Named::usual(axis);
         [
             Some(value.into()),
@@ -50,7 +51,7 @@ const DIGITS: usize = 3;
 
 impl Table {
     /// An empty table: these axes by all their names, then further columns.
-    pub fn new(axes: &[usize], own: &[Column]) -> Self {
+    pub fn new(axes: &[AxisId], own: &[Column]) -> Self {
         let axes = axes.iter().flat_map(|&axis| columns(axis));
         Self::with_names(axes.chain(own.iter().map(|column| column.name)))
     }

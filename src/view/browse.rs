@@ -1,12 +1,13 @@
 //! A field for the path of a file. It needs no library of the desktop.
 
+use crate::experiment::axis::AxisId;
 use crate::experiment::axis::ENVIRONMENT;
 use egui::{Key, Rect, TextEdit, Ui};
 use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 pub struct Browse {
-    pub axis: usize,
+    pub axis: AxisId,
     pub typed: String,
 }
 

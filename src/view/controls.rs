@@ -5,8 +5,8 @@ use super::state::{Side, State};
 use super::theme;
 use crate::base::names::{Listed, capitalised, in_words};
 use crate::experiment::axis::{
-    ALBEDO, ALPHA, AXES, ENVIRONMENT, EXPOSURE, F0, METALLIC, METHOD, Named, Part, Point, SAMPLES,
-    SCENE, SIZE,
+    ALBEDO, ALPHA, AXES, AxisId, ENVIRONMENT, EXPOSURE, F0, METALLIC, METHOD, Named, Part, Point,
+    SAMPLES, SCENE, SIZE,
 };
 use crate::experiment::value::{Kind, Range, Value};
 use crate::instrument::environment::{BUILTIN_PREFIX, BUILTINS};
@@ -128,10 +128,10 @@ impl Controls {
                 SAMPLES,
                 EXPOSURE,
             ];
-            let is_choice = |axis: usize| !matches!(AXES[axis].kind, Kind::NameOrFile { names, .. } if names().len() < 2);
+            let is_choice = |axis: AxisId| !matches!(AXES[axis].kind, Kind::NameOrFile { names, .. } if names().len() < 2);
             let is_here =
-                |axis: &usize| AXES[*axis].part.heading() == heading && !eight.contains(axis);
-            (0..AXES.len())
+                |axis: &AxisId| AXES[*axis].part.heading() == heading && !eight.contains(axis);
+            AXES.ids()
                 .filter(is_here)
                 .filter(|axis| is_choice(*axis))
                 .for_each(|axis| self.axis(ui, axis, state));
@@ -200,7 +200,7 @@ impl Controls {
     }
 
     /// Shows the built-in names of an environment or scene, and a button for files.
-    fn input(&mut self, ui: &mut Ui, axis: usize, state: &mut State) {
+    fn input(&mut self, ui: &mut Ui, axis: AxisId, state: &mut State) {
         let named = Named::own(axis);
         let text = state.point[axis].text().to_owned();
         self.row(
@@ -272,7 +272,7 @@ impl Controls {
         );
     }
 
-    fn axis(&mut self, ui: &mut Ui, axis: usize, state: &mut State) {
+    fn axis(&mut self, ui: &mut Ui, axis: AxisId, state: &mut State) {
         let named = Named::usual(axis);
         let label = if axis == f0(state) {
             Named::own(F0).label()
@@ -383,7 +383,7 @@ impl Controls {
 }
 
 /// Returns the axis of F0: a metal's is its albedo.
-fn f0(state: &State) -> usize {
+fn f0(state: &State) -> AxisId {
     if state.point[METALLIC] == Value::Number(1.0) {
         ALBEDO
     } else {
@@ -401,7 +401,7 @@ fn numbered(slider: Slider<'_>, is_set: bool) -> Slider<'_> {
 }
 
 /// Returns the first value of an axis that the user sets.
-fn first(axis: usize, named: Named, point: &Point) -> Value {
+fn first(axis: AxisId, named: Named, point: &Point) -> Value {
     let of_layout = point.default_of(axis);
     if of_layout != Value::Unset {
         return of_layout;

@@ -2,11 +2,13 @@
 
 use super::state::{Image, State};
 use crate::base::names::Listed;
-use crate::experiment::axis::{ENVIRONMENT, METHOD, Named, Point, SAMPLES, SCENE, SIZE, View};
+use crate::experiment::axis::{
+    AxisId, ENVIRONMENT, METHOD, Named, Point, SAMPLES, SCENE, SIZE, View,
+};
 use crate::experiment::value::Value;
 
 /// Axes whose defaults differ between `render` and `view`.
-const ALWAYS: [usize; 4] = [ENVIRONMENT, SCENE, METHOD, SAMPLES];
+const ALWAYS: [AxisId; 4] = [ENVIRONMENT, SCENE, METHOD, SAMPLES];
 
 impl State {
     /// Writes the `render` command of an image into the file `out`.
@@ -42,7 +44,7 @@ impl State {
 /// Writes the flags of values that are not defaults of `render`, and of inputs, method and samples.
 fn axis_flags(point: &Point) -> Vec<String> {
     let defaults = Point::default();
-    let is_shown = |axis: usize| point[axis] != defaults[axis] || ALWAYS.contains(&axis);
+    let is_shown = |axis: AxisId| point[axis] != defaults[axis] || ALWAYS.contains(&axis);
     let names =
         Named::all().filter(|named| !named.is_second() && point[named.axis] != Value::Unset);
     names

@@ -2,8 +2,8 @@
 
 use super::picture::Picture;
 use crate::experiment::axis::{
-    ALBEDO, ALPHA, AXES, ENVIRONMENT, F0, METALLIC, METHOD, Part, Point, REFERENCE, Reference,
-    SAMPLES, SCENE, SIZE, View,
+    ALBEDO, ALPHA, AXES, AxisId, ENVIRONMENT, F0, METALLIC, METHOD, Part, Point, REFERENCE,
+    Reference, SAMPLES, SCENE, SIZE, View,
 };
 use crate::experiment::value::Value;
 use crate::instrument::environment::{BUILTIN_PREFIX, Environment};
@@ -192,7 +192,7 @@ impl State {
 }
 
 /// Returns the axis that takes a file of this name.
-pub fn file_axis(path: &Path) -> Option<usize> {
+pub fn file_axis(path: &Path) -> Option<AxisId> {
     let is_map = path
         .extension()
         .is_some_and(|end| end.eq_ignore_ascii_case("hdr") || end.eq_ignore_ascii_case("exr"));

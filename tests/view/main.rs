@@ -6,7 +6,7 @@ mod screen;
 use screen::{Screen, Win};
 use splitsum::base::names::Listed;
 use splitsum::base::pixels::{Rgb8Image, exr};
-use splitsum::experiment::axis::{AXES, Named, PREFILTER_BY, Part};
+use splitsum::experiment::axis::{AXES, AxisId, Named, PREFILTER_BY, Part};
 use splitsum::experiment::value::Kind;
 use splitsum::instrument::precompute::PrefilterBy;
 use splitsum::instrument::shade::{DIFFUSE, METHODS};
@@ -20,7 +20,7 @@ fn program() -> Command {
 }
 
 /// Whether a control offers more than one value: files are typed.
-fn has_choice(axis: usize) -> bool {
+fn has_choice(axis: AxisId) -> bool {
     match AXES[axis].kind {
         Kind::Input => false,
         Kind::NameOrFile { names, .. } => names().len() > 1,
@@ -299,8 +299,9 @@ fn every_control_moves_its_axis() {
     win.wait_done();
     let mut moved = BTreeSet::new();
     // Controls of how tables are computed come last: they determine which of the others are in use.
-    let is_way = |index: usize| AXES[index].part == Part::Method || index == PREFILTER_BY;
-    let (ways, others): (Vec<usize>, Vec<usize>) = (0..AXES.len())
+    let is_way = |index: AxisId| AXES[index].part == Part::Method || index == PREFILTER_BY;
+    let (ways, others): (Vec<AxisId>, Vec<AxisId>) = AXES
+        .ids()
         .filter(|index| has_choice(*index))
         .partition(|&index| is_way(index));
     for index in others.into_iter().chain(ways) {
@@ -335,7 +336,8 @@ fn every_control_moves_its_axis() {
             moved.insert(axis.name);
         }
     }
-    let all: BTreeSet<&str> = (0..AXES.len())
+    let all: BTreeSet<&str> = AXES
+        .ids()
         .filter(|index| has_choice(*index))
         .map(|index| AXES[index].name)
         .collect();

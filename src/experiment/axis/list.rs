@@ -5,7 +5,7 @@ use super::frames::FRAME_AXES;
 use super::layers::LAYER_AXES;
 use super::plain::{ALPHA_KIND, LEVELS, PLAIN, ROUGHNESS, one_of, valued};
 use super::tables::{DFG, IRRADIANCE, MIPS, PREFILTER, SH9, TABLE_AXES};
-use super::{Axis, Part, Sheet, Symbol};
+use super::{Axes, Axis, AxisId, Part, Sheet, Symbol};
 use crate::base::math::sequence::{FramePoints, PixelPoints, Sequence};
 use crate::base::names::Listed;
 use crate::experiment::value::{IMAGE_SIZE, Kind, Range, Value};
@@ -14,7 +14,7 @@ use crate::instrument::environment::Placement;
 use crate::instrument::shade::{Diffuse, Method, REFERENCE};
 
 /// Every axis. Their order is the order of columns that an experiment does not name.
-pub static AXES: &[Axis] = LIST;
+pub static AXES: Axes = Axes(LIST);
 
 const LIST: &[Axis] = &{
     let mut list =
@@ -329,12 +329,12 @@ const IMAGE_AXES: &[Axis] = &[
     },
 ];
 
-/// Defines an index into [`AXES`] for each axis that the code refers to.
-macro_rules! indices {
-    ($($index:ident = $name:literal;)*) => { $(pub const $index: usize = index($name);)* };
+/// Names each axis that the code refers to.
+macro_rules! axis_ids {
+    ($($index:ident = $name:literal;)*) => { $(pub const $index: AxisId = find($name);)* };
 }
 
-indices! {
+axis_ids! {
     SIZE = "size";
     ENVIRONMENT = "environment";
     SCENE = "scene";
@@ -370,18 +370,19 @@ indices! {
     IRRADIANCE_SIZE = "irradiance_size";
 }
 
-const fn index(name: &str) -> usize {
-    let mut at = 0;
-    while !is_equal(LIST[at].name.as_bytes(), name.as_bytes()) {
-        at += 1;
+/// Finds an axis while the program compiles; an unknown name does not compile.
+const fn find(name: &str) -> AxisId {
+    let mut position = 0;
+    while !is_equal(LIST[position].name.as_bytes(), name.as_bytes()) {
+        position += 1;
     }
-    at
+    AxisId::from_position(position)
 }
 
 const fn is_equal(a: &[u8], b: &[u8]) -> bool {
-    let mut at = 0;
-    while at < a.len() && at < b.len() && a[at] == b[at] {
-        at += 1;
+    let mut equal = 0;
+    while equal < a.len() && equal < b.len() && a[equal] == b[equal] {
+        equal += 1;
     }
-    at == a.len() && at == b.len()
+    equal == a.len() && equal == b.len()
 }

@@ -2,6 +2,7 @@
 //! `list.rs`, `layers.rs`, `frames.rs` or `tables.rs`.
 
 mod frames;
+mod id;
 mod layers;
 mod list;
 pub mod named;
@@ -13,6 +14,7 @@ use crate::base::names::Listed;
 pub use crate::instrument::shade::REFERENCE;
 use frames::FRAME_AXES;
 pub use frames::{BLUR, is_blurred, motion_fault};
+pub use id::{Axes, AxisId, PerAxis};
 pub use list::*;
 pub use named::{Named, Spelling};
 pub use settings::{Reference, Settings, Terms, View};
@@ -209,24 +211,20 @@ pub fn is_precompute(axis: &Axis) -> bool {
     axis.part == Part::Table
 }
 
-pub fn index_of(name: &str) -> Option<usize> {
-    AXES.iter().position(|axis| axis.name == name)
-}
-
 /// One value for every axis, in the order of [`AXES`].
 #[derive(Clone, Debug, PartialEq)]
-pub struct Point(pub Vec<Value>);
+pub struct Point(pub PerAxis<Value>);
 
-impl Index<usize> for Point {
+impl Index<AxisId> for Point {
     type Output = Value;
 
-    fn index(&self, axis: usize) -> &Value {
+    fn index(&self, axis: AxisId) -> &Value {
         &self.0[axis]
     }
 }
 
-impl IndexMut<usize> for Point {
-    fn index_mut(&mut self, axis: usize) -> &mut Value {
+impl IndexMut<AxisId> for Point {
+    fn index_mut(&mut self, axis: AxisId) -> &mut Value {
         &mut self.0[axis]
     }
 }
@@ -239,7 +237,7 @@ impl Default for Point {
 
 impl Point {
     pub fn get(&self, name: &str) -> &Value {
-        &self[index_of(name).unwrap_or_else(|| panic!("{name} is not an axis"))]
+        &self[AxisId::find(name).unwrap_or_else(|| panic!("{name} is not an axis"))]
     }
 
     pub fn method(&self) -> &'static Method {
@@ -256,7 +254,7 @@ impl Point {
     }
 
     /// Returns the default of an axis in the point's layout.
-    pub fn default_of(&self, axis: usize) -> Value {
+    pub fn default_of(&self, axis: AxisId) -> Value {
         AXES[axis]
             .unset
             .map_or_else(AXES[axis].default, |of_layout| of_layout(self.layout()))
@@ -288,7 +286,7 @@ impl Point {
         let compensation = self.settings().shading.compensation;
         let is_built_in = SCENES.iter().any(|entry| entry.name == self[SCENE].text());
         let may_have =
-            |axis: usize| !(self[axis].is_zero() || self[axis] == Value::Unset && is_built_in);
+            |axis: AxisId| !(self[axis].is_zero() || self[axis] == Value::Unset && is_built_in);
         let [has_coat, has_anisotropy, has_sheen] = [COAT, ANISOTROPY, SHEEN_COLOR].map(may_have);
         let frames = self.settings().shading.frames;
         let frames = Some(frames).filter(|frames| frames.count > 1 && method.uses_point_set);
@@ -318,7 +316,7 @@ impl Point {
     }
 
     /// Whether the table of [`PREFILTERED`] or [`DFG_TABLE`] is the program's own.
-    pub fn is_own(&self, axis: usize) -> bool {
+    pub fn is_own(&self, axis: AxisId) -> bool {
         [Value::Unset, (AXES[axis].default)()].contains(&self[axis])
     }
 

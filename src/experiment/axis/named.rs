@@ -1,6 +1,7 @@
 //! Axes by their names in files. An axis may have a second name with values of its own; a point
 //! holds the axis's value.
 
+use super::AxisId;
 use super::{AXES, Axis, Symbol};
 use crate::base::names::{in_words, nearest, suggestion};
 use crate::experiment::value::{Kind, Raw, Value};
@@ -24,14 +25,14 @@ pub struct Spelling {
 #[derive(Clone, Copy, Debug)]
 pub struct Named {
     /// Index into [`AXES`].
-    pub axis: usize,
+    pub axis: AxisId,
     spelling: Option<&'static Spelling>,
 }
 
 impl Named {
     /// Lists every name: each axis, then its second name.
     pub fn all() -> impl Iterator<Item = Self> {
-        AXES.iter().enumerate().flat_map(|(axis, entry)| {
+        AXES.entries().flat_map(|(axis, entry)| {
             let second = entry.spelling.as_ref().map(|spelling| Self {
                 axis,
                 spelling: Some(spelling),
@@ -40,7 +41,7 @@ impl Named {
         })
     }
 
-    pub fn own(axis: usize) -> Self {
+    pub fn own(axis: AxisId) -> Self {
         Self {
             axis,
             spelling: None,
@@ -77,7 +78,7 @@ impl Named {
     }
 
     /// Returns the name that users set: the second one, if there is one.
-    pub fn usual(axis: usize) -> Self {
+    pub fn usual(axis: AxisId) -> Self {
         Self {
             axis,
             spelling: AXES[axis].spelling.as_ref(),
@@ -144,13 +145,13 @@ impl Named {
 }
 
 /// Names the columns of an axis: its own name, and the second one.
-pub fn columns(axis: usize) -> impl Iterator<Item = &'static str> {
+pub fn columns(axis: AxisId) -> impl Iterator<Item = &'static str> {
     let second = AXES[axis].spelling.as_ref();
     std::iter::once(AXES[axis].name).chain(second.map(|spelling| spelling.name))
 }
 
 /// Returns the fields of a value in its [`columns`]; empty if unset.
-pub fn fields(axis: usize, value: &Value) -> impl Iterator<Item = String> + use<> {
+pub fn fields(axis: AxisId, value: &Value) -> impl Iterator<Item = String> + use<> {
     let second = AXES[axis]
         .spelling
         .as_ref()

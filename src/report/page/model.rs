@@ -7,7 +7,7 @@ use crate::base::names::Listed;
 use crate::draw::colormap::{
     NAN_COLOR, OFF_MASK_COLOR, Palette, RELATIVE_ERROR, Range, SIGNED_ERROR,
 };
-use crate::experiment::axis::{AXES, METHOD, Named, Part, SCENE, SIZE};
+use crate::experiment::axis::{AXES, AxisId, METHOD, Named, Part, SCENE, SIZE};
 use crate::experiment::value::{Kind, Value};
 use crate::instrument::metrics::{METRICS, Metric, verdict};
 use crate::instrument::scene::is_design;
@@ -57,7 +57,7 @@ pub struct PageAxis {
 
 impl PageAxis {
     /// Index of [`AXES`]; `None` for the axis of runs.
-    fn index(&self) -> Option<usize> {
+    fn index(&self) -> Option<AxisId> {
         self.named.map(|named| named.axis)
     }
 
@@ -89,11 +89,11 @@ pub fn axes(runs: &[PageRun]) -> Vec<PageAxis> {
     let names = runs.first().map(|run| Names::of(run.finished));
     let axes = names
         .iter()
-        .flat_map(|names| (0..AXES.len()).filter_map(|index| page_axis(runs, names, index)));
+        .flat_map(|names| AXES.ids().filter_map(|index| page_axis(runs, names, index)));
     std::iter::once(of_runs).chain(axes).collect()
 }
 
-fn page_axis(runs: &[PageRun], names: &Names, index: usize) -> Option<PageAxis> {
+fn page_axis(runs: &[PageRun], names: &Names, index: AxisId) -> Option<PageAxis> {
     let cells = runs.iter().flat_map(|run| &run.finished.cells);
     let found = cells
         .clone()
@@ -150,7 +150,7 @@ fn page_axis(runs: &[PageRun], names: &Names, index: usize) -> Option<PageAxis> 
 }
 
 /// Short texts, whole if two would be equal.
-fn labels(names: &Names, index: usize, values: &[&Value]) -> Vec<String> {
+fn labels(names: &Names, index: AxisId, values: &[&Value]) -> Vec<String> {
     let labels: Vec<String> = values
         .iter()
         .map(|value| names.short(index, value))
@@ -167,7 +167,7 @@ fn labels(names: &Names, index: usize, values: &[&Value]) -> Vec<String> {
 }
 
 /// A value with its name: "5 lv", "alpha 0.25 (roughness 0.5)", "bias 1 (filament)".
-fn word(names: &Names, index: usize, value: &Value, short: &str) -> String {
+fn word(names: &Names, index: AxisId, value: &Value, short: &str) -> String {
     let word = names
         .heading(index, value)
         .replace(&names.short(index, value), short);
@@ -175,7 +175,7 @@ fn word(names: &Names, index: usize, value: &Value, short: &str) -> String {
 }
 
 /// The name of a number, such as the engine of a level bias; 0 has none.
-fn number_name(index: usize, value: &Value) -> Option<String> {
+fn number_name(index: AxisId, value: &Value) -> Option<String> {
     let (Kind::NumberOrName { named, .. }, Value::Number(number)) = (&AXES[index].kind, value)
     else {
         return None;

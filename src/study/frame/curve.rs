@@ -3,6 +3,7 @@
 
 use super::estimate::geometric_mean;
 use super::{Frame, Key, Row, by, distinct_in_order, fits};
+use crate::experiment::axis::AxisId;
 use crate::experiment::axis::METHOD;
 use crate::experiment::value::Value;
 
@@ -39,14 +40,18 @@ impl<'r, 'f> Curve<'r, 'f> {
 }
 
 /// The curves of these images, without the reference method, which may be rendered for its times.
-pub fn curves<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>], axes: &[usize]) -> Vec<Curve<'r, 'f>> {
+pub fn curves<'r, 'f>(
+    frame: &Frame,
+    images: &[&'r Row<'f>],
+    axes: &[AxisId],
+) -> Vec<Curve<'r, 'f>> {
     let is_tested = |row: &Row| row.text(METHOD) != frame.shape.reference_method;
     let sampled = images
         .iter()
         .copied()
         .filter(|row| row.count(frame.along).is_some() && is_tested(row));
     let sampled: Vec<&Row> = sampled.collect();
-    let with_method: Vec<usize> = axes.iter().copied().chain([METHOD]).collect();
+    let with_method: Vec<AxisId> = axes.iter().copied().chain([METHOD]).collect();
     let groups = by(&sampled, &with_method).into_iter();
     let curve = |(mut key, own): (Key, Vec<&'r Row<'f>>)| {
         let method = key.pop()?;
@@ -118,7 +123,7 @@ fn united(a: &[Value], b: &[Value]) -> Key {
 pub fn beside<'r, 'f>(
     frame: &Frame,
     images: &[&'r Row<'f>],
-    axes: &[usize],
+    axes: &[AxisId],
 ) -> Vec<Beside<'r, 'f>> {
     let fixed = without_samples(images);
     let mut found = Vec::new();

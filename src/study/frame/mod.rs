@@ -16,7 +16,8 @@ use super::names::Names;
 use super::table::axis_cells;
 use crate::base::csv::Cell;
 use crate::experiment::axis::{
-    ALPHA, AXES, BRDF, DIFFUSE_METHOD, ENVIRONMENT, F0, METHOD, Part, Point, SAMPLES, SCENE,
+    ALPHA, AXES, AxisId, BRDF, DIFFUSE_METHOD, ENVIRONMENT, F0, METHOD, Part, PerAxis, Point,
+    SAMPLES, SCENE,
 };
 use crate::experiment::value::Value;
 use crate::instrument::metrics::{HEADLINE, Metric, Space, VIEWS, Verdict, verdict};
@@ -46,9 +47,9 @@ pub struct Frame<'f> {
     pub metric: &'static Metric,
     pub names: Names,
     /// The axis of the rows of a digest, if the experiment names one.
-    pub by: Option<usize>,
+    pub by: Option<AxisId>,
     /// The axis along which curves have their points: samples, or frames.
-    pub along: usize,
+    pub along: AxisId,
     /// Whether no other frame of the run comes before it, under another weight of views.
     pub leads: bool,
 }
@@ -83,7 +84,7 @@ impl<'f> Frame<'f> {
 
     /// The axis of the rows of digests and the steps of figures: alpha, unless the experiment names
     /// another one.
-    pub fn row_axis(&self) -> usize {
+    pub fn row_axis(&self) -> AxisId {
         self.by.unwrap_or(ALPHA)
     }
 
@@ -115,15 +116,15 @@ impl<'f> Frame<'f> {
     }
 
     /// Swept axes that play one of these parts, in the order of [`AXES`].
-    pub fn swept(&self, parts: &[Part]) -> Vec<usize> {
-        (0..AXES.len())
+    pub fn swept(&self, parts: &[Part]) -> Vec<AxisId> {
+        AXES.ids()
             .filter(|&i| parts.contains(&AXES[i].part) && self.shape.is_swept(i))
             .collect()
     }
 
     /// Swept axes that distinguish cases: all but method, points of a curve, point sets and the
     /// tone curve.
-    pub fn case_axes(&self) -> Vec<usize> {
+    pub fn case_axes(&self) -> Vec<AxisId> {
         let own = self.swept(&[
             Part::Case,
             Part::Parameter,
@@ -137,9 +138,9 @@ impl<'f> Frame<'f> {
     }
 
     /// The axes of answer tables: axes of cases, and the most important axes even with one value.
-    pub fn table_axes(&self) -> Vec<usize> {
+    pub fn table_axes(&self) -> Vec<AxisId> {
         let (own, always) = (self.case_axes(), [ENVIRONMENT, BRDF, ALPHA, F0]);
-        (0..AXES.len())
+        AXES.ids()
             .filter(|axis| own.contains(axis) || always.contains(axis))
             .collect()
     }
@@ -209,7 +210,7 @@ impl<'f> Frame<'f> {
 
     /// The axes of [`Frame::way`]: method and sample count; without any specular term, the diffuse
     /// method.
-    pub fn way_axes(&self) -> Vec<usize> {
+    pub fn way_axes(&self) -> Vec<AxisId> {
         if self.shape.methods().next().is_some() {
             vec![METHOD, SAMPLES]
         } else {
@@ -234,15 +235,15 @@ impl<'f> Frame<'f> {
 }
 
 impl Row<'_> {
-    pub fn key(&self, axes: &[usize]) -> Key {
+    pub fn key(&self, axes: &[AxisId]) -> Key {
         axes.iter().map(|&axis| self.point[axis].clone()).collect()
     }
 
-    pub fn cells(&self, axes: &[usize]) -> Vec<Cell> {
+    pub fn cells(&self, axes: &[AxisId]) -> Vec<Cell> {
         axis_cells(axes, &self.key(axes))
     }
 
-    pub fn text(&self, axis: usize) -> String {
+    pub fn text(&self, axis: AxisId) -> String {
         self.point[axis].to_string()
     }
 
@@ -257,7 +258,7 @@ impl Row<'_> {
     }
 
     /// A count on an axis, if its method uses the axis.
-    pub fn count(&self, axis: usize) -> Option<u32> {
+    pub fn count(&self, axis: AxisId) -> Option<u32> {
         if let Value::Count(count) = self.point[axis] {
             Some(count)
         } else {
@@ -291,7 +292,7 @@ pub fn fits(a: &[Value], b: &[Value]) -> bool {
 }
 
 /// Groups rows that agree on some axes ([`rows`](crate::run::rows::rows)).
-pub fn by<'r, 'f>(rows: &[&'r Row<'f>], axes: &[usize]) -> Vec<(Key, Vec<&'r Row<'f>>)> {
+pub fn by<'r, 'f>(rows: &[&'r Row<'f>], axes: &[AxisId]) -> Vec<(Key, Vec<&'r Row<'f>>)> {
     crate::run::rows::rows(rows, |row| row.key(axes))
 }
 
@@ -300,13 +301,14 @@ pub fn by<'r, 'f>(rows: &[&'r Row<'f>], axes: &[usize]) -> Vec<(Key, Vec<&'r Row
 /// was not run; sample counts must be equal.
 pub fn pair<'r, 'f>(
     rows: &[&'r Row<'f>],
-    axis: usize,
+    axis: AxisId,
     base: &Value,
 ) -> Vec<(&'r Row<'f>, &'r Row<'f>)> {
-    let run: Vec<Vec<Value>> = (0..AXES.len())
+    let run: PerAxis<Vec<Value>> = AXES
+        .ids()
         .map(|of| distinct_in_order(set_values(rows, of)))
         .collect();
-    let usual = |of: usize, row: &Row| {
+    let usual = |of: AxisId, row: &Row| {
         let default = row.point.default_of(of);
         if run[of].contains(&default) {
             Some(default)
@@ -315,7 +317,7 @@ pub fn pair<'r, 'f>(
         }
     };
     let agrees = |a: &Row, b: &Row| {
-        (0..AXES.len()).all(|i| {
+        AXES.ids().all(|i| {
             let (x, y) = (&a.point.0[i], &b.point.0[i]);
             let may_default = AXES[i].part != Part::Count;
             let replaces = |unset: &Value, of: &Row| {
@@ -336,7 +338,7 @@ pub fn pair<'r, 'f>(
         .collect()
 }
 
-fn set_values(rows: &[&Row], axis: usize) -> Vec<Value> {
+fn set_values(rows: &[&Row], axis: AxisId) -> Vec<Value> {
     rows.iter()
         .map(|row| row.point.0[axis].clone())
         .filter(|value| *value != Value::Unset)
@@ -365,7 +367,7 @@ pub fn grouped<T, K: Eq + std::hash::Hash>(
 }
 
 /// The distinct values of rows on an axis, as [`ascending`].
-pub fn values<'r, 'f: 'r>(rows: impl IntoIterator<Item = &'r Row<'f>>, axis: usize) -> Vec<Value> {
+pub fn values<'r, 'f: 'r>(rows: impl IntoIterator<Item = &'r Row<'f>>, axis: AxisId) -> Vec<Value> {
     ascending(distinct_in_order(
         rows.into_iter().map(|row| row.point[axis].clone()),
     ))
@@ -380,7 +382,7 @@ pub fn ascending(mut values: Vec<Value>) -> Vec<Value> {
 /// Groups items by the value of their row on an axis, ascending.
 pub fn grouped_ascending<'r, 'f: 'r, T>(
     items: impl IntoIterator<Item = T>,
-    of: usize,
+    of: AxisId,
     row: impl Fn(&T) -> &'r Row<'f>,
 ) -> Vec<(Value, Vec<T>)> {
     let mut groups = grouped(items, |item| row(item).point[of].clone());
@@ -396,7 +398,7 @@ fn by_size(a: &Value, b: &Value) -> std::cmp::Ordering {
 
 /// Each distinct image once; of equal images the first with a score.
 fn distinct(run: &Finished) -> Vec<Row<'_>> {
-    let mut rows: IndexMap<Key, Row> = IndexMap::new();
+    let mut rows: IndexMap<PerAxis<Value>, Row> = IndexMap::new();
     for cell in &run.cells {
         // Without methods, any parameter may change the pixels.
         let is_whole = [METHOD, DIFFUSE_METHOD]

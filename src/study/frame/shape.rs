@@ -3,7 +3,7 @@
 
 use super::Row;
 use crate::base::names::Listed;
-use crate::experiment::axis::{AXES, METHOD};
+use crate::experiment::axis::{AXES, AxisId, METHOD, PerAxis};
 use crate::experiment::config::Config;
 use crate::experiment::value::Value;
 use crate::instrument::shade::{METHODS, Method};
@@ -12,7 +12,7 @@ use crate::study::finished::Finished;
 #[derive(Clone, Debug)]
 pub struct Shape {
     /// Distinct set values by axis, in the order of the experiment.
-    pub values: Vec<Vec<Value>>,
+    pub values: PerAxis<Vec<Value>>,
     pub has_timing: bool,
     pub has_ladder: bool,
     pub reference_method: String,
@@ -20,18 +20,19 @@ pub struct Shape {
 
 impl Shape {
     pub fn of_config(config: &Config) -> Self {
-        let values = |axis: usize| match config.axes.iter().find(|sweep| sweep.axis == axis) {
+        let values = |axis: AxisId| match config.axes.iter().find(|sweep| sweep.axis == axis) {
             Some(sweep) => {
                 super::distinct_in_order(sweep.values.iter().map(|placed| placed.value.clone()))
             }
             None => vec![config.base.0[axis].clone()],
         };
-        Self::with(config, (0..AXES.len()).map(values).collect())
+        Self::with(config, AXES.ids().map(values).collect())
     }
 
     pub fn of_rows(run: &Finished, rows: &[Row]) -> Self {
-        let of_axis = |axis: usize| rows.iter().map(move |row: &Row| row.point.0[axis].clone());
-        let values = (0..AXES.len())
+        let of_axis = |axis: AxisId| rows.iter().map(move |row: &Row| row.point.0[axis].clone());
+        let values = AXES
+            .ids()
             .map(|axis| super::distinct_in_order(of_axis(axis)))
             .collect();
         match &run.config {
@@ -45,7 +46,7 @@ impl Shape {
         }
     }
 
-    fn with(config: &Config, values: Vec<Vec<Value>>) -> Self {
+    fn with(config: &Config, values: PerAxis<Vec<Value>>) -> Self {
         Self {
             values: set_only(values),
             has_timing: config.timing.is_some(),
@@ -54,7 +55,7 @@ impl Shape {
         }
     }
 
-    pub fn is_swept(&self, axis: usize) -> bool {
+    pub fn is_swept(&self, axis: AxisId) -> bool {
         self.values[axis].len() > 1
     }
 
@@ -76,7 +77,7 @@ impl Shape {
     }
 }
 
-fn set_only(mut values: Vec<Vec<Value>>) -> Vec<Vec<Value>> {
+fn set_only(mut values: PerAxis<Vec<Value>>) -> PerAxis<Vec<Value>> {
     values
         .iter_mut()
         .for_each(|values| values.retain(|value| *value != Value::Unset));

@@ -58,7 +58,7 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
 /// What a comparison over the counts of an axis lacks.
 pub(super) fn lacks_counts(
     shape: &Shape,
-    counts: usize,
+    counts: AxisId,
     too_few: &'static str,
 ) -> Option<&'static str> {
     match () {
@@ -108,7 +108,7 @@ impl Pair {
 
 /// The axes whose values have their own answers: the row axis, the surface, and parameters of
 /// methods and tables.
-pub(super) fn conditions(frame: &Frame) -> Vec<usize> {
+pub(super) fn conditions(frame: &Frame) -> Vec<AxisId> {
     let ways = frame
         .swept(&[Part::Method, Part::Parameter, Part::Table, Part::Count])
         .into_iter();
@@ -163,7 +163,7 @@ pub(super) fn pairs(frame: &Frame) -> Vec<Pair> {
         .into_iter()
         .filter(|case| case.curve.points.len() > 1);
     let condition = |case: &Beside| -> Key {
-        let place = |of: &usize| axes.iter().position(|axis| axis == of);
+        let place = |of: &AxisId| axes.iter().position(|axis| axis == of);
         of.iter()
             .filter_map(|of| Some(case.key[place(of)?].clone()))
             .collect()
@@ -257,7 +257,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
 /// One row per pair and condition, and `more` cells of each.
 pub(super) fn table(
     frame: &Frame,
-    axes: &[usize],
+    axes: &[AxisId],
     columns: &[Column],
     all: &[Pair],
     more: impl Fn(&Pair) -> Vec<Cell>,
@@ -265,7 +265,7 @@ pub(super) fn table(
     let of = distinct_in_order(SURFACE.into_iter().chain(axes.iter().copied()));
     let mut table = Table::new(&of, columns);
     for own in all {
-        let value = |of: &usize| match axes.iter().position(|axis| axis == of) {
+        let value = |of: &AxisId| match axes.iter().position(|axis| axis == of) {
             Some(place) => own.key[place].clone(),
             None => frame.shape.values[*of]
                 .first()
@@ -331,7 +331,7 @@ pub(super) fn ends<'p>(own: &[&'p Pair]) -> Option<[&'p Pair; 2]> {
 
 /// The range of the first pair, by each metric. Then the places of its ends, or the ranges against
 /// the method without samples that errs least.
-fn sentence(frame: &Frame, axes: &[usize], all: &[Pair]) -> Option<String> {
+fn sentence(frame: &Frame, axes: &[AxisId], all: &[Pair]) -> Option<String> {
     let images = frame.images();
     let fixed = without_samples(&images);
     let mean = |own: &[&Row]| {
@@ -430,7 +430,7 @@ fn sentence(frame: &Frame, axes: &[usize], all: &[Pair]) -> Option<String> {
 
 /// One row per metric, condition and pair, one column per value of [`Frame::row_axis`], else one of
 /// what is `counted`.
-pub(super) fn digest(frame: &Frame, axes: &[usize], all: &[Pair], counted: &str) -> Table {
+pub(super) fn digest(frame: &Frame, axes: &[AxisId], all: &[Pair], counted: &str) -> Table {
     let of = frame.row_axis();
     let others: Vec<usize> = (0..axes.len()).filter(|place| axes[*place] != of).collect();
     let width = |own: &Pair| {

@@ -8,7 +8,7 @@ use crate::base::names::Listed;
 use crate::instrument::shade::Method;
 
 /// The surface axes that matter most.
-pub const SURFACE: [usize; 3] = [ALPHA, BRDF, F0];
+pub const SURFACE: [AxisId; 3] = [ALPHA, BRDF, F0];
 
 /// Lookups of an environment map per pixel; `None` for a shader in a file.
 fn lookups(row: &Row) -> Option<f64> {
@@ -46,7 +46,7 @@ pub fn figure(frame: &Frame) -> Option<Figure> {
     let images = frame.images();
     let (all, base) = ratios(frame, &images)?;
     let (of, names) = (frame.row_axis(), &frame.names);
-    let others: Vec<usize> = SURFACE
+    let others: Vec<AxisId> = SURFACE
         .into_iter()
         .filter(|axis| *axis != of && frame.shape.is_swept(*axis))
         .collect();

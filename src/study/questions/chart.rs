@@ -3,7 +3,7 @@
 use super::numbers::{Numbers, is_formula};
 use super::words::count;
 use crate::draw::figure::{Figure, Mark, Panel, Scale, Series, Shape as Form};
-use crate::experiment::axis::{AXES, ENVIRONMENT};
+use crate::experiment::axis::{AXES, AxisId, ENVIRONMENT};
 use crate::experiment::value::Value;
 use crate::study::frame::{Frame, Row};
 
@@ -20,7 +20,7 @@ pub enum Along<'n> {
 
 impl<'n> Along<'n> {
     /// One step per value of an axis.
-    pub fn values(frame: &'n Frame, of: usize, values: &[Value]) -> Self {
+    pub fn values(frame: &'n Frame, of: AxisId, values: &[Value]) -> Self {
         Self::Steps(
             frame.names.name(of),
             values

@@ -269,7 +269,7 @@ const FLOOR: &str = "noise floor";
 /// One panel per value of [`Frame::row_axis`] and environment; lines of one panel and method differ
 /// in the other axes of cases. If environments are averaged: one panel per value of
 /// [`Frame::row_axis`], one line per method.
-fn figure(frame: &Frame, axes: &[usize], falls: &[Fall], fixed: &[&Row]) -> Option<Figure> {
+fn figure(frame: &Frame, axes: &[AxisId], falls: &[Fall], fixed: &[&Row]) -> Option<Figure> {
     let errors = falls.iter().flat_map(|fall| {
         fall.curve
             .points
@@ -277,8 +277,8 @@ fn figure(frame: &Frame, axes: &[usize], falls: &[Fall], fixed: &[&Row]) -> Opti
             .map(|point| (fall.curve.first(), point.error))
     });
     let is_summed = Numbers::new(errors, Middle::GeometricMean).is_summed();
-    let is_panel = |of: &usize| *of == frame.row_axis() || (*of == ENVIRONMENT && !is_summed);
-    let of_panel: Vec<usize> = axes.iter().copied().filter(is_panel).collect();
+    let is_panel = |of: &AxisId| *of == frame.row_axis() || (*of == ENVIRONMENT && !is_summed);
+    let of_panel: Vec<AxisId> = axes.iter().copied().filter(is_panel).collect();
     let sampled = distinct_in_order(falls.iter().map(|fall| fall.curve.method.to_string()));
     let errors = falls
         .iter()

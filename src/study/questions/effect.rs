@@ -43,8 +43,8 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
             > 1
     };
     let is_way =
-        |axis: usize| WAYS.contains(&AXES[axis].part) && axis != METHOD && shape.is_swept(axis);
-    match (0..AXES.len()).any(is_way) || has_two(true) || has_two(false) {
+        |axis: AxisId| WAYS.contains(&AXES[axis].part) && axis != METHOD && shape.is_swept(axis);
+    match AXES.ids().any(is_way) || has_two(true) || has_two(false) {
         true => None,
         false if shape.methods().count() > 1 => Some(
             "one method samples and the other does not, so that no two images share their samples: \
@@ -63,13 +63,13 @@ struct Effect<'r, 'f> {
 }
 
 struct OfAxis<'r, 'f> {
-    axis: usize,
+    axis: AxisId,
     base: Value,
     effects: Vec<Effect<'r, 'f>>,
 }
 
 impl<'r, 'f> OfAxis<'r, 'f> {
-    fn new(frame: &Frame, images: &[&'r Row<'f>], axis: usize) -> Option<Self> {
+    fn new(frame: &Frame, images: &[&'r Row<'f>], axis: AxisId) -> Option<Self> {
         let base = frame.shape.values[axis].first()?.clone();
         let effect = |(row, base): (&'r Row<'f>, &'r Row<'f>)| {
             let ratio = frame.error(row)? / frame.error(base)?;
@@ -165,7 +165,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
         .filter(|effect| effect.is_resolved)
         .map(|effect| (effect.row, effect.ratio));
     let scope = Numbers::ratios(resolved).scope(frame);
-    let (mut named, mut sentences): (Vec<(usize, Value)>, Vec<String>) = (Vec::new(), Vec::new());
+    let (mut named, mut sentences): (Vec<(AxisId, Value)>, Vec<String>) = (Vec::new(), Vec::new());
     for of in &all {
         let best = of.best();
         let winner = best

@@ -43,7 +43,7 @@ struct Case<'r, 'f> {
 
 fn cases<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>]) -> Vec<Case<'r, 'f>> {
     let luck = frame.swept(&[Part::Luck, Part::Display]);
-    let axes: Vec<usize> = (0..AXES.len()).filter(|of| !luck.contains(of)).collect();
+    let axes: Vec<AxisId> = AXES.ids().filter(|of| !luck.contains(of)).collect();
     let rows: Vec<&'r Row<'f>> = images
         .iter()
         .copied()

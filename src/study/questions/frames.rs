@@ -69,7 +69,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
 }
 
 /// The words of a way to sample: "1 sample a frame, light".
-fn way(frame: &Frame, axes: &[usize], key: &[Value], is_shown: impl Fn(usize) -> bool) -> String {
+fn way(frame: &Frame, axes: &[AxisId], key: &[Value], is_shown: impl Fn(AxisId) -> bool) -> String {
     let samples = axes
         .iter()
         .position(|axis| *axis == SAMPLES)
@@ -88,7 +88,7 @@ fn way(frame: &Frame, axes: &[usize], key: &[Value], is_shown: impl Fn(usize) ->
 
 /// The range of the first pair, for its first way with its errors at the end, and then for the way
 /// with the most frames.
-fn sentence(frame: &Frame, axes: &[usize], all: &[Pair]) -> Option<String> {
+fn sentence(frame: &Frame, axes: &[AxisId], all: &[Pair]) -> Option<String> {
     let first = all.first()?;
     let own = all
         .iter()
@@ -157,7 +157,7 @@ fn figure(frame: &Frame) -> Option<Figure> {
     let axes = frame
         .swept(&[Part::Method, Part::Count, Part::Parameter])
         .into_iter();
-    let axes: Vec<usize> = axes
+    let axes: Vec<AxisId> = axes
         .filter(|axis| ![FRAMES, MOTION].contains(axis))
         .collect();
     let rows = |own: &[(&'_ Row, f64)], axis| {
@@ -166,7 +166,7 @@ fn figure(frame: &Frame) -> Option<Figure> {
     let mut ways = grouped(sampled, |(row, _)| row.key(&axes));
     ways.retain(|(_, own)| rows(own, FRAMES).len() > 2);
     let differs = |place: usize| ways.iter().any(|(key, _)| key[place] != ways[0].0[place]);
-    let shown: Vec<usize> = (0..axes.len())
+    let shown: Vec<AxisId> = (0..axes.len())
         .filter(|place| differs(*place))
         .map(|place| axes[place])
         .collect();

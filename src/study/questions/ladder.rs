@@ -10,11 +10,11 @@
 //! shown instead.
 
 use super::prelude::*;
+use crate::base::csv::rounded;
 use crate::instrument::ladder::BANDS;
 use crate::instrument::metrics::ALL_VIEWS;
 use crate::instrument::shade::REFERENCE;
 use crate::study::finished::StepRow;
-use crate::base::csv::rounded;
 
 pub const QUESTION: Question = Question {
     name: "ladder",
@@ -171,7 +171,7 @@ impl<'r, 'f> Group<'r, 'f> {
 
 fn groups<'r, 'f>(frame: &Frame, resolved: &[Resolved<'r, 'f>]) -> Vec<Group<'r, 'f>> {
     let of = frame.row_axis();
-    let others: Vec<usize> = frame
+    let others: Vec<AxisId> = frame
         .case_axes()
         .into_iter()
         .filter(|other| ![of, ENVIRONMENT, SCENE].contains(other))

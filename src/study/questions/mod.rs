@@ -13,7 +13,7 @@ use super::frame::{Frame, Shape};
 use super::table::{Column, Table, column};
 use crate::base::names::not_one_of;
 use crate::draw::figure::Figure;
-use crate::experiment::axis::{AXES, ENVIRONMENT, METHOD, Part, SCENE};
+use crate::experiment::axis::{AXES, AxisId, ENVIRONMENT, METHOD, Part, SCENE};
 use crate::experiment::config::{Ask, Config};
 use crate::experiment::fault::Faults;
 
@@ -133,7 +133,7 @@ pub fn answers(run: &Finished, metric: Option<&str>) -> Vec<Answer> {
         leads: place == 0,
         ..Frame::new(run, metric)
     }));
-    let questions: Vec<(&'static Question, Option<usize>)> = match asked {
+    let questions: Vec<(&'static Question, Option<AxisId>)> = match asked {
         [] => QUESTIONS.iter().map(|question| (*question, None)).collect(),
         asked => asked
             .iter()
@@ -197,7 +197,9 @@ pub fn check(config: &Config, faults: &mut Faults) {
             );
         } else if !is_row_axis(*axis) {
             let name = config.named(*axis).name();
-            let fit = (0..AXES.len()).filter(|&axis| shape.is_swept(axis) && is_row_axis(axis));
+            let fit = AXES
+                .ids()
+                .filter(|&axis| shape.is_swept(axis) && is_row_axis(axis));
             let known: Vec<&str> = fit.map(|axis| config.named(axis).name()).collect();
             let expected = if known.is_empty() {
                 "leave it out".to_owned()
@@ -214,7 +216,7 @@ pub fn check(config: &Config, faults: &mut Faults) {
 
 /// Whether an axis can be the rows of an answer: it distinguishes cases, and is not the
 /// environment, which makes columns.
-fn is_row_axis(axis: usize) -> bool {
+fn is_row_axis(axis: AxisId) -> bool {
     let parts = [Part::Case, Part::Parameter, Part::Table, Part::Method];
     parts.contains(&AXES[axis].part) && ![METHOD, ENVIRONMENT].contains(&axis)
 }

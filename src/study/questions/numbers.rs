@@ -4,7 +4,7 @@
 use super::words::{count, listed, number, range, range_words, scope_sentence};
 use crate::base::csv::Cell;
 use crate::draw::figure::{Mark, Shape as Form};
-use crate::experiment::axis::{AXES, ENVIRONMENT, Part, SAMPLES};
+use crate::experiment::axis::{AXES, AxisId, ENVIRONMENT, Part, SAMPLES};
 use crate::experiment::value::Value;
 use crate::instrument::environment::BUILTIN_PREFIX;
 use crate::study::frame::estimate::{CLUSTERS_MIN, Estimate, Middle, estimate};
@@ -113,7 +113,7 @@ impl<'r, 'f> Numbers<'r, 'f> {
     }
 
     /// The images with this value on an axis.
-    pub fn at(&self, of: usize, value: &Value) -> Self {
+    pub fn at(&self, of: AxisId, value: &Value) -> Self {
         self.part(|place| self.items[place].0.point[of] == *value)
     }
 
@@ -140,7 +140,7 @@ impl<'r, 'f> Numbers<'r, 'f> {
         self.items.iter().map(|(row, _)| *row)
     }
 
-    pub fn values(&self, of: usize) -> Vec<Value> {
+    pub fn values(&self, of: AxisId) -> Vec<Value> {
         values(self.rows(), of)
     }
 
@@ -174,7 +174,7 @@ impl<'r, 'f> Numbers<'r, 'f> {
     }
 
     /// The average at each value of an axis.
-    pub fn along(&self, of: usize) -> Along {
+    pub fn along(&self, of: AxisId) -> Along {
         self.values(of)
             .into_iter()
             .map(|value| {
@@ -198,7 +198,7 @@ impl<'r, 'f> Numbers<'r, 'f> {
         factor: f64,
         words: impl Fn(f64) -> String,
     ) -> String {
-        let of_axis = |of: usize| {
+        let of_axis = |of: AxisId| {
             let mut groups = self.evidence().along(of);
             groups.retain(|(_, number)| !number.is_nan());
             let least = groups
@@ -229,7 +229,7 @@ impl<'r, 'f> Numbers<'r, 'f> {
 
     /// The first axis of cases with ratios on both sides of 1, and these ratios. Environments are a
     /// sample: they agree if the interval of their mean is on one side of 1.
-    pub fn change_of_sign(&self, frame: &Frame) -> Option<(usize, Along)> {
+    pub fn change_of_sign(&self, frame: &Frame) -> Option<(AxisId, Along)> {
         let (below, above) = (1.0 / (1.0 + SAME), 1.0 + SAME);
         let interval = self.estimate().and_then(|all| all.interval);
         let agree = interval.is_some_and(|[lo, hi]| hi < 1.0 || lo > 1.0);
@@ -299,7 +299,7 @@ pub fn middle_marks(
 }
 
 /// "0.25 (0.50) and 0.5 (0.25)": values with ratios below 1, and above.
-pub fn sides(frame: &Frame, of: usize, groups: &Along) -> [String; 2] {
+pub fn sides(frame: &Frame, of: AxisId, groups: &Along) -> [String; 2] {
     let (less, more): (Vec<_>, Vec<_>) = groups.iter().partition(|(_, ratio)| *ratio < 1.0);
     let words =
         |(at, ratio): &(Value, f64)| format!("{} ({})", frame.names.short(of, at), number(*ratio));

@@ -149,7 +149,7 @@ fn worst<'r, 'f>(pictures: impl Iterator<Item = (&'r Row<'f>, f64)>) -> Option<(
 }
 
 /// These axes without the axes that distinguish pictures.
-fn of_cases(mut axes: Vec<usize>) -> Vec<usize> {
+fn of_cases(mut axes: Vec<AxisId>) -> Vec<AxisId> {
     axes.retain(|axis| {
         ![
             ENVIRONMENT,
@@ -312,7 +312,7 @@ fn picture_name(frame: &Frame, row: &Row) -> String {
         .swept(&[Part::Case])
         .into_iter()
         .filter(|axis| *axis != ENVIRONMENT);
-    let axes: Vec<usize> = std::iter::once(ENVIRONMENT).chain(swept).collect();
+    let axes: Vec<AxisId> = std::iter::once(ENVIRONMENT).chain(swept).collect();
     frame
         .names
         .label(&axes, &row.key(&axes))

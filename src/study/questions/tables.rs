@@ -17,10 +17,10 @@
 
 use super::prelude::*;
 use crate::bake::plain::SETTINGS;
+use crate::draw::markdown::significant;
 use crate::instrument::metrics::ALL_VIEWS;
 use crate::instrument::precompute::PrecomputeSettings;
 use crate::instrument::shade::{EXACT_SPLIT, REFERENCE};
-use crate::draw::markdown::significant;
 use std::collections::HashMap;
 
 pub const QUESTION: Question = Question {
@@ -96,8 +96,8 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
     }
 }
 
-fn parameters(shape: &Shape) -> Vec<usize> {
-    (0..AXES.len())
+fn parameters(shape: &Shape) -> Vec<AxisId> {
+    AXES.ids()
         .filter(|&axis| AXES[axis].part == Part::Table && shape.is_swept(axis))
         .collect()
 }
@@ -147,7 +147,7 @@ fn texels(settings: &PrecomputeSettings) -> f64 {
 fn tried<'r, 'f>(
     frame: &Frame,
     images: &[&'r Row<'f>],
-    parameters: &[usize],
+    parameters: &[AxisId],
 ) -> Vec<Tried<'r, 'f>> {
     let mut all = seen_at(frame, images, parameters, ALL_VIEWS);
     for (seen, run) in frame.views(images) {
@@ -164,7 +164,7 @@ fn tried<'r, 'f>(
 fn seen_at<'r, 'f>(
     frame: &Frame,
     images: &[&'r Row<'f>],
-    parameters: &[usize],
+    parameters: &[AxisId],
     seen: [f64; 2],
 ) -> Vec<Tried<'r, 'f>> {
     // Of these views, while `images` has the scores of all.
@@ -177,8 +177,8 @@ fn seen_at<'r, 'f>(
     let errors: HashMap<String, (f64, bool)> = frame.rows.iter().filter_map(own).collect();
     let error = |row: &Row| errors.get(&row.cell.id).copied();
     let of_truth = |row: &Row, truth: &Row| {
-        let is_case = |axis: &usize| AXES[*axis].part == Part::Case;
-        (0..AXES.len())
+        let is_case = |axis: &AxisId| AXES[*axis].part == Part::Case;
+        AXES.ids()
             .filter(is_case)
             .all(|axis| fits(&row.key(&[axis]), &truth.key(&[axis])))
     };
@@ -221,7 +221,7 @@ impl Combination<'_, '_, '_> {
     }
 
     /// Numbers over all views, at one value of an axis.
-    fn numbers(&self, at: &Value, axis: usize, of: fn(&Tried) -> f64) -> Numbers<'_, '_> {
+    fn numbers(&self, at: &Value, axis: AxisId, of: fn(&Tried) -> f64) -> Numbers<'_, '_> {
         let is_here = |one: &&&Tried| one.seen == ALL_VIEWS && one.row.point[axis] == *at;
         let all_views = self.own.iter().filter(is_here);
         Numbers::new(
@@ -276,7 +276,7 @@ fn share_text(enough: f64, share: f64) -> String {
 }
 
 /// "qwantani, alpha 0.1, n·v 0.8 to 1".
-fn place(frame: &Frame, one: &Tried, axes: &[usize]) -> String {
+fn place(frame: &Frame, one: &Tried, axes: &[AxisId]) -> String {
     let label = frame.names.label(axes, &one.row.key(axes));
     let seen = (one.seen != ALL_VIEWS).then(|| view(one.seen));
     [label]
@@ -288,7 +288,7 @@ fn place(frame: &Frame, one: &Tried, axes: &[usize]) -> String {
 }
 
 /// "64x64, 6 levels".
-fn words(frame: &Frame, parameters: &[usize], tables: &Key) -> String {
+fn words(frame: &Frame, parameters: &[AxisId], tables: &Key) -> String {
     let set = parameters
         .iter()
         .zip(tables)
@@ -300,7 +300,7 @@ fn words(frame: &Frame, parameters: &[usize], tables: &Key) -> String {
 
 fn answer(frame: &Frame) -> Option<Finding> {
     let (parameters, images) = (parameters(&frame.shape), frame.images());
-    let scope: Vec<usize> = frame
+    let scope: Vec<AxisId> = frame
         .case_axes()
         .into_iter()
         .filter(|axis| !parameters.contains(axis))
@@ -310,7 +310,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
         .table_axes()
         .into_iter()
         .filter(|axis| !parameters.contains(axis));
-    let axes: Vec<usize> = std::iter::once(METHOD)
+    let axes: Vec<AxisId> = std::iter::once(METHOD)
         .chain(columns)
         .chain(parameters.iter().copied())
         .collect();
@@ -356,7 +356,7 @@ struct Tail<'t, 'r, 'f> {
     all: Vec<Combination<'t, 'r, 'f>>,
 }
 
-fn sentence(frame: &Frame, parameters: &[usize], tails: &[Tail]) -> Option<String> {
+fn sentence(frame: &Frame, parameters: &[AxisId], tails: &[Tail]) -> Option<String> {
     let (metric, enough) = (frame.metric_name(), enough(frame));
     let best = chosen(enough, &tails.first()?.all)?;
     let words = |one: &Combination| words(frame, parameters, &one.tables);
@@ -426,7 +426,7 @@ fn sentence(frame: &Frame, parameters: &[usize], tails: &[Tail]) -> Option<Strin
 }
 
 /// "`splitsum bake MAP --out DIR --set prefilter_size=64x64`".
-fn command(parameters: &[usize], tables: &Key) -> String {
+fn command(parameters: &[AxisId], tables: &Key) -> String {
     let set = parameters
         .iter()
         .zip(tables)
@@ -439,7 +439,7 @@ fn command(parameters: &[usize], tables: &Key) -> String {
 
 /// One row per value of [`Frame::row_axis`]: the smallest tables that are enough there and at all
 /// greater values, their error and the split's there, and their largest share.
-fn digest(frame: &Frame, parameters: &[usize], scope: &[usize], tails: &[Tail]) -> Table {
+fn digest(frame: &Frame, parameters: &[AxisId], scope: &[AxisId], tails: &[Tail]) -> Table {
     let of = frame.row_axis();
     let heads = frame.names.heads(&[of]);
     let names = [
@@ -484,13 +484,13 @@ fn digest(frame: &Frame, parameters: &[usize], scope: &[usize], tails: &[Tail]) 
 
 /// One panel per value of [`Frame::row_axis`], one dot per combination at its worst condition; dots
 /// of one kind are joined.
-fn figure(frame: &Frame, parameters: &[usize], all: &[&Tried]) -> Option<Figure> {
-    let is_kind = |axis: &usize| {
+fn figure(frame: &Frame, parameters: &[AxisId], all: &[&Tried]) -> Option<Figure> {
+    let is_kind = |axis: &AxisId| {
         frame.shape.values[*axis]
             .iter()
             .all(|value| matches!(value, Value::Text(_)))
     };
-    let kinds: Vec<usize> = parameters.iter().copied().filter(is_kind).collect();
+    let kinds: Vec<AxisId> = parameters.iter().copied().filter(is_kind).collect();
     let kind = |one: &Tried| {
         let words: Vec<String> = kinds
             .iter()

@@ -83,7 +83,7 @@ struct Timed<'f> {
 }
 
 impl Timed<'_> {
-    fn text(&self, axis: usize) -> &str {
+    fn text(&self, axis: AxisId) -> &str {
         text(&self.key, axis)
     }
 
@@ -101,7 +101,7 @@ impl Timed<'_> {
     }
 }
 
-fn text(key: &Key, axis: usize) -> &str {
+fn text(key: &Key, axis: AxisId) -> &str {
     key.get(AXES[axis].name).map_or("", String::as_str)
 }
 
@@ -153,7 +153,7 @@ fn answer(frame: &Frame) -> Option<Finding> {
     let ratios = ratios(&frame.run.timings);
     let swept = swept_axes(frames.iter().chain(&sets).map(|one| &one.key))
         .into_iter()
-        .filter_map(index_of);
+        .filter_map(AxisId::find);
     let axes = distinct_in_order(
         [METHOD, SAMPLES, BRDF, DIFFUSE_METHOD]
             .into_iter()
@@ -354,7 +354,7 @@ fn sentence(frame: &Frame, digest: &Table) -> Option<String> {
     })
 }
 
-fn figure(frame: &Frame, frames: &[Timed], axes: &[usize]) -> Option<Figure> {
+fn figure(frame: &Frame, frames: &[Timed], axes: &[AxisId]) -> Option<Figure> {
     let name = |one: &Timed| {
         let rest = axes
             .iter()

@@ -33,7 +33,7 @@ pub const QUESTION: Question = Question {
     ..Question::PLAIN
 };
 
-const DISPLAY: [usize; 2] = [EXPOSURE, CONTRAST];
+const DISPLAY: [AxisId; 2] = [EXPOSURE, CONTRAST];
 
 fn lacks(shape: &Shape) -> Option<&'static str> {
     let is_swept = DISPLAY.iter().any(|axis| shape.is_swept(*axis));
@@ -185,7 +185,7 @@ fn sentence(frame: &Frame, own: &[Curve]) -> Option<String> {
     ))
 }
 
-fn tried(methods: &[Vec<Curve>], axis: usize) -> Vec<Value> {
+fn tried(methods: &[Vec<Curve>], axis: AxisId) -> Vec<Value> {
     values(
         methods.iter().flatten().flat_map(|one| &one.rows).copied(),
         axis,

@@ -1,6 +1,7 @@
 //! Numbers, counts and scopes in sentences.
 
 use crate::draw::markdown::significant;
+use crate::experiment::axis::AxisId;
 use crate::experiment::value::Value;
 use crate::study::frame::{Frame, Row, estimate::Estimate, values};
 
@@ -63,7 +64,7 @@ pub fn listed(words: &[String]) -> String {
 
 /// " Over 10 environments, 3 BRDF models, 5 alphas."; empty if all axes have one value.
 pub fn scope_sentence(frame: &Frame, rows: &[&Row]) -> String {
-    let count = |axis: usize| {
+    let count = |axis: AxisId| {
         values(rows.iter().copied(), axis)
             .iter()
             .filter(|value| **value != Value::Unset)

@@ -418,7 +418,7 @@ fn level_biases_have_names() {
 
 #[test]
 fn text_of_every_default_parses_back_to_the_same_value() {
-    for axis in AXES {
+    for axis in &AXES {
         let value = (axis.default)();
         if !value.to_string().is_empty() {
             assert_eq!(

@@ -1,15 +1,15 @@
 //! Groups, pairs and distinct images of a frame, and lines, on synthetic runs.
 
 use super::paper::{F64, Made, finished};
-use splitsum::experiment::axis::{Point, index_of};
+use splitsum::experiment::axis::{AxisId, Point};
 use splitsum::experiment::value::Value;
 use splitsum::study::finished::Finished;
 use splitsum::study::frame::curve::curves;
 use splitsum::study::frame::line::{Line, t_95};
 use splitsum::study::frame::{Frame, Row, by, pair};
 
-fn axis(name: &str) -> usize {
-    index_of(name).unwrap()
+fn axis(name: &str) -> AxisId {
+    AxisId::find(name).unwrap()
 }
 
 fn flat(axes: &str) -> Finished {
@@ -23,7 +23,7 @@ fn a_row_is_in_every_group_that_it_does_not_contradict() {
     let frame = Frame::new(&run, None);
     let rows: Vec<&Row> = frame.rows.iter().collect();
     let sizes = |axes: &[&str]| -> Vec<usize> {
-        let axes: Vec<usize> = axes.iter().map(|name| axis(name)).collect();
+        let axes: Vec<AxisId> = axes.iter().map(|name| axis(name)).collect();
         by(&rows, &axes).iter().map(|(_, own)| own.len()).collect()
     };
     assert_eq!(sizes(&["alpha"]), [4, 4]);

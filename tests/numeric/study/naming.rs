@@ -116,7 +116,7 @@ fn the_rows_of_an_answer_are_values_of_the_axis_it_names() {
         let run = finished(&format!("{METHODS}{axes}"), made);
         let frame = Frame::new(&run, None);
         let by = Frame {
-            by: splitsum::experiment::axis::index_of("f0"),
+            by: splitsum::experiment::axis::AxisId::find("f0"),
             ..frame
         };
         let is_served = (question.lacks)(&by.shape).is_none();

@@ -4,7 +4,7 @@
 use crate::run::runs;
 use splitsum::base::csv::Cell;
 use splitsum::experiment::Plan;
-use splitsum::experiment::axis::{AXES, Point, index_of};
+use splitsum::experiment::axis::{AXES, AxisId, Point};
 use splitsum::experiment::value::Value;
 use splitsum::instrument::metrics::{METRICS, Weight};
 use splitsum::run::tables::HEADLINE;
@@ -152,7 +152,7 @@ impl Paper {
         assert_eq!(values.len(), self.axes.len());
         let mut point = Point::default();
         for (name, text) in self.axes.iter().zip(values) {
-            let axis = index_of(name).unwrap_or_else(|| panic!("no axis {name}"));
+            let axis = AxisId::find(name).unwrap_or_else(|| panic!("no axis {name}"));
             point[axis] = if text.is_empty() {
                 Value::Unset
             } else {

@@ -429,7 +429,8 @@ fn order_and_failed_twins_of_cells_change_no_answer() {
             .map(|cell| {
                 (
                     cell.id.as_str(),
-                    (0..AXES.len()).any(|axis| seen.insert((axis, cell.point[axis].to_string()))),
+                    AXES.ids()
+                        .any(|axis| seen.insert((axis, cell.point[axis].to_string()))),
                 )
             })
             .collect();
