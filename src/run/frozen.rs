@@ -6,7 +6,6 @@ use crate::base::files::read_given;
 use crate::experiment::fault::{ConfigError, Faults, Place};
 use crate::experiment::plan::{Check, Plan, Source};
 use crate::instrument::environment::LoadOptions;
-use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 const FILE_BYTES_MAX: u64 = 1 << 22;
@@ -32,23 +31,15 @@ impl Frozen {
         }
         let dir = path.parent()?;
         // Without a valid provenance it is an ordinary file.
-        let value = provenance::read(dir).ok()??;
-        let folder = |key: &str| value[key].as_str().map(|folder| dir.join(folder));
+        let provenance = provenance::read(dir).ok()??;
+        let folder = |folder: Option<String>| folder.map(|folder| dir.join(folder));
         Some(Self {
-            file_dir: folder(provenance::EXPERIMENT_FOLDER),
-            set_dir: folder(provenance::SET_FOLDER),
-            overrides: texts(&value["overrides"]),
-            is_unchanged: value["experiment_hash"] == experiment_hash(text),
+            file_dir: folder(provenance.experiment_folder),
+            set_dir: folder(provenance.set_folder),
+            overrides: provenance.overrides,
+            is_unchanged: provenance.experiment_hash == experiment_hash(text),
         })
     }
-}
-
-fn texts(list: &Value) -> Vec<String> {
-    list.as_array()
-        .into_iter()
-        .flatten()
-        .filter_map(|text| Some(text.as_str()?.to_owned()))
-        .collect()
 }
 
 fn read_text(path: &Path) -> std::io::Result<String> {

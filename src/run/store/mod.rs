@@ -11,7 +11,7 @@ pub use super::record::{
 };
 pub use fault::StoreError;
 
-use super::provenance::PROVENANCE_FILE;
+use super::provenance::{PROVENANCE_FILE, Provenance};
 use super::seal;
 use super::shard::Shard;
 use crate::base::csv;
@@ -208,6 +208,15 @@ impl Store {
     /// Writes indented JSON.
     pub fn write_json<T: Serialize>(&self, path: &Path, value: &T) -> Result<(), StoreError> {
         self.write_text(path, &pretty(path, value)?)
+    }
+
+    /// Writes a provenance file.
+    pub(super) fn write_provenance(
+        &self,
+        path: &Path,
+        provenance: &Provenance,
+    ) -> Result<(), StoreError> {
+        self.write_json(path, &provenance.to_json())
     }
 
     /// Writes indented JSON with a checksum.
