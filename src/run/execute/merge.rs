@@ -85,7 +85,8 @@ fn mixed(what: &str, counts: &BTreeMap<String, usize>) -> Option<String> {
 impl Run<'_> {
     /// One sentence for each unusable record and image.
     fn damage(&mut self) -> Result<Vec<String>, StoreError> {
-        let (plan, store) = (self.plan, &self.store);
+        let plan = self.plan;
+        let store = &self.store;
         let mut damage: Vec<String> = std::mem::take(&mut self.unusable);
         let references: BTreeSet<&str> = plan
             .cells

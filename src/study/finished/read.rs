@@ -9,7 +9,7 @@ use crate::experiment::fault::Faults;
 use crate::experiment::inputs::load_methods;
 use crate::experiment::value::Value;
 use crate::instrument::metrics::Weight;
-use crate::run::columns::{FAILED, STEADINESS};
+use crate::run::columns::FAILED;
 use crate::run::frozen::EXPERIMENT_FILE;
 use crate::run::provenance::{
     self, EXPERIMENT_FOLDER, PROVENANCE_FILE, Provenance, ProvenanceError, SET_FOLDER,
@@ -141,8 +141,8 @@ fn cells(
             scores: (!is_failed).then(|| metrics(&row, "")),
             noise_floors: metrics(&row, "_noise_floor"),
             steadiness: row
-                .number(STEADINESS[0].name)
-                .zip(row.number(STEADINESS[1].name))
+                .number("lag_bias")
+                .zip(row.number("flicker"))
                 .map(Into::into),
             reference: stop(&row),
             bins: Arc::default(),
