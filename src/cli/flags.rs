@@ -5,7 +5,7 @@ use super::shared::{DeviceFlag, InputFlags};
 use clap::builder::ValueParser;
 use clap::{Arg, ArgMatches, Args, Command, Error, FromArgMatches};
 use splitsum::base::names::{Listed, capitalised};
-use splitsum::experiment::axis::named::{ambiguous, hint};
+use splitsum::experiment::axis::named::ambiguous;
 use splitsum::experiment::axis::{AXES, AxisId, Named, Point, Reference, View};
 use splitsum::experiment::config::SEED;
 use splitsum::experiment::value::{COORDINATE, Kind, Value};
@@ -48,15 +48,17 @@ impl SeenFlags {
 
     /// Refuses flags that have no effect on the scene.
     pub fn check(&self, scene: &Scene) -> Result<(), Failure> {
-        let of_design = [
-            (self.background, "background"),
-            (self.orbit.is_some(), "orbit"),
+        if !scene.is_design {
+            return Ok(());
+        }
+        let flags = [
+            ("background", self.background),
+            ("orbit", self.orbit.is_some()),
         ];
-        let idle = of_design
+        let faults: Vec<String> = flags
             .iter()
-            .filter(|(is_set, _)| *is_set && scene.is_design);
-        let faults: Vec<String> = idle
-            .map(|(_, flag)| format!("--{flag}: has no effect on the scene design; leave it out"))
+            .filter(|(_, is_set)| *is_set)
+            .map(|(flag, _)| format!("--{flag}: has no effect on the scene design; leave it out"))
             .collect();
         if faults.is_empty() {
             Ok(())
@@ -69,14 +71,11 @@ impl SeenFlags {
 /// Parses `x,y,z`.
 pub fn coordinates(text: &str) -> Result<[f32; 3], String> {
     // A colour may be one number, a place may not.
-    let is_whole = text.split(',').count() == 3;
-    let numbers = Kind::Color(COORDINATE)
-        .parse_text(text)
-        .ok()
-        .filter(|_| is_whole);
-    numbers
-        .map(|numbers| numbers.color())
-        .ok_or_else(|| format!("{text:?} is not x,y,z"))
+    let has_three = text.split(',').count() == 3;
+    match Kind::Color(COORDINATE).parse_text(text) {
+        Ok(Value::Color(numbers)) if has_three => Ok(numbers),
+        _ => Err(format!("{text:?} is not x,y,z")),
+    }
 }
 
 fn parse_orbit(text: &str) -> Result<Orbit, String> {
@@ -166,11 +165,10 @@ fn flag(named: Named) -> Arg {
 
 impl Args for AxisFlags {
     fn augment_args(command: Command) -> Command {
-        let hints = ambiguous().map(|name| {
-            let refuse =
-                move |_: &str| Err::<Value, _>(hint(name, &[]).trim_start_matches("; ").to_owned());
-            Arg::new(name)
-                .long(name)
+        let hints = ambiguous().map(|(name, correction)| {
+            let refuse = move |_: &str| Err::<Value, _>(*correction);
+            Arg::new(*name)
+                .long(*name)
                 .hide(true)
                 .value_parser(ValueParser::new(refuse))
         });

@@ -6,6 +6,7 @@ use splitsum::base::math::sequence::SEQUENCES;
 use splitsum::base::names::Listed;
 use splitsum::draw::markdown::{Align, MarkdownTable};
 use splitsum::experiment::axis::Named;
+use splitsum::experiment::value::Value;
 use splitsum::instrument::environment::layout::LAYOUTS;
 use splitsum::instrument::environment::{BUILTINS, FORMATS};
 use splitsum::instrument::precompute::prefilter::level_bias::LEVEL_BIASES;
@@ -73,111 +74,108 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
 
 fn listing(what: What) -> String {
     let mut table = MarkdownTable::new(&[("name", Align::Left), ("what it is", Align::Left)]);
-    let mut add = |name: &str, about: &str| table.row(&[name, about]);
-    match what {
-        What::Methods => shade::METHODS
-            .iter()
-            .for_each(|method| add(method.name, method.about)),
-        What::Diffuse => shade::DIFFUSE
-            .iter()
-            .for_each(|diffuse| add(diffuse.name, diffuse.about)),
-        What::Layouts => LAYOUTS
-            .iter()
-            .for_each(|layout| add(layout.name, layout.about)),
-        What::Models => brdf::MODELS
-            .iter()
-            .for_each(|model| add(model.name(), model.about())),
-        What::Environments => {
-            for builtin in BUILTINS {
-                add(&format!("builtin:{}", builtin.name), builtin.about);
-                for p in builtin.parameters {
-                    let range = format!(
-                        "{} (default {}, in [{}, {}])",
-                        p.about, p.default, p.min, p.max
-                    );
-                    add(&format!("builtin:{}:{}=", builtin.name, p.name), &range);
-                }
-            }
-            FORMATS
-                .iter()
-                .for_each(|format| add(&format!("FILE.{}", format.extension), format.about));
-        }
-        What::Scenes => {
-            scene::SCENES
-                .iter()
-                .for_each(|entry| add(entry.name, entry.description));
-            scene::SCENE_FORMATS
-                .iter()
-                .for_each(|format| add(&format!("FILE.{}", format.extension), format.about));
-        }
-        What::Metrics => {
-            for metric in metrics::METRICS {
-                let (space, better) = (metric.space.name(), metric.better.name());
-                add(
-                    metric.name,
-                    &format!("{}; {space} values, {better} is better", metric.formula),
-                );
-            }
-        }
-        What::Bends => BENDS.iter().for_each(|bend| add(bend.name, bend.about)),
-        What::CoatRenderers => COAT_RENDERERS
-            .iter()
-            .for_each(|renderer| add(renderer.name, renderer.about)),
-        What::SheenLookups => SHEEN_LOOKUPS
-            .iter()
-            .for_each(|lookup| add(lookup.name, lookup.about)),
-        What::Questions => QUESTIONS
-            .iter()
-            .for_each(|question| add(question.name, question.asks)),
-        What::Columns => {}
-        What::Sequences => SEQUENCES
-            .iter()
-            .for_each(|sequence| add(sequence.name, sequence.about)),
-        What::LevelMappings => LEVEL_MAPPINGS
-            .iter()
-            .for_each(|mapping| add(mapping.name, mapping.about)),
-        What::PrefilterWeights => WEIGHTS
-            .iter()
-            .for_each(|weight| add(weight.name, weight.about)),
-        What::LevelBiases => {
-            LEVEL_BIASES.iter().for_each(|bias| {
-                add(
-                    bias.name,
-                    &format!("{:.4} levels: {}", bias.levels, bias.about),
-                )
-            });
-        }
-        What::Axes => {
-            for named in Named::all() {
-                let default = if named.is_second() {
-                    String::new()
-                } else {
-                    (named.entry().default)().to_string()
-                };
-                let unset = if named.about().contains("[default") {
-                    ""
-                } else {
-                    "; default the scene's own"
-                };
-                let default = if default.is_empty() {
-                    unset.to_owned()
-                } else {
-                    format!("; default {default}")
-                };
-                let form = named
-                    .kind()
-                    .set_form()
-                    .map_or_else(String::new, |form| format!("; with --set {form}"));
-                add(
-                    named.name(),
-                    &format!(
-                        "{}; {}{form}{default}",
-                        named.about(),
-                        named.kind().describe()
-                    ),
-                );
-            }
-        }
+    for (name, about) in entries(what) {
+        table.row(&[name, about]);
     }
     table.to_string()
+}
+
+/// The entries of a list: name and meaning.
+fn entries(what: What) -> Vec<(String, String)> {
+    match what {
+        What::Methods => named(shade::METHODS, |method| (method.name, method.about)),
+        What::Diffuse => named(shade::DIFFUSE, |diffuse| (diffuse.name, diffuse.about)),
+        What::Layouts => named(LAYOUTS, |layout| (layout.name, layout.about)),
+        What::Models => named(brdf::MODELS, |model| (model.name(), model.about())),
+        What::Bends => named(BENDS, |bend| (bend.name, bend.about)),
+        What::CoatRenderers => named(COAT_RENDERERS, |coat| (coat.name, coat.about)),
+        What::SheenLookups => named(SHEEN_LOOKUPS, |lookup| (lookup.name, lookup.about)),
+        What::Questions => named(QUESTIONS, |question| (question.name, question.asks)),
+        What::Sequences => named(SEQUENCES, |sequence| (sequence.name, sequence.about)),
+        What::LevelMappings => named(LEVEL_MAPPINGS, |mapping| (mapping.name, mapping.about)),
+        What::PrefilterWeights => named(WEIGHTS, |weight| (weight.name, weight.about)),
+        What::LevelBiases => LEVEL_BIASES
+            .iter()
+            .map(|bias| {
+                let about = format!("{:.4} levels: {}", bias.levels, bias.about);
+                (bias.name.to_owned(), about)
+            })
+            .collect(),
+        What::Environments => environments(),
+        What::Scenes => {
+            let mut scenes = named(scene::SCENES, |scene| (scene.name, scene.description));
+            for format in scene::SCENE_FORMATS {
+                scenes.push((
+                    format!("FILE.{}", format.extension),
+                    format.about.to_owned(),
+                ));
+            }
+            scenes
+        }
+        What::Metrics => metrics::METRICS
+            .iter()
+            .map(|metric| {
+                let about = format!(
+                    "{}; {} values, {} is better",
+                    metric.formula,
+                    metric.space.name(),
+                    metric.better.name()
+                );
+                (metric.name.to_owned(), about)
+            })
+            .collect(),
+        What::Axes => Named::all()
+            .map(|axis| (axis.name().to_owned(), about_axis(axis)))
+            .collect(),
+        What::Columns => Vec::new(),
+    }
+}
+
+/// The entries of a list whose items have a name and a meaning.
+fn named<T>(
+    list: &[T],
+    name_and_about: impl Fn(&T) -> (&'static str, &'static str),
+) -> Vec<(String, String)> {
+    list.iter()
+        .map(name_and_about)
+        .map(|(name, about)| (name.to_owned(), about.to_owned()))
+        .collect()
+}
+
+fn environments() -> Vec<(String, String)> {
+    let mut entries = Vec::new();
+    for builtin in BUILTINS {
+        let name = format!("builtin:{}", builtin.name);
+        entries.push((name.clone(), builtin.about.to_owned()));
+        for parameter in builtin.parameters {
+            let about = format!(
+                "{} (default {}, in [{}, {}])",
+                parameter.about, parameter.default, parameter.min, parameter.max
+            );
+            entries.push((format!("{name}:{}=", parameter.name), about));
+        }
+    }
+    for format in FORMATS {
+        entries.push((
+            format!("FILE.{}", format.extension),
+            format.about.to_owned(),
+        ));
+    }
+    entries
+}
+
+/// The meaning of an axis, its values and its default.
+fn about_axis(axis: Named) -> String {
+    let mut about = format!("{}; {}", axis.about(), axis.kind().describe());
+    if let Some(form) = axis.kind().set_form() {
+        about += &format!("; with --set {form}");
+    }
+    let default = (axis.entry().default)();
+    if default != Value::Unset && !axis.is_second() {
+        about += &format!("; default {default}");
+    } else if axis.entry().unset.is_none() {
+        // The text of an axis whose default depends on the layout has it.
+        about += "; default the scene's own";
+    }
+    about
 }

@@ -7,7 +7,7 @@ use clap::Args;
 use splitsum::bake::given;
 use splitsum::base::pixels::png;
 use splitsum::experiment::axis::{
-    AXES, BLUR, METHOD, Point, Reference, SAMPLES, View, is_blurred, motion_fault,
+    AXES, BLUR, FRAMES, Layer, METHOD, Point, Reference, SAMPLES, View, is_blurred, motion_fault,
 };
 use splitsum::experiment::value::{Kind, Range, Value};
 use splitsum::instrument::environment::Environment;
@@ -135,7 +135,8 @@ fn point(arguments: &Arguments) -> Result<Point, Failure> {
 /// Refuses flags without effect.
 fn check_used(arguments: &Arguments, point: &Point, is_linear: bool) -> Result<(), Failure> {
     let collapsed = point.collapsed();
-    let (method, diffuse) = (point.method().name, point.diffuse().name);
+    let method = point.method().name;
+    let diffuse = point.diffuse().name;
     let has_reference_term = point.method().is_integrated() || point.diffuse().is_integrated();
     let mut faults = Vec::new();
     for Given { flag, axis, .. } in arguments.axes.iter() {
@@ -144,16 +145,18 @@ fn check_used(arguments: &Arguments, point: &Point, is_linear: bool) -> Result<(
             let without = format!("with method {method} and diffuse {diffuse}");
             let is_absent =
                 |value: &Value| [Value::Unset, Value::Count(1)].contains(value) || value.is_zero();
-            let why = match AXES[*axis].layer() {
-                Some("frames") if is_absent(collapsed.get("frames")) => {
+            let why = match AXES[*axis].layer {
+                Some(Layer::Frames) if is_absent(&collapsed[FRAMES]) => {
                     "without --frames of at least 2".to_owned()
                 }
-                Some("frames") => "with the other options of frames (docs/frames.md)".to_owned(),
-                Some(layer) if is_absent(collapsed.get(layer)) => {
-                    format!("without --{}", layer.replace('_', "-"))
+                Some(Layer::Frames) => {
+                    "with the other options of frames (docs/frames.md)".to_owned()
+                }
+                Some(layer) if is_absent(&collapsed[layer.axis()]) => {
+                    format!("without --{}", layer.name().replace('_', "-"))
                 }
                 _ if ["pixel_points", "sequence"].contains(&AXES[*axis].name)
-                    && !is_absent(collapsed.get("frames")) =>
+                    && !is_absent(&collapsed[FRAMES]) =>
                 {
                     "with --frames and these --frame-points".to_owned()
                 }

@@ -1,9 +1,9 @@
 //! Checks of values together: combinations, sizes, exclusions.
 
 use super::axis::{
-    ALBEDO, ALPHA, ANISOTROPY, AXES, Axis, AxisId, COAT, COMPENSATION, DFG_TABLE, FRAMES, METALLIC,
-    METHOD, MOTION, Named, PREFILTER_SIZE, PREFILTERED, Point, SAMPLES, SCENE, SHEEN_COLOR, SIZE,
-    motion_fault,
+    ALBEDO, ALPHA, ANISOTROPY, AXES, AxisId, COAT, COMPENSATION, DFG_TABLE, FRAMES, Layer,
+    METALLIC, METHOD, MOTION, Named, PREFILTER_SIZE, PREFILTERED, Point, SAMPLES, SCENE,
+    SHEEN_COLOR, SIZE, motion_fault,
 };
 use super::config::{Config, Placed, Sweep};
 use super::fault::{Faults, Place};
@@ -11,6 +11,7 @@ use super::inputs::Inputs;
 use super::value::Value;
 use crate::base::names::{Listed, expected, suggestion};
 use crate::instrument::pipeline::{BUFFER_BYTES_MAX, image_buffer_bytes};
+use crate::instrument::precompute::given::OWN;
 use crate::instrument::precompute::prefilter::harmonic;
 use crate::instrument::scene::is_design;
 use crate::instrument::shade::Method;
@@ -59,23 +60,14 @@ pub fn check_combinations(config: &Config, faults: &mut Faults) {
 
 /// Reports the first axis of frames if no method can have several.
 pub fn check_frames(config: &Config, faults: &mut Faults) {
-    let samples =
+    // Methods in files are not loaded yet.
+    let may_sample =
         |method: &Value| Method::by_name(method.text()).is_none_or(|method| method.uses_point_set);
-    let frames = AXES[FRAMES].name;
-    let is_of_frames = |axis: &Axis| axis.name == frames || axis.layer() == Some(frames);
-    let is_default = |sweep: &Sweep| {
-        sweep
-            .values
-            .iter()
-            .all(|placed| placed.value == (AXES[sweep.axis].default)())
-    };
-    let is_asked = |sweep: &&Sweep| is_of_frames(&AXES[sweep.axis]) && !is_default(sweep);
-    let asked = config
-        .axes
-        .iter()
-        .find(is_asked)
-        .filter(|_| !config.values(METHOD).any(|(method, _)| samples(method)));
-    if let Some(sweep) = asked {
+    if config.values(METHOD).any(|(method, _)| may_sample(method)) {
+        return;
+    }
+    let first = config.axes.iter().find(|sweep| sweeps_frames(sweep));
+    if let Some(sweep) = first {
         let text = "no method of the experiment samples, and an image without samples is its own \
                     history; add a sampling method";
         faults.add(
@@ -83,6 +75,14 @@ pub fn check_frames(config: &Config, faults: &mut Faults) {
             format!("{}: {text}", AXES[sweep.axis].name),
         );
     }
+}
+
+/// Whether an axis of frames has a value other than its default.
+fn sweeps_frames(sweep: &Sweep) -> bool {
+    let axis = &AXES[sweep.axis];
+    let is_of_frames = sweep.axis == FRAMES || axis.layer == Some(Layer::Frames);
+    let default = (axis.default)();
+    is_of_frames && sweep.values.iter().any(|placed| placed.value != default)
 }
 
 pub fn sizes(config: &Config) -> Vec<(Place, [u32; 2])> {
@@ -126,45 +126,37 @@ fn check_ladder(config: &Config, point: &Point, faults: &mut Faults) {
         );
         faults.add(&config.place_of(SIZE, point), text);
     }
-    let is_given = |axis: &AxisId| {
-        AXES[*axis]
-            .kind
-            .path_in(&point[*axis].to_string())
-            .is_some()
-    };
-    let is_other = |axis: &AxisId| is_given(axis) || *axis == COMPENSATION && !point.is_own(*axis);
-    for axis in [PREFILTERED, DFG_TABLE, COMPENSATION]
-        .into_iter()
-        .filter(is_other)
-    {
-        let (name, value, usual) = (AXES[axis].name, &point[axis], (AXES[axis].default)());
-        let usual = if is_given(&axis) {
-            "own".to_owned()
+    for axis in [PREFILTERED, DFG_TABLE, COMPENSATION] {
+        let value = &point[axis];
+        let is_file = AXES[axis].kind.path_in(&value.to_string()).is_some();
+        let expected = if is_file {
+            OWN.to_owned()
+        } else if axis == COMPENSATION && !point.is_own(axis) {
+            (AXES[axis].default)().to_string()
         } else {
-            usual.to_string()
+            continue;
         };
-        let text = format!("{name}: [ladder] has no steps for {value}; expected {usual}");
+        let name = AXES[axis].name;
+        let text = format!("{name}: [ladder] has no steps for {value}; expected {expected}");
         faults.add(&config.place_of(axis, point), text);
     }
-    for axis in [COAT, ANISOTROPY, SHEEN_COLOR]
-        .into_iter()
-        .filter(|axis| has_layer(point, *axis))
-    {
-        let text = format!(
-            "{}: [ladder] has no steps for {}; expected 0",
-            AXES[axis].name, point[axis]
-        );
-        faults.add(&config.place_of(axis, point), text);
+    for axis in [COAT, ANISOTROPY, SHEEN_COLOR] {
+        if has_layer(point, axis) {
+            let text = format!(
+                "{}: [ladder] has no steps for {}; expected 0",
+                AXES[axis].name, point[axis]
+            );
+            faults.add(&config.place_of(axis, point), text);
+        }
     }
     let alpha = f64::from(point.settings().material.alpha.unwrap_or(1.0));
     if alpha < harmonic::ALPHA_MIN {
-        let place = config.place_of(ALPHA, point);
         let text = format!(
             "alpha: {} is too narrow for [ladder]; expected at least {:.4}",
             point[ALPHA],
             harmonic::ALPHA_MIN
         );
-        faults.add(&place, text);
+        faults.add(&config.place_of(ALPHA, point), text);
     }
 }
 
@@ -222,36 +214,39 @@ pub fn idle_sweeps<'p>(
     config: &Config,
     points: impl Iterator<Item = &'p Point> + Clone,
 ) -> Vec<(Place, String)> {
-    let is_unused = |axis: AxisId| points.clone().all(|point| point[axis] == Value::Unset);
-    let is_idle = |axis: AxisId| {
-        points
-            .clone()
-            .all(|point| point.of_pixels()[axis] == Value::Unset)
-    };
-    let describe = |sweep: &Sweep| {
-        let (Axis { name, about, .. }, count) = (&AXES[sweep.axis], sweep.values.len());
-        let text = if !is_unused(sweep.axis) {
+    let mut idle = Vec::new();
+    for sweep in config.axes.iter().filter(|sweep| sweep.values.len() > 1) {
+        let axis = sweep.axis;
+        let mut all = points.clone();
+        if !all.all(|point| point.of_pixels()[axis] == Value::Unset) {
+            continue;
+        }
+        let name = AXES[axis].name;
+        let count = sweep.values.len();
+        let mut all = points.clone();
+        let text = if all.all(|point| point[axis] == Value::Unset) {
+            let about = AXES[axis].about;
+            let user = user_in_words(AXES[axis].layer);
+            format!("{name}: its {count} values give one cell: no {user} ({about})")
+        } else {
             format!(
                 "{name}: its {count} values give the same image: every surface is a metal or black"
             )
-        } else {
-            let user = match AXES[sweep.axis].layer() {
-                Some("coat") => "surface has a coat",
-                Some("sheen_color") => "surface has sheen",
-                Some("frames") => "sampling method has several frames",
-                Some(_) => "surface is anisotropic",
-                None => "method of the experiment uses it",
-            };
-            format!("{name}: its {count} values give one cell: no {user} ({about})")
         };
-        (sweep.values[0].place.clone(), text)
-    };
-    config
-        .axes
-        .iter()
-        .filter(|sweep| sweep.values.len() > 1 && is_idle(sweep.axis))
-        .map(describe)
-        .collect()
+        idle.push((sweep.values[0].place.clone(), text));
+    }
+    idle
+}
+
+/// What would use an axis of a layer, after "no".
+fn user_in_words(layer: Option<Layer>) -> &'static str {
+    match layer {
+        Some(Layer::Coat) => "surface has a coat",
+        Some(Layer::Sheen) => "surface has sheen",
+        Some(Layer::Frames) => "sampling method has several frames",
+        Some(Layer::Anisotropy) => "surface is anisotropic",
+        None => "method of the experiment uses it",
+    }
 }
 
 /// Lists cells whose metals are black because their albedo, which a metal reflects, is 0.

@@ -83,6 +83,9 @@ impl Value {
         }
     }
 
+    /// # Panics
+    ///
+    /// This and the next functions panic if the value has another kind than their axis or flag.
     pub fn number(&self) -> f64 {
         let Self::Number(x) = self else {
             self.is_not("a number")
@@ -151,12 +154,21 @@ impl Range {
     }
 
     fn holds(&self, x: f64) -> bool {
-        x <= self.max
-            && if self.min_open {
-                x > self.min
-            } else {
-                x >= self.min
-            }
+        let is_above_min = if self.min_open {
+            x > self.min
+        } else {
+            x >= self.min
+        };
+        is_above_min && x <= self.max
+    }
+
+    /// Parses a number in the range.
+    fn parse(&self, raw: &Raw) -> Result<f64, String> {
+        match number(raw) {
+            Some(x) if self.holds(x) => Ok(x),
+            Some(_) => Err(format!("{raw} is outside {self}")),
+            None => Err(format!("{raw} is not a number in {self}")),
+        }
     }
 }
 
@@ -250,82 +262,25 @@ impl Kind {
 
     /// Parses a value; the error contains it and the expected values.
     pub fn parse(&self, raw: &Raw) -> Result<Value, String> {
-        let expected = |what: &str| Err(format!("{raw} is not {what}"));
         match self {
-            Self::Number(range) => match number(raw) {
-                Some(x) if range.holds(x) => Ok(Value::Number(x)),
-                Some(_) => Err(format!("{raw} is outside {range}")),
-                None => expected(&format!("a number in {range}")),
-            },
-            Self::Count { min, max } => match raw {
-                Raw::Integer(n) => count(*n, *min, *max).map(Value::Count),
-                _ => expected(&format!("a whole number in [{min}, {max}]")),
-            },
-            Self::Color(range) => match raw {
-                Raw::Array(items) if items.len() == 3 => {
-                    let channels = parse_all(Self::Number(*range), items)?;
-                    Ok(Value::Color(std::array::from_fn(|channel| {
-                        channels[channel].number() as f32
-                    })))
+            Self::Number(range) => range.parse(raw).map(Value::Number),
+            Self::Count { min, max } => parse_count(raw, *min, *max).map(Value::Count),
+            Self::Color(range) => parse_color(raw, range).map(Value::Color),
+            Self::Pair { min, max } => parse_pair(raw, *min, *max).map(Value::Pair),
+            Self::Name { what, names } => parse_name(raw, what, &names(), false),
+            Self::NameOrFile { what, names } => parse_name(raw, what, &names(), true),
+            Self::NumberOrName { range, what, named } => {
+                if let Raw::String(text) = raw {
+                    parse_named_number(text, range, what, &named()).map(Value::Number)
+                } else {
+                    range.parse(raw).map(Value::Number)
                 }
-                Raw::Integer(_) | Raw::Float(_) => Ok(Value::Color(
-                    [Self::Number(*range).parse(raw)?.number() as f32; 3],
-                )),
-                _ => expected(&format!("a colour: one number in {range} or [r, g, b]")),
-            },
-            Self::Pair { min, max } => match raw {
-                Raw::Array(items) if matches!(items[..], [Raw::Integer(_), Raw::Integer(_)]) => {
-                    let sides = parse_all(
-                        Self::Count {
-                            min: *min,
-                            max: *max,
-                        },
-                        items,
-                    )?;
-                    Ok(Value::Pair(std::array::from_fn(|side| sides[side].count())))
-                }
-                Raw::Integer(n) => count(*n, *min, *max).map(|side| Value::Pair([side; 2])),
-                _ => expected(&format!(
-                    "a pair of whole numbers in [{min}, {max}], such as [256, 128]"
-                )),
-            },
-            Self::Name { what, names } | Self::NameOrFile { what, names } => match raw {
-                Raw::String(text) => {
-                    let names = names();
-                    let takes_files = matches!(self, Self::NameOrFile { .. });
-                    let is_file = takes_files
-                        && text
-                            .strip_prefix(FILE_PREFIX)
-                            .is_some_and(|path| !path.is_empty());
-                    match is_file || names.contains(&text.as_str()) {
-                        true => Ok(Value::from(text.as_str())),
-                        false => Err(not_one_of(
-                            what,
-                            text,
-                            &names,
-                            if takes_files { "file:PATH or " } else { "" },
-                        )),
-                    }
-                }
-                _ => expected(&format!("the name of {} in quotes", with_article(what))),
-            },
-            Self::NumberOrName { range, what, named } => match raw {
-                Raw::String(text) => {
-                    let named = named();
-                    let number = named
-                        .iter()
-                        .find(|(name, _)| name == text)
-                        .map(|(_, number)| Value::Number(*number));
-                    number.ok_or_else(|| {
-                        let names: Vec<&str> = named.iter().map(|(name, _)| *name).collect();
-                        not_one_of(what, text, &names, &format!("a number in {range}, or "))
-                    })
-                }
-                _ => Self::Number(*range).parse(raw),
-            },
+            }
             Self::Input => match raw {
                 Raw::String(text) if !text.is_empty() => Ok(Value::from(text.as_str())),
-                _ => expected("a builtin's name or a file's path in quotes"),
+                _ => Err(format!(
+                    "{raw} is not a builtin's name or a file's path in quotes"
+                )),
             },
         }
     }
@@ -353,7 +308,6 @@ impl Kind {
             Self::Pair { min, max } => {
                 format!("{text:?} is not WxH with whole numbers in [{min}, {max}]")
             }
-            Self::Name { .. } | Self::NameOrFile { .. } => fault.replace(" in quotes", ""),
             _ => fault,
         })
     }
@@ -422,8 +376,11 @@ impl Kind {
     }
 }
 
-fn parse_all(kind: Kind, items: &[Raw]) -> Result<Vec<Value>, String> {
-    items.iter().map(|item| kind.parse(item)).collect()
+fn parse_count(raw: &Raw, min: u32, max: u32) -> Result<u32, String> {
+    match raw {
+        Raw::Integer(n) => count(*n, min, max),
+        _ => Err(format!("{raw} is not a whole number in [{min}, {max}]")),
+    }
 }
 
 fn count(n: i64, min: u32, max: u32) -> Result<u32, String> {
@@ -431,4 +388,69 @@ fn count(n: i64, min: u32, max: u32) -> Result<u32, String> {
         .ok()
         .filter(|n| (min..=max).contains(n))
         .ok_or_else(|| format!("{n} is outside [{min}, {max}]"))
+}
+
+fn parse_color(raw: &Raw, range: &Range) -> Result<[f32; 3], String> {
+    match raw {
+        Raw::Array(items) if items.len() == 3 => {
+            let mut color = [0.0; 3];
+            for (channel, item) in color.iter_mut().zip(items) {
+                *channel = range.parse(item)? as f32;
+            }
+            Ok(color)
+        }
+        Raw::Integer(_) | Raw::Float(_) => Ok([range.parse(raw)? as f32; 3]),
+        _ => Err(format!(
+            "{raw} is not a colour: one number in {range} or [r, g, b]"
+        )),
+    }
+}
+
+fn parse_pair(raw: &Raw, min: u32, max: u32) -> Result<[u32; 2], String> {
+    if let Raw::Array(items) = raw
+        && let [Raw::Integer(width), Raw::Integer(height)] = items[..]
+    {
+        return Ok([count(width, min, max)?, count(height, min, max)?]);
+    }
+    match raw {
+        Raw::Integer(side) => count(*side, min, max).map(|side| [side; 2]),
+        _ => Err(format!(
+            "{raw} is not a pair of whole numbers in [{min}, {max}], such as [256, 128]"
+        )),
+    }
+}
+
+/// Parses a listed name or, if `takes_files`, [`FILE_PREFIX`] and a path.
+fn parse_name(raw: &Raw, what: &str, names: &[&str], takes_files: bool) -> Result<Value, String> {
+    let Raw::String(text) = raw else {
+        return Err(format!(
+            "{raw} is not the name of {} in quotes",
+            with_article(what)
+        ));
+    };
+    let path = text.strip_prefix(FILE_PREFIX).filter(|_| takes_files);
+    if path.is_some_and(|path| !path.is_empty()) || names.contains(&text.as_str()) {
+        return Ok(Value::from(text.as_str()));
+    }
+    let or_file = if takes_files { "file:PATH or " } else { "" };
+    Err(not_one_of(what, text, names, or_file))
+}
+
+/// Finds the number that a name stands for.
+fn parse_named_number(
+    text: &str,
+    range: &Range,
+    what: &str,
+    named: &[(&str, f64)],
+) -> Result<f64, String> {
+    if let Some((_, number)) = named.iter().find(|(name, _)| *name == text) {
+        return Ok(*number);
+    }
+    let names: Vec<&str> = named.iter().map(|(name, _)| *name).collect();
+    Err(not_one_of(
+        what,
+        text,
+        &names,
+        &format!("a number in {range}, or "),
+    ))
 }

@@ -55,7 +55,7 @@ impl Names {
 
     /// "6 levels", "256x128": a value in a sentence.
     pub fn said(&self, axis: AxisId, value: &Value) -> String {
-        self.0[axis].symbol().said(&self.short(axis, value))
+        self.0[axis].symbol().in_sentence(&self.short(axis, value))
     }
 
     /// "alpha 0.1 · sky · ggx", "256x128 · 5 lv".

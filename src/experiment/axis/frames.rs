@@ -2,7 +2,7 @@
 
 use super::layers::LAYER;
 use super::plain::{first, one_of, valued};
-use super::{Axis, MOTION, Part, Point, SCENE, Sheet, Symbol};
+use super::{Axis, Layer, MOTION, Part, Point, SCENE, Setter, Sheet, Symbol};
 use crate::base::math::sequence::FramePoints;
 use crate::base::names::Listed;
 use crate::experiment::value::{Kind, Range, Value};
@@ -11,7 +11,8 @@ use crate::instrument::shade::frames::{Accumulation, Frames, History, Motion};
 
 const FRAME: Axis = Axis {
     part: Part::Parameter,
-    used: |u| u.frames.is_some(),
+    used: |used| used.frames.is_some(),
+    layer: Some(Layer::Frames),
     ..LAYER
 };
 
@@ -24,10 +25,11 @@ pub(super) const FRAME_AXES: &[Axis] = &[
         about: "frames of a sequence, which add up to the image; `samples` is for each",
         plural: "frame counts",
         symbol: Symbol::After("frames", "frames"),
+        layer: None,
         sheet: Sheet::Column,
-        used: |u| u.method.uses_point_set,
+        used: |used| used.method.uses_point_set,
         reference: |_, _| Value::Count(1),
-        apply: |s, v| s.shading.frames.count = v.count(),
+        set: Setter::Count(|settings, count| settings.shading.frames.count = count),
         ..valued(
             Kind::Count {
                 min: 1,
@@ -40,7 +42,9 @@ pub(super) const FRAME_AXES: &[Axis] = &[
     Axis {
         name: "accumulation",
         about: "how frames add up: mean, or exponential moving average (ema)",
-        apply: |s, v| s.shading.frames.accumulation = *Accumulation::listed(v.text()),
+        set: Setter::Name(|settings, name| {
+            settings.shading.frames.accumulation = *Accumulation::listed(name)
+        }),
         ..one_of::<Accumulation>(FRAME)
     },
     Axis {
@@ -48,11 +52,11 @@ pub(super) const FRAME_AXES: &[Axis] = &[
         label: "Newest frame",
         about: "weight of the newest frame in a long exponential moving average (`ema`)",
         symbol: Symbol::Before("factor"),
-        used: |u| {
-            u.frames
+        used: |used| {
+            used.frames
                 .is_some_and(|frames| frames.accumulation == Accumulation::Ema)
         },
-        apply: |s, v| s.shading.frames.ema_factor = v.number(),
+        set: Setter::Number(|settings, number| settings.shading.frames.ema_factor = number),
         ..valued(
             Kind::Number(Range::above(0.0, 1.0)),
             || Value::Number(Frames::default().ema_factor),
@@ -62,7 +66,7 @@ pub(super) const FRAME_AXES: &[Axis] = &[
     Axis {
         name: "motion",
         about: "what turns from frame to frame; the last frame has the pose of an image alone",
-        apply: |s, v| s.shading.frames.motion = *Motion::listed(v.text()),
+        set: Setter::Name(|settings, name| settings.shading.frames.motion = *Motion::listed(name)),
         ..one_of::<Motion>(FRAME)
     },
     Axis {
@@ -71,11 +75,11 @@ pub(super) const FRAME_AXES: &[Axis] = &[
         about: "turn of the light or the camera about +y per frame, degrees",
         plural: "speeds",
         symbol: Symbol::After("deg a frame", "degrees a frame"),
-        used: |u| {
-            u.frames
+        used: |used| {
+            used.frames
                 .is_some_and(|frames| frames.motion != Motion::Still)
         },
-        apply: |s, v| s.shading.frames.motion_deg = v.number(),
+        set: Setter::Number(|settings, number| settings.shading.frames.motion_deg = number),
         ..valued(
             Kind::Number(Range::closed(-360.0, 360.0)),
             || Value::Number(Frames::default().motion_deg),
@@ -88,7 +92,9 @@ pub(super) const FRAME_AXES: &[Axis] = &[
                 still view), or shifted by blue noise (blue)",
         plural: "kinds of frame points",
         symbol: Symbol::After("frame points", "frame points"),
-        apply: |s, v| s.shading.frames.points = *FramePoints::listed(v.text()),
+        set: Setter::Name(|settings, name| {
+            settings.shading.frames.points = *FramePoints::listed(name)
+        }),
         ..one_of::<FramePoints>(FRAME)
     },
     Axis {
@@ -96,7 +102,9 @@ pub(super) const FRAME_AXES: &[Axis] = &[
         about: "what a pixel does with its history; docs/frames.md",
         plural: "histories",
         symbol: Symbol::After("history", "history"),
-        apply: |s, v| s.shading.frames.history = *History::listed(v.text()),
+        set: Setter::Name(|settings, name| {
+            settings.shading.frames.history = *History::listed(name)
+        }),
         ..one_of::<History>(FRAME)
     },
 ];

@@ -1,7 +1,7 @@
 //! The axes of anisotropy and of layers over the base. Cells without them keep their ids.
 
 use super::plain::{ALPHA_KIND, PLAIN, ROUGHNESS, first, one_of};
-use super::{Axis, Part, Spelling, Symbol};
+use super::{Axis, Layer, Part, Setter, Spelling, Symbol};
 use crate::base::names::Listed;
 use crate::experiment::value::{Kind, Range};
 use crate::instrument::brdf::{SHEEN_ALPHA_MIN, SheenVisibility, WidthLaw};
@@ -22,27 +22,31 @@ pub(super) const LAYER_AXES: &[Axis] = &[
         plural: "anisotropies",
         symbol: Symbol::Before("anisotropy"),
         kind: Kind::Number(Range::closed(0.0, 1.0)),
-        apply: |s, v| s.material.anisotropy = Some(v.number() as f32),
+        set: Setter::Number(|settings, number| settings.material.anisotropy = Some(number as f32)),
         ..LAYER
     },
     Axis {
         name: "anisotropy_rotation_deg",
+        layer: Some(Layer::Anisotropy),
         label: "Tangent turn (°)",
         about: "turns the direction of the larger width from the tangent, counter-clockwise about \
                 the normal",
         plural: "turns of the tangent",
         symbol: Symbol::After("deg", "degrees"),
-        used: |u| u.has_anisotropy,
+        used: |used| used.has_anisotropy,
         kind: Kind::Number(Range::closed(-360.0, 360.0)),
-        apply: |s, v| s.material.anisotropy_turn = Some(v.number().to_radians() as f32),
+        set: Setter::Number(|settings, number| {
+            settings.material.anisotropy_turn = Some(number.to_radians() as f32)
+        }),
         ..LAYER
     },
     Axis {
         name: "anisotropy_widths",
+        layer: Some(Layer::Anisotropy),
         about: "law that turns alpha and the strength into two widths; docs/estimators.md",
         plural: "laws of widths",
-        used: |u| u.has_anisotropy,
-        apply: |s, v| s.shading.widths = *WidthLaw::listed(v.text()),
+        used: |used| used.has_anisotropy,
+        set: Setter::Name(|settings, name| settings.shading.widths = *WidthLaw::listed(name)),
         ..one_of::<WidthLaw>(LAYER)
     },
     Axis {
@@ -51,9 +55,9 @@ pub(super) const LAYER_AXES: &[Axis] = &[
         frames_cost: true,
         is_compared: true,
         about: "engine whose anisotropic lookup split-sum-bent uses; `splitsum list bends`",
-        used: |u| u.method.uses_bend,
+        used: |used| used.method.uses_bend,
         reference: |_, _| first::<Bend>(),
-        apply: |s, v| s.shading.bend = Bend::listed(v.text()),
+        set: Setter::Name(|settings, name| settings.shading.bend = Bend::listed(name)),
         ..one_of::<Bend>(LAYER)
     },
     Axis {
@@ -62,14 +66,15 @@ pub(super) const LAYER_AXES: &[Axis] = &[
         plural: "coat weights",
         symbol: Symbol::Before("coat"),
         kind: Kind::Number(Range::closed(0.0, 1.0)),
-        apply: |s, v| s.material.coat = Some(v.number() as f32),
+        set: Setter::Number(|settings, number| settings.material.coat = Some(number as f32)),
         ..LAYER
     },
     Axis {
         name: "coat_alpha",
+        layer: Some(Layer::Coat),
         about: "microfacet width of every coat",
         symbol: Symbol::Before("coat alpha"),
-        used: |u| u.has_coat,
+        used: |used| used.has_coat,
         kind: ALPHA_KIND,
         spelling: Some(Spelling {
             name: "coat_perceptual_roughness",
@@ -79,23 +84,29 @@ pub(super) const LAYER_AXES: &[Axis] = &[
             symbol: Symbol::Before("coat roughness"),
             ..ROUGHNESS
         }),
-        apply: |s, v| s.material.coat_alpha = Some(v.number() as f32),
+        set: Setter::Number(|settings, number| settings.material.coat_alpha = Some(number as f32)),
         ..LAYER
     },
     Axis {
         name: "coat_layering",
+        layer: Some(Layer::Coat),
         about: "how base and coat add up, for the image and its reference; docs/coat.md",
-        used: |u| u.has_coat,
-        apply: |s, v| s.shading.coat_layering = *CoatLayering::listed(v.text()),
+        used: |used| used.has_coat,
+        set: Setter::Name(|settings, name| {
+            settings.shading.coat_layering = *CoatLayering::listed(name)
+        }),
         ..one_of::<CoatLayering>(LAYER)
     },
     Axis {
         name: "coat_renderer",
+        layer: Some(Layer::Coat),
         part: Part::Parameter,
         about: "whose way to shade a coat; `splitsum list coat-renderers`",
-        used: |u| u.has_coat && !u.method.is_integrated(),
+        used: |used| used.has_coat && !used.method.is_integrated(),
         reference: |_, _| first::<CoatRenderer>(),
-        apply: |s, v| s.shading.coat_renderer = CoatRenderer::listed(v.text()),
+        set: Setter::Name(|settings, name| {
+            settings.shading.coat_renderer = CoatRenderer::listed(name)
+        }),
         ..one_of::<CoatRenderer>(LAYER)
     },
     Axis {
@@ -103,14 +114,15 @@ pub(super) const LAYER_AXES: &[Axis] = &[
         about: "colour of a sheen of cloth on every material; 0 has none",
         symbol: Symbol::Before("sheen"),
         kind: Kind::Color(Range::closed(0.0, 1.0)),
-        apply: |s, v| s.material.sheen_color = Some(v.color()),
+        set: Setter::Color(|settings, color| settings.material.sheen_color = Some(color)),
         ..LAYER
     },
     Axis {
         name: "sheen_alpha",
+        layer: Some(Layer::Sheen),
         about: "microfacet width of every sheen",
         symbol: Symbol::Before("sheen alpha"),
-        used: |u| u.has_sheen,
+        used: |used| used.has_sheen,
         kind: Kind::Number(Range::closed(SHEEN_ALPHA_MIN, 1.0)),
         spelling: Some(Spelling {
             name: "sheen_perceptual_roughness",
@@ -121,24 +133,30 @@ pub(super) const LAYER_AXES: &[Axis] = &[
             kind: Kind::Number(Range::closed(0.1, 1.0)),
             ..ROUGHNESS
         }),
-        apply: |s, v| s.material.sheen_alpha = Some(v.number() as f32),
+        set: Setter::Number(|settings, number| settings.material.sheen_alpha = Some(number as f32)),
         ..LAYER
     },
     Axis {
         name: "sheen_visibility",
+        layer: Some(Layer::Sheen),
         about: "visibility of the sheen lobe, for the image and its reference; docs/sheen.md",
         plural: "sheen visibilities",
-        used: |u| u.has_sheen,
-        apply: |s, v| s.shading.sheen_visibility = *SheenVisibility::listed(v.text()),
+        used: |used| used.has_sheen,
+        set: Setter::Name(|settings, name| {
+            settings.shading.sheen_visibility = *SheenVisibility::listed(name)
+        }),
         ..one_of::<SheenVisibility>(LAYER)
     },
     Axis {
         name: "sheen_lookup",
+        layer: Some(Layer::Sheen),
         part: Part::Parameter,
         about: "whose way to look up sheen; `splitsum list sheen-lookups`",
-        used: |u| u.has_sheen && u.method.has_pass(),
+        used: |used| used.has_sheen && used.method.has_pass(),
         reference: |_, _| first::<SheenLookup>(),
-        apply: |s, v| s.shading.sheen_lookup = SheenLookup::listed(v.text()),
+        set: Setter::Name(|settings, name| {
+            settings.shading.sheen_lookup = SheenLookup::listed(name)
+        }),
         ..one_of::<SheenLookup>(LAYER)
     },
 ];

@@ -5,7 +5,7 @@ use super::frames::FRAME_AXES;
 use super::layers::LAYER_AXES;
 use super::plain::{ALPHA_KIND, LEVELS, PLAIN, ROUGHNESS, one_of, valued};
 use super::tables::{PrecomputedTable, TABLE_AXES};
-use super::{Axes, Axis, AxisId, Part, Sheet, Symbol};
+use super::{Axes, Axis, AxisId, Part, Setter, Sheet, Symbol};
 use crate::base::math::sequence::{FramePoints, PixelPoints, Sequence};
 use crate::base::names::Listed;
 use crate::experiment::value::{IMAGE_SIZE, Kind, Range, Value};
@@ -37,7 +37,7 @@ const IMAGE_AXES: &[Axis] = &[
         sheet: Sheet::Page,
         needs_memory: true,
         is_key: true,
-        apply: |s, v| s.size = v.pair(),
+        set: Setter::Pair(|settings, pair| settings.size = pair),
         ..valued(IMAGE_SIZE, || Value::Pair([256, 256]), PLAIN)
     },
     Axis {
@@ -54,7 +54,7 @@ const IMAGE_AXES: &[Axis] = &[
             PrecomputedTable::Irradiance,
         ],
         default: || Value::from("builtin:sky"),
-        apply: |s, v| s.environment = v.text().to_owned(),
+        set: Setter::Name(|settings, name| settings.environment = name.to_owned()),
         ..PLAIN
     },
     Axis {
@@ -65,7 +65,7 @@ const IMAGE_AXES: &[Axis] = &[
         frames_cost: true,
         is_key: true,
         default: || Value::from("sphere"),
-        apply: |s, v| s.scene = v.text().to_owned(),
+        set: Setter::Name(|settings, name| settings.scene = name.to_owned()),
         ..PLAIN
     },
     Axis {
@@ -77,7 +77,7 @@ const IMAGE_AXES: &[Axis] = &[
         frames_cost: true,
         tables_cost: true,
         feeds: &[PrecomputedTable::Prefilter, PrecomputedTable::Dfg],
-        apply: |s, v| s.shading.brdf = <dyn brdf::Brdf>::listed(v.text()),
+        set: Setter::Name(|settings, name| settings.shading.brdf = <dyn brdf::Brdf>::listed(name)),
         ..valued(
             Kind::one_of::<dyn brdf::Brdf>(),
             || Value::from("ggx"),
@@ -93,14 +93,14 @@ const IMAGE_AXES: &[Axis] = &[
         tables_cost: true,
         is_compared: true,
         needs_memory: true,
-        reference: |r, v| {
-            if r.leaves_out(v) {
-                v.clone()
+        reference: |reference, value| {
+            if reference.leaves_out(value) {
+                value.clone()
             } else {
-                Value::from(r.method.as_str())
+                Value::from(reference.method.as_str())
             }
         },
-        apply: |s, v| s.shading.method = Method::listed(v.text()),
+        set: Setter::Name(|settings, name| settings.shading.method = Method::listed(name)),
         ..valued(
             Kind::NameOrFile {
                 what: Method::WHAT,
@@ -119,15 +119,15 @@ const IMAGE_AXES: &[Axis] = &[
         frames_cost: true,
         tables_cost: true,
         needs_memory: true,
-        used: |u| u.has_diffuse_surface,
-        reference: |r, v| {
-            if r.leaves_out(v) {
-                v.clone()
+        used: |used| used.has_diffuse_surface,
+        reference: |reference, value| {
+            if reference.leaves_out(value) {
+                value.clone()
             } else {
                 Value::from(REFERENCE)
             }
         },
-        apply: |s, v| s.shading.diffuse = Diffuse::listed(v.text()),
+        set: Setter::Name(|settings, name| settings.shading.diffuse = Diffuse::listed(name)),
         ..valued(Kind::one_of::<Diffuse>(), || Value::from("sh9"), PLAIN)
     },
     Axis {
@@ -140,9 +140,9 @@ const IMAGE_AXES: &[Axis] = &[
         sheet: Sheet::Column,
         frames_cost: true,
         is_compared: true,
-        used: |u| u.method.uses_samples,
-        reference: |r, _| Value::Count(r.samples),
-        apply: |s, v| s.shading.samples = v.count(),
+        used: |used| used.method.uses_samples,
+        reference: |reference, _| Value::Count(reference.samples),
+        set: Setter::Count(|settings, count| settings.shading.samples = count),
         ..valued(
             Kind::Count {
                 min: 1,
@@ -156,12 +156,13 @@ const IMAGE_AXES: &[Axis] = &[
         name: "sequence",
         part: Part::Parameter,
         about: "point sequence of sampled methods; `splitsum list sequences`",
-        used: |u| {
-            u.method.uses_point_set
-                && u.frames
+        used: |used| {
+            used.method.uses_point_set
+                && used
+                    .frames
                     .is_none_or(|frames| frames.points != FramePoints::R2)
         },
-        apply: |s, v| s.shading.sequence = Sequence::listed(v.text()),
+        set: Setter::Name(|settings, name| settings.shading.sequence = Sequence::listed(name)),
         ..one_of::<Sequence>(PLAIN)
     },
     Axis {
@@ -169,8 +170,8 @@ const IMAGE_AXES: &[Axis] = &[
         part: Part::Luck,
         about: "set of points: 0 is the plain sequence, k > 0 a randomised copy",
         symbol: Symbol::Before("set"),
-        used: |u| u.method.uses_point_set,
-        apply: |s, v| s.shading.point_set = v.count(),
+        used: |used| used.method.uses_point_set,
+        set: Setter::Count(|settings, count| settings.shading.point_set = count),
         ..valued(
             Kind::Count {
                 min: 0,
@@ -188,8 +189,10 @@ const IMAGE_AXES: &[Axis] = &[
         symbol: Symbol::After("points", "points"),
         frames_cost: true,
         is_compared: true,
-        used: |u| u.method.uses_point_set && u.frames.is_none(),
-        apply: |s, v| s.shading.pixel_points = *PixelPoints::listed(v.text()),
+        used: |used| used.method.uses_point_set && used.frames.is_none(),
+        set: Setter::Name(|settings, name| {
+            settings.shading.pixel_points = *PixelPoints::listed(name)
+        }),
         ..one_of::<PixelPoints>(PLAIN)
     },
     Axis {
@@ -198,7 +201,7 @@ const IMAGE_AXES: &[Axis] = &[
         symbol: Symbol::Before("alpha"),
         kind: ALPHA_KIND,
         spelling: Some(ROUGHNESS),
-        apply: |s, v| s.material.alpha = Some(v.number() as f32),
+        set: Setter::Number(|settings, number| settings.material.alpha = Some(number as f32)),
         ..PLAIN
     },
     Axis {
@@ -208,9 +211,9 @@ const IMAGE_AXES: &[Axis] = &[
                 index n; a metal's is its albedo",
         plural: "values of F0",
         symbol: Symbol::Before("F0"),
-        used: |u| u.has_dielectric,
+        used: |used| used.has_dielectric,
         kind: Kind::Color(Range::closed(0.0, 1.0)),
-        apply: |s, v| s.material.f0 = Some(v.color()),
+        set: Setter::Color(|settings, color| settings.material.f0 = Some(color)),
         ..PLAIN
     },
     Axis {
@@ -218,7 +221,7 @@ const IMAGE_AXES: &[Axis] = &[
         about: "albedo of every material",
         symbol: Symbol::Before("albedo"),
         kind: Kind::Color(Range::closed(0.0, 1.0)),
-        apply: |s, v| s.material.albedo = Some(v.color()),
+        set: Setter::Color(|settings, color| settings.material.albedo = Some(color)),
         ..PLAIN
     },
     Axis {
@@ -227,7 +230,7 @@ const IMAGE_AXES: &[Axis] = &[
         plural: "values of metallic",
         symbol: Symbol::Before("metallic"),
         kind: Kind::Number(Range::closed(0.0, 1.0)),
-        apply: |s, v| s.material.metallic = Some(v.number() as f32),
+        set: Setter::Number(|settings, number| settings.material.metallic = Some(number as f32)),
         ..PLAIN
     },
     Axis {
@@ -236,7 +239,7 @@ const IMAGE_AXES: &[Axis] = &[
         part: Part::Display,
         about: "factor before the tone curve",
         symbol: Symbol::Before("exposure"),
-        apply: |s, v| s.curve.exposure = v.number() as f32,
+        set: Setter::Number(|settings, number| settings.curve.exposure = number as f32),
         ..valued(
             Kind::Number(Range::above(0.0, 1e9)),
             || Value::Number(1.0),
@@ -248,7 +251,7 @@ const IMAGE_AXES: &[Axis] = &[
         part: Part::Display,
         about: "exponent of the tone curve, times 2.2",
         symbol: Symbol::Before("contrast"),
-        apply: |s, v| s.curve.contrast = v.number() as f32,
+        set: Setter::Number(|settings, number| settings.curve.contrast = number as f32),
         ..valued(
             Kind::Number(Range::above(0.0, 100.0)),
             || Value::Number(1.0),
@@ -261,7 +264,7 @@ const IMAGE_AXES: &[Axis] = &[
         about: "rotates the map by the k-th of a fixed even set of 3D rotations; 0 keeps it",
         symbol: Symbol::Before("orientation"),
         flag: Some("orientation"),
-        apply: |s, v| s.shading.placement.orientation = v.count(),
+        set: Setter::Count(|settings, count| settings.shading.placement.orientation = count),
         ..valued(
             Kind::Count {
                 min: 0,
@@ -278,7 +281,7 @@ const IMAGE_AXES: &[Axis] = &[
         plural: "rotations",
         symbol: Symbol::After("deg", "degrees"),
         flag: Some("rotate"),
-        apply: |s, v| s.shading.placement.rotation_deg = v.number(),
+        set: Setter::Number(|settings, number| settings.shading.placement.rotation_deg = number),
         ..valued(
             Kind::Number(Range::closed(-360.0, 360.0)),
             || Value::Number(0.0),
@@ -291,7 +294,7 @@ const IMAGE_AXES: &[Axis] = &[
         about: "multiplies the environment's radiance",
         symbol: Symbol::Before("scale"),
         flag: Some("scale"),
-        apply: |s, v| s.shading.environment_scale = v.number() as f32,
+        set: Setter::Number(|settings, number| settings.shading.environment_scale = number as f32),
         ..valued(
             Kind::Number(Range::above(0.0, 1e9)),
             || Value::Number(1.0),
@@ -305,7 +308,9 @@ const IMAGE_AXES: &[Axis] = &[
         frames_cost: true,
         tables_cost: true,
         feeds: &[PrecomputedTable::Prefilter, PrecomputedTable::Dfg],
-        apply: |s, v| s.shading.masking_shadowing = *MaskingShadowing::listed(v.text()),
+        set: Setter::Name(|settings, name| {
+            settings.shading.masking_shadowing = *MaskingShadowing::listed(name)
+        }),
         ..valued(
             Kind::one_of::<MaskingShadowing>(),
             || Value::from("separable"),
@@ -317,8 +322,10 @@ const IMAGE_AXES: &[Axis] = &[
         about: "multiple-scattering compensation, for the image and its reference; fdez-aguera and \
                 kulla-conty add it to the diffuse term",
         frames_cost: true,
-        used: |u| !u.method.is_none(),
-        apply: |s, v| s.shading.compensation = *Compensation::listed(v.text()),
+        used: |used| !used.method.is_none(),
+        set: Setter::Name(|settings, name| {
+            settings.shading.compensation = *Compensation::listed(name)
+        }),
         ..one_of::<Compensation>(PLAIN)
     },
     Axis {
@@ -328,8 +335,8 @@ const IMAGE_AXES: &[Axis] = &[
         about: "added to the mip level of filtered samples",
         plural: "level biases",
         symbol: Symbol::Before("bias"),
-        used: |u| u.method.uses_lod_bias,
-        apply: |s, v| s.shading.lod_bias = v.number() as f32,
+        used: |used| used.method.uses_lod_bias,
+        set: Setter::Number(|settings, number| settings.shading.lod_bias = number as f32),
         ..valued(Kind::Number(LEVELS), || Value::Number(0.0), PLAIN)
     },
 ];

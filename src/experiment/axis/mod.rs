@@ -12,12 +12,11 @@ mod tables;
 
 use crate::base::names::Listed;
 pub use crate::instrument::shade::REFERENCE;
-use frames::FRAME_AXES;
 pub use frames::{BLUR, is_blurred, motion_fault};
 pub use id::{Axes, AxisId, PerAxis};
 pub use list::*;
 pub use named::{Named, Spelling};
-pub use settings::{Reference, Settings, Terms, View};
+pub use settings::{Reference, Setter, Settings, Terms, View};
 pub use tables::*;
 
 use super::value::{Kind, Value};
@@ -83,14 +82,13 @@ impl Symbol {
     pub fn label(self, value: &str) -> String {
         match self {
             Self::None => value.to_owned(),
-            Self::Before(word) if word.ends_with('^') => format!("{word}{value}"),
             Self::Before(word) => format!("{word} {value}"),
             Self::After(word, _) => format!("{value} {word}"),
         }
     }
 
     /// Writes a value for a sentence: `5 levels`.
-    pub fn said(self, value: &str) -> String {
+    pub fn in_sentence(self, value: &str) -> String {
         match self {
             Self::After(_, words) => format!("{value} {words}"),
             _ => self.label(value),
@@ -125,6 +123,8 @@ pub struct Axis {
     pub is_key: bool,
     /// Whether it describes a layer over the base. Tables have it only if the experiment names it.
     pub is_layer: bool,
+    /// The layer without which it means nothing.
+    pub layer: Option<Layer>,
     /// The flag of `render`, if it differs from the name.
     pub flag: Option<&'static str>,
     pub spelling: Option<Spelling>,
@@ -135,7 +135,33 @@ pub struct Axis {
     pub used: fn(&Used) -> bool,
     /// The value of the reference for this value of a cell. Tables always have their default.
     pub reference: fn(&Reference, &Value) -> Value,
-    pub apply: fn(&mut Settings, &Value),
+    pub set: Setter,
+}
+
+/// A layer or a sequence of frames: what the axes of its details need.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Layer {
+    Anisotropy,
+    Coat,
+    Sheen,
+    /// A sequence of at least two frames.
+    Frames,
+}
+
+impl Layer {
+    /// The axis that turns it on: `coat` for `coat_alpha`.
+    pub fn axis(self) -> AxisId {
+        match self {
+            Self::Anisotropy => ANISOTROPY,
+            Self::Coat => COAT,
+            Self::Sheen => SHEEN_COLOR,
+            Self::Frames => FRAMES,
+        }
+    }
+
+    pub fn name(self) -> &'static str {
+        AXES[self.axis()].name
+    }
 }
 
 /// Facts that decide which parameters change an image.
@@ -153,8 +179,10 @@ pub struct Used {
     /// Of an image that ends a sequence, the sequence.
     pub frames: Option<Frames>,
     pub has_sampled_tables: bool,
-    /// Whether the prefiltered map and the DFG table are made by splitsum.
-    pub has_own: [bool; 2],
+    /// Whether splitsum makes the prefiltered map.
+    pub makes_prefiltered: bool,
+    /// Whether splitsum makes the DFG table.
+    pub makes_dfg: bool,
 }
 
 impl Used {
@@ -164,42 +192,26 @@ impl Used {
     }
 
     /// Whether the program's own prefiltered map reaches the pixels.
-    fn makes_prefiltered(&self) -> bool {
-        (self.method.uses_prefiltered() || self.has_sheen) && self.has_own[0]
+    fn shows_own_prefiltered(&self) -> bool {
+        (self.method.uses_prefiltered() || self.has_sheen) && self.makes_prefiltered
     }
 
     /// Whether the program's own DFG table reaches the pixels.
-    fn makes_dfg(&self) -> bool {
-        self.needs_dfg() && self.has_own[1]
+    fn shows_own_dfg(&self) -> bool {
+        self.needs_dfg() && self.makes_dfg
     }
 
     /// Whether a DFG table reaches the pixels.
     fn needs_dfg(&self) -> bool {
-        match self.has_diffuse_surface {
-            true => self.method.needs_dfg(self.compensation, self.diffuse),
-            false => {
-                self.method.uses_dfg
-                    || (self.compensation != Compensation::None && !self.method.is_none())
-            }
+        if self.has_diffuse_surface {
+            return self.method.needs_dfg(self.compensation, self.diffuse);
         }
+        let is_compensated = self.compensation != Compensation::None && !self.method.is_none();
+        self.method.uses_dfg || is_compensated
     }
 }
 
 impl Axis {
-    /// Returns the axis without which this one means nothing: `coat` of `coat_alpha`.
-    pub fn layer(&self) -> Option<&'static str> {
-        let layers = [
-            ("coat_", "coat"),
-            ("anisotropy_", "anisotropy"),
-            ("sheen_", "sheen_color"),
-        ];
-        let is_own =
-            |(prefix, layer): &(&str, &str)| self.name.starts_with(prefix) && self.name != *layer;
-        let of_surface = layers.into_iter().find(is_own).map(|(_, layer)| layer);
-        let is_of_frames = FRAME_AXES.iter().skip(1).any(|axis| axis.name == self.name);
-        of_surface.or(is_of_frames.then_some(FRAME_AXES[0].name))
-    }
-
     /// Whether another value means another linear image.
     pub fn changes_radiance(&self) -> bool {
         self.part != Part::Display
@@ -276,43 +288,47 @@ impl Point {
     }
 
     fn where_used(&self, has_diffuse_surface: bool, has_dielectric: bool) -> Self {
-        let (method, diffuse) = (self.method(), self.diffuse());
-        let is_sampled = || self[PREFILTER_BY].to_string() != PrefilterBy::Harmonic.name();
-        let has_sampled_tables = method
-            .prefilter
-            .map_or_else(is_sampled, |by| by != PrefilterBy::Harmonic);
-        let has_own = [PREFILTERED, DFG_TABLE]
-            .map(|axis| AXES[axis].kind.path_in(&self[axis].to_string()).is_none());
-        let compensation = self.settings().shading.compensation;
-        let is_built_in = SCENES.iter().any(|entry| entry.name == self[SCENE].text());
-        let may_have =
-            |axis: AxisId| !(self[axis].is_zero() || self[axis] == Value::Unset && is_built_in);
-        let [has_coat, has_anisotropy, has_sheen] = [COAT, ANISOTROPY, SHEEN_COLOR].map(may_have);
-        let frames = self.settings().shading.frames;
-        let frames = Some(frames).filter(|frames| frames.count > 1 && method.uses_point_set);
-        // Compensation may add a diffuse term to any surface.
-        let has_diffuse_surface = has_diffuse_surface || compensation.is_diffuse();
-        let used = Used {
-            method,
-            diffuse,
-            compensation,
-            has_diffuse_surface,
-            has_dielectric,
-            has_coat,
-            has_anisotropy,
-            has_sheen,
-            frames,
-            has_sampled_tables,
-            has_own,
-        };
-        let value = |(axis, value): (&Axis, &Value)| match (axis.used)(&used) {
-            false => Value::Unset,
-            true if *value == Value::Unset => axis
-                .unset
-                .map_or(Value::Unset, |of_layout| of_layout(self.layout())),
-            true => value.clone(),
+        let used = self.used(has_diffuse_surface, has_dielectric);
+        let value = |(axis, value): (&Axis, &Value)| {
+            if !(axis.used)(&used) {
+                return Value::Unset;
+            }
+            match axis.unset {
+                Some(of_layout) if *value == Value::Unset => of_layout(self.layout()),
+                _ => value.clone(),
+            }
         };
         Self(AXES.iter().zip(&self.0).map(value).collect())
+    }
+
+    fn used(&self, has_diffuse_surface: bool, has_dielectric: bool) -> Used {
+        let method = self.method();
+        let has_sampled_tables = match method.prefilter {
+            Some(by) => by != PrefilterBy::Harmonic,
+            None => self[PREFILTER_BY].to_string() != PrefilterBy::Harmonic.name(),
+        };
+        let is_file = |axis: AxisId| AXES[axis].kind.path_in(&self[axis].to_string()).is_some();
+        let is_built_in = SCENES.iter().any(|entry| entry.name == self[SCENE].text());
+        // Materials of a file may have the layer.
+        let may_have =
+            |axis: AxisId| !(self[axis].is_zero() || self[axis] == Value::Unset && is_built_in);
+        let shading = self.settings().shading;
+        let has_frames = shading.frames.count > 1 && method.uses_point_set;
+        Used {
+            method,
+            diffuse: self.diffuse(),
+            compensation: shading.compensation,
+            // Compensation may add a diffuse term to any surface.
+            has_diffuse_surface: has_diffuse_surface || shading.compensation.is_diffuse(),
+            has_dielectric,
+            has_coat: may_have(COAT),
+            has_anisotropy: may_have(ANISOTROPY),
+            has_sheen: may_have(SHEEN_COLOR),
+            frames: has_frames.then_some(shading.frames),
+            has_sampled_tables,
+            makes_prefiltered: !is_file(PREFILTERED),
+            makes_dfg: !is_file(DFG_TABLE),
+        }
     }
 
     /// Whether the table of [`PREFILTERED`] or [`DFG_TABLE`] is the program's own.
@@ -349,9 +365,7 @@ impl Point {
             curve: ToneCurve::default(),
         };
         for (axis, value) in AXES.iter().zip(&self.0) {
-            if *value != Value::Unset {
-                (axis.apply)(&mut settings, value);
-            }
+            axis.set.apply(&mut settings, value);
         }
         settings
     }

@@ -1,12 +1,11 @@
 //! Axes by their names in files. An axis may have a second name with values of its own; a point
 //! holds the axis's value.
 
-use super::AxisId;
-use super::{AXES, Axis, Symbol};
+use super::{AXES, Axis, AxisId, Symbol};
 use crate::base::names::{in_words, nearest, suggestion};
 use crate::experiment::value::{Kind, Raw, Value};
 
-/// A second name of an axis, with its own values.
+/// A second name of an axis of numbers, in another unit.
 #[derive(Clone, Copy, Debug)]
 pub struct Spelling {
     pub name: &'static str,
@@ -15,10 +14,10 @@ pub struct Spelling {
     pub plural: &'static str,
     pub symbol: Symbol,
     pub kind: Kind,
-    /// Converts a value to the axis's own.
-    pub to_axis: fn(&Value) -> Value,
+    /// Converts a number to the axis's unit.
+    pub to_axis: fn(f64) -> f64,
     /// The inverse.
-    pub of_axis: fn(&Value) -> Value,
+    pub from_axis: fn(f64) -> f64,
 }
 
 /// An axis by one of its names.
@@ -103,8 +102,10 @@ impl Named {
 
     /// Converts an axis's value to this name's.
     pub fn shown(self, value: &Value) -> Value {
-        let spelling = self.spelling.filter(|_| *value != Value::Unset);
-        spelling.map_or_else(|| value.clone(), |spelling| (spelling.of_axis)(value))
+        match (self.spelling, value) {
+            (Some(spelling), Value::Number(number)) => Value::Number((spelling.from_axis)(*number)),
+            _ => value.clone(),
+        }
     }
 
     /// Returns the flag of `render` without its dashes: `lod-bias` for `lod_bias`.
@@ -129,18 +130,21 @@ impl Named {
 
     /// Parses a value of this name; the error names the expected values.
     pub fn parse(self, raw: &Raw) -> Result<Value, String> {
-        self.kind().parse(raw).map(|value| self.of_axis(value))
+        self.kind().parse(raw).map(|value| self.to_axis(value))
     }
 
     pub fn parse_text(self, text: &str) -> Result<Value, String> {
         self.kind()
             .parse_text(text)
-            .map(|value| self.of_axis(value))
+            .map(|value| self.to_axis(value))
     }
 
-    fn of_axis(self, value: Value) -> Value {
-        self.spelling
-            .map_or_else(|| value.clone(), |spelling| (spelling.to_axis)(&value))
+    /// Converts a value of this name to the axis's.
+    fn to_axis(self, value: Value) -> Value {
+        match (self.spelling, value) {
+            (Some(spelling), Value::Number(number)) => Value::Number((spelling.to_axis)(number)),
+            (_, value) => value,
+        }
     }
 }
 
@@ -185,6 +189,7 @@ pub fn hint(name: &str, names: &[&str]) -> String {
     }
 }
 
-pub fn ambiguous() -> impl Iterator<Item = &'static str> {
-    AMBIGUOUS.iter().map(|(name, _)| *name)
+/// Names that users try, each with its correction.
+pub fn ambiguous() -> impl Iterator<Item = &'static (&'static str, &'static str)> {
+    AMBIGUOUS.iter()
 }

@@ -1,6 +1,6 @@
 //! Defaults of the axes.
 
-use super::{Axis, Part, Sheet, Spelling, Symbol};
+use super::{Axis, Part, Setter, Sheet, Spelling, Symbol};
 use crate::base::names::Listed;
 use crate::experiment::value::{ALPHA_MIN, Kind, PERCEPTUAL_ROUGHNESS_MIN, Range, Value, decimal};
 use crate::instrument::brdf;
@@ -24,6 +24,7 @@ pub(super) const PLAIN: Axis = Axis {
     feeds: &[],
     is_key: false,
     is_layer: false,
+    layer: None,
     flag: None,
     spelling: None,
     kind: Kind::Input,
@@ -31,7 +32,7 @@ pub(super) const PLAIN: Axis = Axis {
     unset: None,
     used: |_| true,
     reference: |_, value| value.clone(),
-    apply: |_, _| {},
+    set: Setter::Nothing,
 };
 
 pub(super) fn first<T: Listed + ?Sized>() -> Value {
@@ -63,6 +64,6 @@ pub(super) const ROUGHNESS: Spelling = Spelling {
     plural: "roughnesses",
     symbol: Symbol::Before("roughness"),
     kind: Kind::Number(Range::closed(PERCEPTUAL_ROUGHNESS_MIN, 1.0)),
-    to_axis: |v| Value::Number(decimal(brdf::alpha_from_perceptual_roughness(v.number()))),
-    of_axis: |v| Value::Number(decimal(brdf::perceptual_roughness_from_alpha(v.number()))),
+    to_axis: |roughness| decimal(brdf::alpha_from_perceptual_roughness(roughness)),
+    from_axis: |alpha| decimal(brdf::perceptual_roughness_from_alpha(alpha)),
 };

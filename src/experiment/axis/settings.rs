@@ -20,7 +20,7 @@ pub struct Settings {
     pub size: [u32; 2],
     /// `builtin:NAME` or a path.
     pub environment: String,
-    /// Clips radiance at 2 to this power, in the reference too. A scene's name or a path.
+    /// A scene's name or a path.
     pub scene: String,
     pub material: MaterialOverride,
     pub shading: Shading,
@@ -28,6 +28,39 @@ pub struct Settings {
     pub prefiltered: String,
     pub dfg: String,
     pub curve: ToneCurve,
+}
+
+/// How the value of an axis enters the settings, by the kind of its values.
+#[derive(Clone, Copy)]
+pub enum Setter {
+    /// Another part of a request has it.
+    Nothing,
+    Number(fn(&mut Settings, f64)),
+    Count(fn(&mut Settings, u32)),
+    /// Linear RGB.
+    Color(fn(&mut Settings, [f32; 3])),
+    Pair(fn(&mut Settings, [u32; 2])),
+    /// A listed name or the name of an input.
+    Name(fn(&mut Settings, &str)),
+}
+
+impl Setter {
+    /// Sets a value; an unset one changes nothing.
+    ///
+    /// # Panics
+    ///
+    /// If the axis parses values of another kind.
+    pub fn apply(self, settings: &mut Settings, value: &Value) {
+        match (self, value) {
+            (Self::Nothing, _) | (_, Value::Unset) => {}
+            (Self::Number(set), Value::Number(number)) => set(settings, *number),
+            (Self::Count(set), Value::Count(count)) => set(settings, *count),
+            (Self::Color(set), Value::Color(color)) => set(settings, *color),
+            (Self::Pair(set), Value::Pair(pair)) => set(settings, *pair),
+            (Self::Name(set), Value::Text(name)) => set(settings, name),
+            _ => panic!("{value:?} is not of the kind that its axis sets"),
+        }
+    }
 }
 
 /// The part of a request that all points of an experiment share.

@@ -1,7 +1,7 @@
 //! The axes of precomputed tables, the last ones of [`super::AXES`].
 
 use super::plain::{LEVELS, PLAIN, one_of, valued};
-use super::{Axis, Part, Symbol, Used};
+use super::{Axis, Part, Setter, Symbol, Used};
 use crate::base::names::Listed;
 use crate::experiment::value::{Kind, Value};
 use crate::instrument::environment::layout::MapLayout;
@@ -61,8 +61,14 @@ pub(super) const TABLE_AXES: &[Axis] = &[
             PrecomputedTable::Prefilter,
             PrecomputedTable::Irradiance,
         ],
-        used: |u| u.method.uses_lod_bias || u.method.uses_prefiltered() || u.uses_irradiance_map(),
-        apply: |s, v| s.shading.precompute.layout = MapLayout::listed(v.text()),
+        used: |used| {
+            used.method.uses_lod_bias
+                || used.method.uses_prefiltered()
+                || used.uses_irradiance_map()
+        },
+        set: Setter::Name(|settings, name| {
+            settings.shading.precompute.layout = MapLayout::listed(name)
+        }),
         ..one_of::<MapLayout>(TABLE)
     },
     Axis {
@@ -73,8 +79,8 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         symbol: Symbol::Before("map"),
         needs_memory: true,
         feeds: &[PrecomputedTable::Prefilter],
-        used: |u| u.method.uses_prefiltered(),
-        apply: |s, v| s.prefiltered = v.text().to_owned(),
+        used: |used| used.method.uses_prefiltered(),
+        set: Setter::Name(|settings, name| settings.prefiltered = name.to_owned()),
         ..valued(TABLE_FILE, || Value::from(OWN), TABLE)
     },
     Axis {
@@ -87,7 +93,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         needs_memory: true,
         feeds: &[PrecomputedTable::Dfg],
         used: Used::needs_dfg,
-        apply: |s, v| s.dfg = v.text().to_owned(),
+        set: Setter::Name(|settings, name| settings.dfg = name.to_owned()),
         ..valued(
             Kind::NameOrFile {
                 what: "table",
@@ -104,13 +110,13 @@ pub(super) const TABLE_AXES: &[Axis] = &[
                 octahedral, 448x224 equirect]",
         needs_memory: true,
         feeds: &[PrecomputedTable::Prefilter],
-        used: Used::makes_prefiltered,
+        used: Used::shows_own_prefiltered,
         kind: Kind::Pair {
             min: 8,
             max: SIDE_MAX,
         },
         unset: Some(|layout| Value::Pair(layout.prefilter_size)),
-        apply: |s, v| s.shading.precompute.prefilter_size = v.pair(),
+        set: Setter::Pair(|settings, pair| settings.shading.precompute.prefilter_size = pair),
         ..TABLE
     },
     Axis {
@@ -119,10 +125,12 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         about: "levels of the prefiltered map",
         symbol: Symbol::After("lv", "levels"),
         feeds: &[PrecomputedTable::Prefilter],
-        used: |u| u.makes_prefiltered() || u.method.uses_levels,
+        used: |used| used.shows_own_prefiltered() || used.method.uses_levels,
         kind: Kind::Count { min: 2, max: 11 },
         default: || Value::Count(PrecomputeSettings::default().prefilter_level_count),
-        apply: |s, v| s.shading.precompute.prefilter_level_count = v.count(),
+        set: Setter::Count(|settings, count| {
+            settings.shading.precompute.prefilter_level_count = count
+        }),
         ..TABLE
     },
     Axis {
@@ -132,10 +140,13 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         plural: "ways to prefilter",
         symbol: Symbol::After("prefilter", "prefilter"),
         feeds: &[PrecomputedTable::Prefilter, PrecomputedTable::Irradiance],
-        used: |u| {
-            u.method.prefilter.is_none() && (u.makes_prefiltered() || u.uses_irradiance_map())
+        used: |used| {
+            used.method.prefilter.is_none()
+                && (used.shows_own_prefiltered() || used.uses_irradiance_map())
         },
-        apply: |s, v| s.shading.precompute.prefilter = *PrefilterBy::listed(v.text()),
+        set: Setter::Name(|settings, name| {
+            settings.shading.precompute.prefilter = *PrefilterBy::listed(name)
+        }),
         ..one_of::<PrefilterBy>(TABLE)
     },
     Axis {
@@ -144,13 +155,15 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         about: "samples per texel of a sampled prefiltered map",
         symbol: Symbol::After("spp", "samples"),
         feeds: &[PrecomputedTable::Prefilter],
-        used: |u| u.makes_prefiltered() && u.has_sampled_tables,
+        used: |used| used.shows_own_prefiltered() && used.has_sampled_tables,
         kind: Kind::Count {
             min: 1,
             max: PRECOMPUTE_SAMPLES_MAX,
         },
         default: || Value::Count(PrecomputeSettings::default().prefilter_sample_count),
-        apply: |s, v| s.shading.precompute.prefilter_sample_count = v.count(),
+        set: Setter::Count(|settings, count| {
+            settings.shading.precompute.prefilter_sample_count = count
+        }),
         ..TABLE
     },
     Axis {
@@ -158,10 +171,10 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         about: "perceptual roughness of each level; `splitsum list level-mappings`",
         symbol: Symbol::After("mapping", "mapping"),
         feeds: &[PrecomputedTable::Prefilter],
-        used: |u| u.makes_prefiltered() || u.method.uses_levels,
-        apply: |s, v| {
-            s.shading.precompute.level_mapping = LevelMapping::listed(v.text());
-        },
+        used: |used| used.shows_own_prefiltered() || used.method.uses_levels,
+        set: Setter::Name(|settings, name| {
+            settings.shading.precompute.level_mapping = LevelMapping::listed(name)
+        }),
         ..one_of::<LevelMapping>(TABLE)
     },
     Axis {
@@ -171,10 +184,10 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         about: "weight of a direction in a prefiltered texel; `splitsum list prefilter-weights`",
         symbol: Symbol::Before("weight"),
         feeds: &[PrecomputedTable::Prefilter],
-        used: |u| u.makes_prefiltered() || u.method.uses_weight,
-        apply: |s, v| {
-            s.shading.precompute.prefilter_weight = Weight::listed(v.text());
-        },
+        used: |used| used.shows_own_prefiltered() || used.method.uses_weight,
+        set: Setter::Name(|settings, name| {
+            settings.shading.precompute.prefilter_weight = Weight::listed(name)
+        }),
         ..one_of::<Weight>(TABLE)
     },
     Axis {
@@ -185,7 +198,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         plural: "prefilter level biases",
         symbol: Symbol::Before("prefilter bias"),
         feeds: &[PrecomputedTable::Prefilter],
-        used: |u| u.makes_prefiltered() && u.has_sampled_tables,
+        used: |used| used.shows_own_prefiltered() && used.has_sampled_tables,
         kind: Kind::NumberOrName {
             range: LEVELS,
             what: "level bias",
@@ -197,7 +210,9 @@ pub(super) const TABLE_AXES: &[Axis] = &[
             },
         },
         default: || Value::Number(0.0),
-        apply: |s, v| s.shading.precompute.prefilter_lod_bias = v.number() as f32,
+        set: Setter::Number(|settings, number| {
+            settings.shading.precompute.prefilter_lod_bias = number as f32
+        }),
         ..TABLE
     },
     Axis {
@@ -208,8 +223,8 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         symbol: Symbol::Before("DFG"),
         needs_memory: true,
         feeds: &[PrecomputedTable::Dfg],
-        used: Used::makes_dfg,
-        apply: |s, v| s.shading.precompute.dfg_size = v.count(),
+        used: Used::shows_own_dfg,
+        set: Setter::Count(|settings, count| settings.shading.precompute.dfg_size = count),
         ..valued(
             Kind::Count {
                 min: 2,
@@ -226,13 +241,13 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         plural: "DFG sample counts",
         symbol: Symbol::After("DFG spp", "DFG samples"),
         feeds: &[PrecomputedTable::Dfg],
-        used: Used::makes_dfg,
+        used: Used::shows_own_dfg,
         kind: Kind::Count {
             min: 1,
             max: PRECOMPUTE_SAMPLES_MAX,
         },
         default: || Value::Count(PrecomputeSettings::default().dfg_sample_count),
-        apply: |s, v| s.shading.precompute.dfg_sample_count = v.count(),
+        set: Setter::Count(|settings, count| settings.shading.precompute.dfg_sample_count = count),
         ..TABLE
     },
     Axis {
@@ -249,7 +264,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
             max: SIDE_MAX,
         },
         unset: Some(|layout| Value::Pair(layout.irradiance_size)),
-        apply: |s, v| s.shading.precompute.irradiance_size = v.pair(),
+        set: Setter::Pair(|settings, pair| settings.shading.precompute.irradiance_size = pair),
         ..TABLE
     },
     Axis {
@@ -258,13 +273,15 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         about: "azimuth and polar samples per texel of a sampled irradiance map",
         symbol: Symbol::After("irradiance spp", "irradiance samples"),
         feeds: &[PrecomputedTable::Irradiance],
-        used: |u| u.uses_irradiance_map() && u.has_sampled_tables,
+        used: |used| used.uses_irradiance_map() && used.has_sampled_tables,
         kind: Kind::Pair {
             min: 1,
             max: SIDE_MAX,
         },
         default: || Value::Pair(PrecomputeSettings::default().irradiance_sample_count),
-        apply: |s, v| s.shading.precompute.irradiance_sample_count = v.pair(),
+        set: Setter::Pair(|settings, pair| {
+            settings.shading.precompute.irradiance_sample_count = pair
+        }),
         ..TABLE
     },
     Axis {
@@ -279,11 +296,15 @@ pub(super) const TABLE_AXES: &[Axis] = &[
             PrecomputedTable::Dfg,
             PrecomputedTable::Irradiance,
         ],
-        used: |u| {
-            u.method.storage.is_none()
-                && (u.method.uses_prefiltered() || u.needs_dfg() || u.uses_irradiance_map())
+        used: |used| {
+            used.method.storage.is_none()
+                && (used.method.uses_prefiltered()
+                    || used.needs_dfg()
+                    || used.uses_irradiance_map())
         },
-        apply: |s, v| s.shading.precompute.storage = *StorageFormat::listed(v.text()),
+        set: Setter::Name(|settings, name| {
+            settings.shading.precompute.storage = *StorageFormat::listed(name)
+        }),
         ..one_of::<StorageFormat>(TABLE)
     },
 ];

@@ -4,7 +4,7 @@ use super::config::values;
 use super::planned;
 use splitsum::bake::container::{Encoding, FORMATS, TEXELS};
 use splitsum::base::pixels::RgbImage;
-use splitsum::experiment::axis::{AXES, Axis, Part, SCENE};
+use splitsum::experiment::axis::{AXES, Axis, Layer, Part, SCENE};
 use splitsum::experiment::plan::Source;
 use splitsum::experiment::value::Kind;
 use splitsum::experiment::{Cell, Plan};
@@ -280,8 +280,9 @@ fn the_reference_inherits_the_axes_of_cases_alone() {
         } else {
             "prefilter = [\"sampled\"]\n"
         };
-        let layer = axis.layer().map_or(String::new(), |layer| {
-            format!("{layer} = [{}]\n", if layer == "frames" { 2 } else { 1 })
+        let layer = axis.layer.map_or(String::new(), |layer| {
+            let value = if layer == Layer::Frames { 2 } else { 1 };
+            format!("{} = [{value}]\n", layer.name())
         });
         // These depend on another value, too.
         let more = match axis.name {
