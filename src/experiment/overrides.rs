@@ -11,7 +11,7 @@ use std::path::Path;
 impl Config {
     /// Replaces or adds axes by `--set` texts.
     pub(super) fn apply_overrides(&mut self, faults: &mut Faults) {
-        let mut seen: Vec<Named> = Vec::new();
+        let mut set: Vec<Named> = Vec::new();
         for text in self.overrides.clone() {
             let Some((name, list)) = text.split_once('=') else {
                 faults.add(
@@ -23,53 +23,22 @@ impl Config {
             let name = name.trim();
             let place = Place::Set(name.to_owned());
             let Some(named) = Named::find(name) else {
-                if KEYS.iter().any(|(key, _)| *key == name) {
-                    let or = if name == METRIC_KEY {
-                        ", or give --metric to `splitsum answers`"
-                    } else {
-                        ""
-                    };
-                    let text = "is a key of the experiment, not an axis; write";
-                    faults.add(&place, format!("{text} {name} = ... in the file{or}"));
-                    continue;
-                }
-                unknown_key(&place, "axes.", name, &axis_names(), faults);
+                refuse_name(name, &place, faults);
                 continue;
             };
-            let axis = named.axis;
-            if let Some(earlier) = seen
-                .iter()
-                .find(|other| other.axis == axis)
-                .map(|other| other.name())
-            {
-                let fault = match earlier == name {
-                    true => format!("is set twice; give all values at once: --set {name}=v1,v2"),
-                    false => {
-                        format!("is the axis of --set {earlier} in another unit; give one of them")
-                    }
+            if let Some(earlier) = set.iter().find(|other| other.axis == named.axis) {
+                let earlier = earlier.name();
+                let fault = if earlier == name {
+                    format!("is set twice; give all values at once: --set {name}=v1,v2")
+                } else {
+                    format!("is the axis of --set {earlier} in another unit; give one of them")
                 };
                 faults.add(&place, fault);
                 continue;
             }
-            seen.push(named);
-            let items = items(named.kind(), list);
-            let (mut values, written) = (Vec::new(), items.len());
-            for item in items {
-                match named.parse_text(&item) {
-                    Ok(value) => values.push(Placed {
-                        value,
-                        place: place.clone(),
-                    }),
-                    Err(fault) => faults.add(&place, format!("axes.{name}: {fault}")),
-                }
-            }
-            let sweep = Sweep {
-                axis,
-                named,
-                values,
-                written,
-            };
-            match self.axes.iter_mut().find(|old| old.axis == axis) {
+            set.push(named);
+            let sweep = read_sweep(named, list, &place, faults);
+            match self.axes.iter_mut().find(|old| old.axis == named.axis) {
                 Some(old) => self.set_aside.push(std::mem::replace(old, sweep)),
                 None => self.axes.push(sweep),
             }
@@ -120,6 +89,43 @@ impl Config {
                 .filter(|(value, _)| matches!(value, Value::Text(_)));
             texts.filter_map(|(value, place)| Some((entry.kind.path_in(value.text())?, place)))
         })
+    }
+}
+
+/// Reports a name that is no axis.
+fn refuse_name(name: &str, place: &Place, faults: &mut Faults) {
+    if !KEYS.iter().any(|(key, _)| *key == name) {
+        return unknown_key(place, "axes.", name, &axis_names(), faults);
+    }
+    let or_flag = if name == METRIC_KEY {
+        ", or give --metric to `splitsum answers`"
+    } else {
+        ""
+    };
+    let fault =
+        format!("is a key of the experiment, not an axis; write {name} = ... in the file{or_flag}");
+    faults.add(place, fault);
+}
+
+/// Reads the values of one `--set`.
+fn read_sweep(named: Named, list: &str, place: &Place, faults: &mut Faults) -> Sweep {
+    let items = items(named.kind(), list);
+    let written = items.len();
+    let mut values = Vec::new();
+    for item in items {
+        match named.parse_text(&item) {
+            Ok(value) => values.push(Placed {
+                value,
+                place: place.clone(),
+            }),
+            Err(fault) => faults.add(place, format!("axes.{}: {fault}", named.name())),
+        }
+    }
+    Sweep {
+        axis: named.axis,
+        named,
+        values,
+        written,
     }
 }
 

@@ -113,7 +113,8 @@ impl Plan {
         } = *source;
         let mut faults = Faults::new(path, text);
         let mut config = Config::parse(path, text, overrides, &mut faults);
-        (config.file_dir, config.set_dir) = (file_dir.map(PathBuf::from), set_dir.to_owned());
+        config.file_dir = file_dir.map(PathBuf::from);
+        config.set_dir = set_dir.to_owned();
         let is_read = faults.is_empty();
         let inputs = Inputs::load(&config, options, &mut faults);
         if is_read {
@@ -286,18 +287,14 @@ impl Plan {
     pub fn warnings(&self) -> Vec<String> {
         let mut warnings = Faults::new(&self.config.path, &self.config.text);
         // `--set` may have removed the values that an exclusion matches.
-        let is_idle = |count: &usize| *count == 0 && self.config.overrides.is_empty();
-        for (exclusion, _) in self
-            .config
-            .exclusions
-            .iter()
-            .zip(&self.excluded)
-            .filter(|(_, count)| is_idle(count))
-        {
-            warnings.add(
-                &exclusion.place,
-                format!("the exclusion {:?} matches no combination", exclusion.why),
-            );
+        let may_be_idle = !self.config.overrides.is_empty();
+        for (exclusion, count) in self.config.exclusions.iter().zip(&self.excluded) {
+            if *count == 0 && !may_be_idle {
+                warnings.add(
+                    &exclusion.place,
+                    format!("the exclusion {:?} matches no combination", exclusion.why),
+                );
+            }
         }
         let points = || self.cells.iter().map(|cell| &cell.point);
         let idle = checks::idle_sweeps(&self.config, points()).into_iter();
@@ -425,14 +422,14 @@ impl Plan {
         if !config.orbit.is_still() {
             lines.push(format!("orbit={:?}", config.orbit));
         }
-        let [is_specular, is_diffuse] = [
-            point.method().is_integrated(),
-            point.diffuse().is_integrated(),
-        ];
-        if is_diffuse && !is_specular {
+        let is_specular_exact = point.method().is_integrated();
+        let is_diffuse_exact = point.diffuse().is_integrated();
+        if is_diffuse_exact && !is_specular_exact {
             lines.push(format!("reference_samples={}", config.reference.samples));
         }
-        if let (Some(error), true) = (relative_error, is_specular || is_diffuse) {
+        if (is_specular_exact || is_diffuse_exact)
+            && let Some(error) = relative_error
+        {
             lines.push(format!("reference_error={error}"));
         }
         let given = inputs.given(&point.settings());

@@ -36,8 +36,8 @@ impl Config {
                 }
                 for (key, value, _) in entries {
                     if key == "question" {
-                        (ask.question, ask.place) =
-                            (text("asks.question", value, faults), at(value));
+                        ask.question = text("asks.question", value, faults);
+                        ask.place = at(value);
                     } else if let Some(name) = checked(AXIS, "asks.by", value, faults) {
                         ask.by = Named::find(name.text()).map(|named| (named.axis, at(value)));
                     }
@@ -83,69 +83,7 @@ impl Config {
 
     pub(super) fn read_exclusions(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
         for item in list(value, "exclude", faults) {
-            let mut exclusion = Exclusion {
-                conditions: Vec::new(),
-                why: String::new(),
-                place: at(item),
-            };
-            let mut has_why = false;
-            for (key, value, place) in table(item, "exclude", faults) {
-                if key == "why" {
-                    has_why = true;
-                    let why = |raw: &Raw| match raw.as_str() {
-                        Some(why) if !why.is_empty() => Ok(why.to_owned()),
-                        _ => Err(format!(
-                            "{raw} is not text that says why these cells are left out"
-                        )),
-                    };
-                    exclusion.why =
-                        checked_as(why, "exclude.why", value, faults).unwrap_or_default();
-                    continue;
-                }
-                let Some(named) = Named::find(key) else {
-                    unknown_key(
-                        &place,
-                        "exclude.",
-                        key,
-                        &[&axis_names()[..], &["why"]].concat(),
-                        faults,
-                    );
-                    continue;
-                };
-                let name = format!("exclude.{key}");
-                // A colour or a pair is itself a list.
-                let items: Vec<_> = match value
-                    .get_ref()
-                    .as_array()
-                    .filter(|_| named.parse(&raw(value)).is_err())
-                {
-                    Some(items) => items.iter().collect(),
-                    None => vec![value],
-                };
-                let placed = |item: &Spanned<DeValue>| {
-                    let value = checked_as(|raw| named.parse(raw), &name, item, faults)?;
-                    Some(Placed {
-                        value,
-                        place: at(item),
-                    })
-                };
-                exclusion
-                    .conditions
-                    .push((named.axis, items.into_iter().filter_map(placed).collect()));
-            }
-            if !has_why {
-                faults.add(
-                    &exclusion.place,
-                    "exclude.why is missing: say why these cells are left out",
-                );
-            }
-            if exclusion.conditions.is_empty() {
-                faults.add(
-                    &exclusion.place,
-                    "exclude: names no axis, so it would leave out every cell",
-                );
-            }
-            self.exclusions.push(exclusion);
+            self.exclusions.push(read_exclusion(item, faults));
         }
     }
 
@@ -198,4 +136,72 @@ impl Config {
             }
         }
     }
+}
+
+fn read_exclusion(item: &Spanned<DeValue>, faults: &mut Faults) -> Exclusion {
+    let mut exclusion = Exclusion {
+        conditions: Vec::new(),
+        why: String::new(),
+        place: at(item),
+    };
+    let mut has_why = false;
+    for (key, value, place) in table(item, "exclude", faults) {
+        if key == "why" {
+            has_why = true;
+            exclusion.why = checked_as(parse_why, "exclude.why", value, faults).unwrap_or_default();
+        } else if let Some(named) = Named::find(key) {
+            let values = read_condition(named, key, value, faults);
+            exclusion.conditions.push((named.axis, values));
+        } else {
+            let known = [&axis_names()[..], &["why"]].concat();
+            unknown_key(&place, "exclude.", key, &known, faults);
+        }
+    }
+    if !has_why {
+        faults.add(
+            &exclusion.place,
+            "exclude.why is missing: say why these cells are left out",
+        );
+    }
+    if exclusion.conditions.is_empty() {
+        faults.add(
+            &exclusion.place,
+            "exclude: names no axis, so it would leave out every cell",
+        );
+    }
+    exclusion
+}
+
+fn parse_why(raw: &Raw) -> Result<String, String> {
+    match raw.as_str() {
+        Some(why) if !why.is_empty() => Ok(why.to_owned()),
+        _ => Err(format!(
+            "{raw} is not text that says why these cells are left out"
+        )),
+    }
+}
+
+/// Reads the values of an axis that match: one, or a list. A colour or a pair is itself a list.
+fn read_condition(
+    named: Named,
+    key: &str,
+    value: &Spanned<DeValue>,
+    faults: &mut Faults,
+) -> Vec<Placed> {
+    let is_value = named.parse(&raw(value)).is_ok();
+    let items: Vec<_> = match value.get_ref().as_array() {
+        Some(items) if !is_value => items.iter().collect(),
+        _ => vec![value],
+    };
+    let name = format!("exclude.{key}");
+    let mut values = Vec::new();
+    for item in items {
+        if let Some(value) = checked_as(|raw| named.parse(raw), &name, item, faults) {
+            values.push(Placed {
+                value,
+                place: at(item),
+            });
+        }
+    }
+    values
 }

@@ -22,59 +22,23 @@ impl Config {
                 unknown_key(&place, "axes.", key, &axis_names(), faults);
                 continue;
             };
-            let (name, kind, axis) = (format!("axes.{key}"), named.kind(), named.axis);
+            let name = format!("axes.{key}");
+            let axis = named.axis;
             if self.sweep(axis).is_some() {
-                let [one, other] = [
-                    AXES[axis].name,
-                    AXES[axis]
-                        .spelling
-                        .as_ref()
-                        .map_or("", |second| second.name),
-                ];
+                let second = AXES[axis].spelling.as_ref();
                 faults.add(
                     &place,
                     format!(
-                        "{name}: {one} and {other} are two names of one axis; expected one of them"
+                        "{name}: {} and {} are two names of one axis; expected one of them",
+                        AXES[axis].name,
+                        second.map_or("", |second| second.name)
                     ),
                 );
                 continue;
             }
-            let items: Vec<(Raw, Place)> = match value.get_ref() {
-                DeValue::Array(items) => {
-                    if items.is_empty() {
-                        faults.add(
-                            &at(value),
-                            format!("{name}: an axis needs at least one value"),
-                        );
-                    }
-                    items.iter().map(|item| (raw(item), at(item))).collect()
-                }
-                DeValue::Table(range) => {
-                    let mut unknown = entries(range);
-                    unknown.retain(|(key, ..)| !RANGES.contains(key));
-                    for (key, _, place) in &unknown {
-                        unknown_key(place, &format!("{name}."), key, RANGES, faults);
-                    }
-                    let items = if unknown.is_empty() {
-                        range_values(kind, range)
-                    } else {
-                        Ok(Vec::new())
-                    };
-                    let items = items.unwrap_or_else(|fault| {
-                        faults.add(&at(value), format!("{name}: {fault}"));
-                        Vec::new()
-                    });
-                    items.into_iter().map(|item| (item, at(value))).collect()
-                }
-                _ => {
-                    faults.add(
-                        &at(value),
-                        format!("{name}: {} is not a list of values", raw(value)),
-                    );
-                    Vec::new()
-                }
-            };
-            let (mut values, written) = (Vec::new(), items.len());
+            let items = written_values(&name, named.kind(), value, faults);
+            let written = items.len();
+            let mut values = Vec::new();
             for (item, place) in items {
                 match named.parse(&item) {
                     Ok(value) => values.push(Placed { value, place }),
@@ -158,19 +122,21 @@ impl Config {
                     .map(|&member| &self.axes[member].values[step])
                     .collect();
                 if !seen.insert(row.iter().map(|placed| &placed.value).collect::<Vec<_>>()) {
-                    let said = members.iter().zip(&row).map(|(&member, placed)| {
-                        format!(
-                            "axes.{}: {}",
-                            AXES[self.axes[member].axis].name, placed.value
-                        )
-                    });
-                    let said = said.collect::<Vec<_>>().join(", ");
+                    let values: Vec<String> = members
+                        .iter()
+                        .zip(&row)
+                        .map(|(&member, placed)| {
+                            let axis = self.axes[member].axis;
+                            format!("axes.{}: {}", AXES[axis].name, placed.value)
+                        })
+                        .collect();
+                    let values = values.join(", ");
                     let verb = if row.len() == 1 {
                         "is listed twice"
                     } else {
                         "are listed together twice"
                     };
-                    faults.add(&row[0].place, format!("{said} {verb}"));
+                    faults.add(&row[0].place, format!("{values} {verb}"));
                 }
             }
         }
@@ -228,6 +194,50 @@ impl Config {
             }
         }
         dimensions
+    }
+}
+
+/// Lists the values of a sweep as written, a range expanded, each with its place.
+fn written_values(
+    name: &str,
+    kind: Kind,
+    value: &Spanned<DeValue>,
+    faults: &mut Faults,
+) -> Vec<(Raw, Place)> {
+    match value.get_ref() {
+        DeValue::Array(items) => {
+            if items.is_empty() {
+                faults.add(
+                    &at(value),
+                    format!("{name}: an axis needs at least one value"),
+                );
+            }
+            items.iter().map(|item| (raw(item), at(item))).collect()
+        }
+        DeValue::Table(range) => {
+            let mut unknown = entries(range);
+            unknown.retain(|(key, ..)| !RANGES.contains(key));
+            for (key, _, place) in &unknown {
+                unknown_key(place, &format!("{name}."), key, RANGES, faults);
+            }
+            if !unknown.is_empty() {
+                return Vec::new();
+            }
+            match range_values(kind, range) {
+                Ok(items) => items.into_iter().map(|item| (item, at(value))).collect(),
+                Err(fault) => {
+                    faults.add(&at(value), format!("{name}: {fault}"));
+                    Vec::new()
+                }
+            }
+        }
+        _ => {
+            faults.add(
+                &at(value),
+                format!("{name}: {} is not a list of values", raw(value)),
+            );
+            Vec::new()
+        }
     }
 }
 
