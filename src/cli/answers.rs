@@ -40,24 +40,8 @@ impl From<PublishError> for Failure {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    // Publish all of several runs or none.
     if let Some(into) = &arguments.publish {
-        let faults: Vec<PublishError> = arguments
-            .dirs
-            .iter()
-            .filter_map(|dir| check(dir, into, arguments.replace).err())
-            .collect();
-        if !faults.is_empty() {
-            let text = faults
-                .iter()
-                .map(PublishError::to_string)
-                .collect::<Vec<_>>()
-                .join("\n");
-            return Err(Failure::of(
-                faults.iter().all(PublishError::is_misuse),
-                text,
-            ));
-        }
+        check_all(&arguments.dirs, into, arguments.replace)?;
     }
     let mut published = BTreeMap::new();
     for dir in &arguments.dirs {
@@ -102,6 +86,20 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     ))
 }
 
+/// Fails if one of the runs cannot be published: publishes all or none.
+fn check_all(dirs: &[PathBuf], into: &Path, replace: bool) -> Result<(), Failure> {
+    let faults: Vec<PublishError> = dirs
+        .iter()
+        .filter_map(|dir| check(dir, into, replace).err())
+        .collect();
+    if faults.is_empty() {
+        return Ok(());
+    }
+    let lines: Vec<String> = faults.iter().map(PublishError::to_string).collect();
+    let is_misuse = faults.iter().all(PublishError::is_misuse);
+    Err(Failure::of(is_misuse, lines.join("\n")))
+}
+
 fn publish_one<'a>(
     name: &str,
     dir: &'a Path,
@@ -110,9 +108,10 @@ fn publish_one<'a>(
     published: &mut BTreeMap<String, &'a Path>,
 ) -> Result<(), Failure> {
     if let Some(other) = published.insert(name.to_owned(), dir) {
-        let (dir, other) = (dir.display(), other.display());
         return Err(Failure::input(format!(
-            "{dir}: {name} is already published from {other}; expected runs of different names"
+            "{}: {name} is already published from {}; expected runs of different names",
+            dir.display(),
+            other.display()
         )));
     }
     publish(dir, into, replace)?

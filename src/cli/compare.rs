@@ -67,20 +67,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         )));
     }
     let reference = read(&arguments.reference)?;
-    let (mask, mask_source) = match (&arguments.mask, &reference.alpha) {
-        (Some(path), _) => (
-            read(path)?.rgb.map(|texel| texel[0]),
-            format!("--mask {}", path.display()),
-        ),
-        (None, Some(alpha)) => (
-            alpha.clone(),
-            format!("the alpha channel of {}", arguments.reference.display()),
-        ),
-        (None, None) => (
-            GrayImage::filled(reference.rgb.width, reference.rgb.height, 1.0),
-            "all pixels".to_owned(),
-        ),
-    };
+    let Mask {
+        image: mask,
+        source,
+    } = mask(arguments, &reference)?;
     let curve = ToneCurve {
         exposure: arguments.exposure as f32,
         contrast: arguments.contrast as f32,
@@ -88,9 +78,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let epsilon = Epsilon::of_light(arguments.environment_mean);
     let comparison =
         Comparison::new(&test.rgb, &reference.rgb, &mask, curve, epsilon).map_err(|error| {
-            let (test, reference) = (arguments.test.display(), arguments.reference.display());
             Failure::input(format!(
-                "{test} against {reference}, masked by {mask_source}: {error}"
+                "{} against {}, masked by {source}: {error}",
+                arguments.test.display(),
+                arguments.reference.display()
             ))
         })?;
     log(&format!(
@@ -100,17 +91,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     ));
     let scores = comparison.evaluate_all();
     if arguments.json {
-        // JSON has no infinity: the bias of a black reference is the text "inf".
-        let value = |x: f64| {
-            if x.is_finite() {
-                json!(x)
-            } else {
-                json!(x.to_string())
-            }
-        };
         let scores: serde_json::Map<String, Value> = scores
             .iter()
-            .map(|(name, x)| ((*name).to_owned(), value(*x)))
+            .map(|(name, score)| ((*name).to_owned(), json_number(*score)))
             .collect();
         return print_data(&format!("{:#}\n", Value::Object(scores)));
     }
@@ -129,6 +112,41 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         ]);
     }
     print(&table.to_string())
+}
+
+/// The pixels to count.
+struct Mask {
+    image: GrayImage,
+    /// Where it comes from, in words.
+    source: String,
+}
+
+fn mask(arguments: &Arguments, reference: &Decoded) -> Result<Mask, Failure> {
+    if let Some(path) = &arguments.mask {
+        return Ok(Mask {
+            image: read(path)?.rgb.map(|texel| texel[0]),
+            source: format!("--mask {}", path.display()),
+        });
+    }
+    if let Some(alpha) = &reference.alpha {
+        return Ok(Mask {
+            image: alpha.clone(),
+            source: format!("the alpha channel of {}", arguments.reference.display()),
+        });
+    }
+    Ok(Mask {
+        image: GrayImage::filled(reference.rgb.width, reference.rgb.height, 1.0),
+        source: "all pixels".to_owned(),
+    })
+}
+
+/// JSON has no infinity: the bias of a black reference is the text "inf".
+fn json_number(number: f64) -> Value {
+    if number.is_finite() {
+        json!(number)
+    } else {
+        json!(number.to_string())
+    }
 }
 
 fn read(path: &Path) -> Result<Decoded, Failure> {

@@ -147,15 +147,13 @@ fn points(arguments: &Arguments) -> Result<Vec<Point>, Failure> {
         own_method(method.text())?;
         let mut point = axes.point();
         point[METHOD] = method;
-        match point.method().has_pass() {
-            true => Ok(point),
-            false => {
-                let name = point.method().name;
-                Err(Failure::input(format!(
-                    "--method {name}: has no shading pass to compile; leave it out"
-                )))
-            }
+        if !point.method().has_pass() {
+            return Err(Failure::input(format!(
+                "--method {}: has no shading pass to compile; leave it out",
+                point.method().name
+            )));
         }
+        Ok(point)
     };
     methods.into_iter().map(point).collect()
 }
@@ -228,9 +226,10 @@ fn families(
         .filter_map(|asked| asked.0)
         .find(|family| !names.contains(&family.name))
     {
-        let (lacking, names) = (lacking.name, names.join(", "));
         return Err(Failure::input(format!(
-            "--family {lacking}: {driver} does not compile for it; it has {names}"
+            "--family {}: {driver} does not compile for it; it has {}",
+            lacking.name,
+            names.join(", ")
         )));
     }
     if asked.is_empty() {

@@ -123,10 +123,11 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let answers = queries.answer(tolerance, progress::one_more);
     progress::end();
     if let Some(row) = answers.not_finite.first() {
-        let (path, count) = (arguments.queries.display(), answers.not_finite.len());
         return Err(Failure::failed(format!(
-            "{path}: the answer to query {row} is not finite ({count} in all): a cosine or width \
-             too small for f64"
+            "{}: the answer to query {row} is not finite ({} in all): a cosine or width too small \
+             for f64",
+            arguments.queries.display(),
+            answers.not_finite.len()
         )));
     }
     match &arguments.out {
@@ -134,9 +135,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         None => print_data(&String::from_utf8_lossy(&answers.to_csv()))?,
     }
     if answers.unmet > 0 {
-        let (unmet, all) = (answers.unmet, queries.len());
         log(&format!(
-            "warning: {unmet} of {all} answers did not reach the tolerance; see their error columns"
+            "warning: {} of {} answers did not reach the tolerance; see their error columns",
+            answers.unmet,
+            queries.len()
         ));
     }
     Ok(())

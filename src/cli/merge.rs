@@ -71,7 +71,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
 
 /// Lists missing cells, with the commands that render them.
 fn missing(arguments: &Arguments, merged: &Merged) -> Option<String> {
-    let (missing, dir) = (&merged.missing, arguments.dir.display());
+    let missing = &merged.missing;
+    let dir = arguments.dir.display();
     let cells = missing.cells.len();
     if cells + missing.timings == 0 {
         return None;

@@ -87,9 +87,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         timings,
         seconds,
     };
-    match arguments.json {
-        true => shown.write_json()?,
-        false => print(&shown.as_text(&dir))?,
+    if arguments.json {
+        shown.write_json()?;
+    } else {
+        print(&shown.as_text(&dir))?;
     }
     if plan.cells.is_empty() {
         return Err(arguments.subject.nothing_to_do());
@@ -151,19 +152,20 @@ impl Shown<'_> {
     }
 
     fn as_text(&self, dir: &Path) -> String {
-        let (plan, dir) = (self.plan, dir.display());
+        let plan = self.plan;
         let groups = plan.groups();
         let radiances: usize = groups.iter().map(|group| group.radiances.len()).sum();
         let count = |state: &str| self.states.iter().filter(|s| **s == state).count();
         let states = [DONE, "failed", "open"]
             .map(|state| format!("{} {state}", count(state)))
             .join(", ");
-        let (cells, references) = (plan.cells.len(), groups.len());
         let mut lines = vec![
             format!("{}: {}", plan.config.name, plan.config.question),
             format!(
-                "{cells} cells from {radiances} images and {references} references; {states} in \
-                 {dir}"
+                "{} cells from {radiances} images and {} references; {states} in {}",
+                plan.cells.len(),
+                groups.len(),
+                dir.display()
             ),
         ];
         lines.extend(

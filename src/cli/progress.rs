@@ -24,7 +24,7 @@ struct Shown {
     began: Instant,
     silent: Duration,
     /// Time of the last line.
-    said: Instant,
+    last_line: Instant,
     steps: Option<Steps>,
     bar: Option<ProgressBar>,
 }
@@ -79,10 +79,14 @@ pub fn one_more() {
         ..
     }) = &mut *shown()
     {
-        let (done, left) = (steps.done + 1, steps.total.saturating_sub(steps.done + 1));
-        let seconds = began.elapsed().as_secs_f64() * left as f64 / done as f64;
-        let share = done as f64 / steps.total.max(1) as f64;
-        (steps.done, steps.ahead, steps.updated) = (done, Ahead { share, seconds }, Instant::now());
+        let done = steps.done + 1;
+        let left = steps.total.saturating_sub(done);
+        steps.done = done;
+        steps.ahead = Ahead {
+            share: done as f64 / steps.total.max(1) as f64,
+            seconds: began.elapsed().as_secs_f64() * left as f64 / done as f64,
+        };
+        steps.updated = Instant::now();
     }
 }
 
@@ -108,7 +112,7 @@ fn follow(words: String, steps: Option<Steps>) {
         words,
         began: now,
         silent: SILENT,
-        said: now,
+        last_line: now,
         steps,
         bar: None,
     });
@@ -133,9 +137,9 @@ impl Shown {
                 .is_some_and(|steps| steps.ahead.seconds > 0.0);
         if !std::io::stderr().is_terminal() {
             let apart = LINES_APART.max(elapsed / 100);
-            let last = self.said.elapsed();
-            if is_due && (last >= apart || self.said == self.began && elapsed >= self.silent) {
-                self.say();
+            let is_first = self.last_line == self.began && elapsed >= self.silent;
+            if is_due && (is_first || self.last_line.elapsed() >= apart) {
+                self.write_line();
             }
         } else if is_due {
             let message = self.message();
@@ -157,8 +161,8 @@ impl Shown {
         }
     }
 
-    fn say(&mut self) {
-        self.said = Instant::now();
+    fn write_line(&mut self) {
+        self.last_line = Instant::now();
         // Nobody may be reading.
         let _ = writeln!(std::io::stderr(), "{}", printable(&self.message()));
     }
@@ -197,33 +201,35 @@ impl Progress for Terminal {
         if done > 0 {
             super::log(&format!("{done} of {total} steps are done already"));
         }
-        match done < total {
-            true => follow(
-                "starting".to_owned(),
-                Some(Steps {
-                    total,
-                    done,
-                    ahead,
-                    updated: Instant::now(),
-                }),
-            ),
-            false => doing(END),
+        if done >= total {
+            return doing(END);
         }
+        follow(
+            STARTING.to_owned(),
+            Some(Steps {
+                total,
+                done,
+                ahead,
+                updated: Instant::now(),
+            }),
+        );
     }
 
     fn step(&mut self, label: &str, failure: Option<&str>, ahead: Ahead) {
         let is_over = {
             let mut shown = shown();
             let Some(followed) = &mut *shown else { return };
-            let is_first = followed.words == "starting";
+            let is_first = followed.words == STARTING;
             label.clone_into(&mut followed.words);
             let Some(steps) = &mut followed.steps else {
                 return;
             };
-            (steps.done, steps.ahead, steps.updated) = (steps.done + 1, ahead, Instant::now());
+            steps.done += 1;
+            steps.ahead = ahead;
+            steps.updated = Instant::now();
             let is_over = steps.done >= steps.total;
             if (is_first || is_over) && failure.is_none() && !std::io::stderr().is_terminal() {
-                followed.say();
+                followed.write_line();
             }
             is_over
         };
@@ -240,4 +246,5 @@ impl Progress for Terminal {
     }
 }
 
+const STARTING: &str = "starting";
 const END: &str = "writing tables and contact sheets";

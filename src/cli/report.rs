@@ -87,7 +87,8 @@ impl AnswerFlags {
     /// metric of pictures is refused for a run without pictures.
     pub fn answered(&self, dir: &Path) -> Result<(Finished, Vec<Answer>), Failure> {
         let mut run = Finished::read(dir).map_err(Failure::input)?;
-        let (shown, metric) = (dir.display(), self.metric.as_deref());
+        let shown = dir.display();
+        let metric = self.metric.as_deref();
         if !self.weights.is_empty() {
             let fault = |fault| Failure::input(format!("--weights: {shown}: {fault}"));
             run = run.with_weights(&self.weights).map_err(fault)?;

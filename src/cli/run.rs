@@ -57,7 +57,8 @@ pub struct Arguments {
 }
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
-    let (started, subject) = (Instant::now(), &arguments.subject);
+    let started = Instant::now();
+    let subject = &arguments.subject;
     progress::doing("reading the experiment");
     let plan = subject.plan()?;
     if plan.cells.is_empty() {
@@ -93,10 +94,11 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let Some(shard) = arguments.shard else {
         return Ok(());
     };
-    let (cells, dir) = (outcome.cell_count, outcome.dir.display());
     print(&format!(
-        "Shard {shard} is done: {cells} of {} cells, in {dir}\n",
-        plan.cells.len()
+        "Shard {shard} is done: {} of {} cells, in {}\n",
+        outcome.cell_count,
+        plan.cells.len(),
+        outcome.dir.display()
     ))
 }
 

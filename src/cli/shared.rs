@@ -41,14 +41,15 @@ pub fn own_method(name: &str) -> Result<(), Failure> {
     let Some(path) = name.strip_prefix(FILE_PREFIX) else {
         return Ok(());
     };
-    own::load(name, Path::new(""))
-        .map(drop)
-        .map_err(|why| match Path::new(path).exists() {
-            true => Failure::input(why),
-            false => Failure::input(format!(
+    own::load(name, Path::new("")).map(drop).map_err(|why| {
+        if Path::new(path).exists() {
+            Failure::input(why)
+        } else {
+            Failure::input(format!(
                 "--method: {why}; expected file:PATH of your shader"
-            )),
-        })
+            ))
+        }
+    })
 }
 
 /// Finds a preset by its name, or reads it from a TOML file relative to the current folder.
@@ -66,9 +67,12 @@ pub fn preset(text: &str) -> Result<&'static Preset, String> {
 /// Loads a scene: a name or a file relative to the current folder.
 pub fn scene(name: &str) -> Result<Scene, String> {
     let is_missing = Path::new(name).extension().is_some() && !Path::new(name).exists();
-    Scene::load(name, Path::new("")).map_err(|why| match is_missing {
-        true => format!("--scene: {why}; expected a file, or a name of `splitsum list scenes`"),
-        false => why.to_string(),
+    Scene::load(name, Path::new("")).map_err(|why| {
+        if is_missing {
+            format!("--scene: {why}; expected a file, or a name of `splitsum list scenes`")
+        } else {
+            why.to_string()
+        }
     })
 }
 

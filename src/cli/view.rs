@@ -98,12 +98,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
             arguments.out.display()
         )));
     }
-    let (device, load) = (
-        arguments.seen.device.choice(),
-        arguments.seen.inputs.options(),
-    );
+    let load = arguments.seen.inputs.options();
     let options = Options {
-        device,
+        device: arguments.seen.device.choice(),
         validation: arguments.validation,
         ..Options::default()
     };
