@@ -113,10 +113,12 @@ impl Renderer for Pipeline {
         of_tables: bool,
         [warmup, rounds]: [u32; 2],
     ) -> Served<TimingSamples> {
-        Ok(match of_tables {
-            true => Pipeline::time_precompute(self, request, warmup, rounds)?,
-            false => Pipeline::time(self, request, warmup, rounds)?,
-        })
+        let samples = if of_tables {
+            Pipeline::time_precompute(self, request, warmup, rounds)?
+        } else {
+            Pipeline::time(self, request, warmup, rounds)?
+        };
+        Ok(samples)
     }
 
     fn take_warnings(&mut self) -> Vec<String> {
