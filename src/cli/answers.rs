@@ -35,7 +35,7 @@ pub struct Arguments {
 
 impl From<PublishError> for Failure {
     fn from(error: PublishError) -> Self {
-        Self::of(error.is_misuse(), error)
+        Self::by_misuse(error.is_misuse(), error)
     }
 }
 
@@ -97,7 +97,7 @@ fn check_all(dirs: &[PathBuf], into: &Path, replace: bool) -> Result<(), Failure
     }
     let lines: Vec<String> = faults.iter().map(PublishError::to_string).collect();
     let is_misuse = faults.iter().all(PublishError::is_misuse);
-    Err(Failure::of(is_misuse, lines.join("\n")))
+    Err(Failure::by_misuse(is_misuse, lines.join("\n")))
 }
 
 fn publish_one<'a>(

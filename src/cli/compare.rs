@@ -32,10 +32,20 @@ pub struct Arguments {
     #[arg(long)]
     json: bool,
     /// Set the factor before the tone curve, for display metrics.
-    #[arg(long, value_name = "E", default_value = "1", value_parser = |text: &str| number(EXPOSURE, text))]
+    #[arg(
+        long,
+        value_name = "E",
+        default_value = "1",
+        value_parser = |text: &str| number(EXPOSURE, text),
+    )]
     exposure: f64,
     /// Set the exponent of the tone curve times 2.2, for display metrics.
-    #[arg(long, value_name = "C", default_value = "1", value_parser = |text: &str| number(CONTRAST, text))]
+    #[arg(
+        long,
+        value_name = "C",
+        default_value = "1",
+        value_parser = |text: &str| number(CONTRAST, text),
+    )]
     contrast: f64,
     /// Set the light's mean luminance m; relative metrics add 0.01 m^2 to r^2.
     #[arg(long, value_name = "M", default_value = "1", value_parser = mean)]

@@ -245,7 +245,7 @@ fn families(
 
 /// A missing compiler is bad input, a failing one a failure.
 fn failure(fault: CompileFault) -> Failure {
-    Failure::of(matches!(fault, CompileFault::NoRadv { .. }), fault)
+    Failure::by_misuse(matches!(fault, CompileFault::NoRadv { .. }), fault)
 }
 
 /// Runs the hidden command.

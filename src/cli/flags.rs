@@ -13,18 +13,33 @@ use splitsum::instrument::scene::{CameraKind, Orbit, Scene};
 
 /// Flags other than the axes.
 #[derive(Args, Clone, Debug)]
-pub struct SeenFlags {
+pub struct ViewFlags {
     /// Choose the camera: ortho or perspective.
-    #[arg(long, value_name = "NAME", default_value = CameraKind::names()[0], value_parser = |name: &str| CameraKind::parse(name).copied())]
+    #[arg(
+        long,
+        value_name = "NAME",
+        default_value = CameraKind::names()[0],
+        value_parser = |name: &str| CameraKind::parse(name).copied(),
+    )]
     camera: CameraKind,
     /// Turn the camera: yaw and pitch in degrees, and a distance factor in [0.1, 4].
-    #[arg(long, value_name = "YAW,PITCH,DISTANCE", allow_hyphen_values = true, value_parser = parse_orbit)]
+    #[arg(
+        long,
+        value_name = "YAW,PITCH,DISTANCE",
+        allow_hyphen_values = true,
+        value_parser = parse_orbit,
+    )]
     pub orbit: Option<Orbit>,
     /// Show the environment behind the scene.
     #[arg(long)]
     pub background: bool,
     /// Seed the reference's samples.
-    #[arg(long, value_name = "N", default_value = "1", value_parser = |text: &str| SEED.parse_text(text))]
+    #[arg(
+        long,
+        value_name = "N",
+        default_value = "1",
+        value_parser = |text: &str| SEED.parse_text(text),
+    )]
     seed: Value,
     #[command(flatten)]
     pub inputs: InputFlags,
@@ -32,7 +47,7 @@ pub struct SeenFlags {
     pub device: DeviceFlag,
 }
 
-impl SeenFlags {
+impl ViewFlags {
     /// Builds the view, with a reference's default sample count.
     pub fn view(&self) -> View {
         View {
@@ -84,11 +99,13 @@ fn parse_orbit(text: &str) -> Result<Orbit, String> {
         .and_then(Orbit::new)
 }
 
+/// The flags of axes that the user wrote.
 #[derive(Clone, Debug, Default)]
-pub struct AxisFlags(Vec<Given>);
+pub struct AxisFlags(Vec<AxisFlag>);
 
 #[derive(Clone, Debug)]
-pub struct Given {
+pub struct AxisFlag {
+    /// Without its dashes.
     pub flag: String,
     /// Index into [`AXES`].
     pub axis: AxisId,
@@ -99,20 +116,20 @@ impl AxisFlags {
     /// Returns the point; axes without a flag have their defaults.
     pub fn point(&self) -> Point {
         let mut point = Point::default();
-        self.0
-            .iter()
-            .for_each(|given| point[given.axis] = given.value.clone());
+        for flag in &self.0 {
+            point[flag.axis] = flag.value.clone();
+        }
         point
     }
 
     pub fn get(&self, axis: AxisId) -> Option<&Value> {
         self.0
             .iter()
-            .find(|given| given.axis == axis)
-            .map(|given| &given.value)
+            .find(|flag| flag.axis == axis)
+            .map(|flag| &flag.value)
     }
 
-    pub fn iter(&self) -> impl Iterator<Item = &Given> {
+    pub fn iter(&self) -> impl Iterator<Item = &AxisFlag> {
         self.0.iter()
     }
 }
@@ -120,25 +137,14 @@ impl AxisFlags {
 /// Writes one line of help: phrase, values, default.
 fn help(named: Named) -> String {
     let about = capitalised(named.about());
-    let default = if named.is_second() {
-        Value::Unset
-    } else {
-        (named.entry().default)()
-    };
-    let values = if matches!(named.kind(), Kind::Input) {
-        String::new()
-    } else {
-        named.kind().describe()
-    };
-    let default = if default == Value::Unset {
-        String::new()
-    } else {
-        format!("default: {default}")
-    };
-    let facts: Vec<String> = [values, default]
-        .into_iter()
-        .filter(|text| !text.is_empty())
-        .collect();
+    let mut facts = Vec::new();
+    if !matches!(named.kind(), Kind::Input) {
+        facts.push(named.kind().describe());
+    }
+    let default = (named.entry().default)();
+    if default != Value::Unset && !named.is_second() {
+        facts.push(format!("default: {default}"));
+    }
     if facts.is_empty() {
         about
     } else {
@@ -187,18 +193,16 @@ impl FromArgMatches for AxisFlags {
     }
 
     fn update_from_arg_matches(&mut self, matches: &ArgMatches) -> Result<(), Error> {
-        let given = |named: Named| {
-            let values = matches
-                .get_many::<Value>(named.name())
-                .into_iter()
-                .flatten();
-            values.map(move |value| Given {
-                flag: named.flag(),
-                axis: named.axis,
-                value: value.clone(),
-            })
-        };
-        self.0 = Named::all().flat_map(given).collect();
+        self.0.clear();
+        for named in Named::all() {
+            let values = matches.get_many::<Value>(named.name());
+            self.0
+                .extend(values.into_iter().flatten().map(|value| AxisFlag {
+                    flag: named.flag(),
+                    axis: named.axis,
+                    value: value.clone(),
+                }));
+        }
         Ok(())
     }
 }

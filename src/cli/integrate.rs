@@ -19,7 +19,12 @@ pub struct Arguments {
     /// Read queries from this CSV file; see below for its columns.
     queries: PathBuf,
     /// Choose shading, ladder, dfg, prefilter, irradiance or sh9.
-    #[arg(long, value_name = "NAME", default_value = "shading", value_parser = |name: &str| Kind::parse(name).copied())]
+    #[arg(
+        long,
+        value_name = "NAME",
+        default_value = "shading",
+        value_parser = |name: &str| Kind::parse(name).copied(),
+    )]
     kind: Kind,
     /// Write the table to FILE.csv [default: standard output].
     #[arg(long, value_name = "FILE.csv")]
@@ -81,7 +86,8 @@ coat_layering {layerings}; sheen_visibility {visibilities}.
 Radiance is in the units of the map, looked up bilinearly.
 
 Examples:
-  printf 'environment,brdf,alpha,f0,nx,ny,nz,vx,vy,vz\\nbuiltin:sky,ggx,0.25,0.04,0,0.6,0.8,0,0,1\\n' > queries.csv
+  printf 'environment,brdf,alpha,f0,nx,ny,nz,vx,vy,vz\\nbuiltin:sky,ggx,0.25,0.04,0,0.6,0.8,0,0,1\\n' \
+  > queries.csv
   splitsum integrate queries.csv
   printf 'brdf,masking,alpha,n_dot_v\\nphong,separable,1,0.1\\nphong,smith-exact,1,0.1\\n' > \
   albedo.csv

@@ -107,7 +107,8 @@ impl Failure {
         }
     }
 
-    fn of(is_misuse: bool, text: impl ToString) -> Self {
+    /// Bad input if `is_misuse`, else a failure.
+    fn by_misuse(is_misuse: bool, text: impl ToString) -> Self {
         if is_misuse {
             Self::input(text)
         } else {
@@ -171,7 +172,7 @@ impl From<RunError> for Failure {
             RunError::NoRenderer(_) => Self::input(text),
             RunError::Damaged(_) => Self::failed(text),
             RunError::Store(error) if error.is_passing() => Self::passing(text),
-            RunError::Store(error) => Self::of(error.is_misuse(), text),
+            RunError::Store(error) => Self::by_misuse(error.is_misuse(), text),
         }
     }
 }
@@ -226,69 +227,91 @@ pub fn main() -> ExitCode {
 
 /// Describes wrong arguments as other bad input: `--alpha: 3 is outside [0.001, 1]`.
 fn usage_fault(error: &clap::Error) -> String {
-    let text = |kind| match error.get(kind) {
-        Some(ContextValue::Strings(words)) => words.join(", "),
-        found => found.map(ToString::to_string).unwrap_or_default(),
-    };
-    let name = |kind| {
-        text(kind)
-            .replace(['<', '>', '[', ']'], "")
-            .replace("...", "")
-    };
-    let argument = name(ContextKind::InvalidArg);
+    let argument = context_name(error, ContextKind::InvalidArg);
     let flag = argument.split(' ').next().unwrap_or_default();
-    let value = text(ContextKind::InvalidValue) + &text(ContextKind::InvalidSubcommand);
-    let cli = Cli::command();
-    let commands: Vec<&str> = cli
-        .get_subcommands()
-        .filter(|c| !c.is_hide_set())
-        .map(|c| c.get_name())
-        .collect();
-    let fault = match (error.kind(), error.source()) {
-        (ErrorKind::ValueValidation, Some(source)) => match source.to_string() {
-            _ if source.is::<ParseIntError>() => {
-                return format!("{flag}: {value:?} is not a whole number of at least 0");
-            }
-            why if why.contains(&value) => return format!("{flag}: {why}"),
-            why => return format!("{flag}: {value:?}: {why}"),
+    let value =
+        context(error, ContextKind::InvalidValue) + &context(error, ContextKind::InvalidSubcommand);
+    let fault = match error.kind() {
+        ErrorKind::ValueValidation => match error.source() {
+            Some(source) => return value_fault(flag, &value, source),
+            None => first_line(error),
         },
-        (ErrorKind::InvalidSubcommand, _) => return not_one_of("command", &value, &commands, ""),
-        (ErrorKind::InvalidValue, _) if !value.is_empty() => {
-            return not_one_of(
-                "name",
-                &value,
-                &text(ContextKind::ValidValue)
-                    .split(", ")
-                    .collect::<Vec<_>>(),
-                "",
-            );
+        ErrorKind::InvalidSubcommand => {
+            let commands = command_names();
+            let commands: Vec<&str> = commands.iter().map(String::as_str).collect();
+            return not_one_of("command", &value, &commands, "");
         }
-        (ErrorKind::InvalidValue | ErrorKind::MissingRequiredArgument, _) => {
+        ErrorKind::InvalidValue if !value.is_empty() => {
+            let names = context(error, ContextKind::ValidValue);
+            let names: Vec<&str> = names.split(", ").collect();
+            return not_one_of("name", &value, &names, "");
+        }
+        ErrorKind::InvalidValue | ErrorKind::MissingRequiredArgument => {
             format!("{argument} is missing")
         }
-        (ErrorKind::TooManyValues, _) => format!("{flag} takes no value"),
-        (ErrorKind::ArgumentConflict, _) => format!(
+        ErrorKind::TooManyValues => format!("{flag} takes no value"),
+        ErrorKind::ArgumentConflict => format!(
             "{argument} cannot be used with {}",
-            name(ContextKind::PriorArg)
+            context_name(error, ContextKind::PriorArg)
         ),
-        (ErrorKind::UnknownArgument, _) => match text(ContextKind::SuggestedArg) {
-            near if near.is_empty() => format!("{argument} is unknown"),
-            near => return format!("{argument} is unknown; did you mean {near}?"),
-        },
-        _ => error
-            .to_string()
-            .lines()
-            .next()
-            .unwrap_or_default()
-            .replace("error: ", ""),
+        ErrorKind::UnknownArgument => {
+            let near = context(error, ContextKind::SuggestedArg);
+            if !near.is_empty() {
+                return format!("{argument} is unknown; did you mean {near}?");
+            }
+            format!("{argument} is unknown")
+        }
+        _ => first_line(error),
     };
     let command = std::env::args()
         .nth(1)
-        .filter(|word| commands.contains(&word.as_str()));
+        .filter(|word| command_names().contains(word));
     format!(
         "{fault}; see `splitsum{} --help`",
         command.map_or_else(String::new, |name| format!(" {name}"))
     )
+}
+
+/// Describes a value that its parser refused.
+fn value_fault(flag: &str, value: &str, source: &(dyn Error + 'static)) -> String {
+    if source.is::<ParseIntError>() {
+        return format!("{flag}: {value:?} is not a whole number of at least 0");
+    }
+    let why = source.to_string();
+    if why.contains(value) {
+        format!("{flag}: {why}")
+    } else {
+        format!("{flag}: {value:?}: {why}")
+    }
+}
+
+/// A fact of clap about an error; empty if it has none.
+fn context(error: &clap::Error, kind: ContextKind) -> String {
+    match error.get(kind) {
+        Some(ContextValue::Strings(words)) => words.join(", "),
+        found => found.map(ToString::to_string).unwrap_or_default(),
+    }
+}
+
+/// As [`context`], for arguments: without clap's brackets and dots.
+fn context_name(error: &clap::Error, kind: ContextKind) -> String {
+    context(error, kind)
+        .replace(['<', '>', '[', ']'], "")
+        .replace("...", "")
+}
+
+fn first_line(error: &clap::Error) -> String {
+    let text = error.to_string();
+    let line = text.lines().next().unwrap_or_default();
+    line.replace("error: ", "")
+}
+
+fn command_names() -> Vec<String> {
+    Cli::command()
+        .get_subcommands()
+        .filter(|command| !command.is_hide_set())
+        .map(|command| command.get_name().to_owned())
+        .collect()
 }
 
 /// Writes to standard output for people, with control characters escaped.
@@ -306,7 +329,7 @@ fn print(text: &str) -> Result<(), Failure> {
 /// Writes to standard output for programs; a closed pipe (`splitsum list | head`) is not a failure.
 fn print_data(text: &str) -> Result<(), Failure> {
     use std::io::Write;
-    match progress::beside(|| std::io::stdout().write_all(text.as_bytes())) {
+    match progress::without_bar(|| std::io::stdout().write_all(text.as_bytes())) {
         Err(error) if error.kind() != std::io::ErrorKind::BrokenPipe => {
             Err(Failure::failed(format!("standard output: {error}")))
         }
@@ -331,11 +354,13 @@ fn log(text: &str) {
         .lines()
         .map(|line| printable(&without_numbers(line)))
         .collect();
-    let _ = progress::beside(|| writeln!(std::io::stderr(), "{}", lines.join("\n")));
+    let _ = progress::without_bar(|| writeln!(std::io::stderr(), "{}", lines.join("\n")));
 }
 
 fn warn_all(name: &str, warnings: &[String]) {
-    warnings.iter().for_each(|warning| warn(name, warning));
+    for warning in warnings {
+        warn(name, warning);
+    }
 }
 
 fn warn(name: &str, warning: &str) {

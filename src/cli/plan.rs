@@ -195,12 +195,18 @@ impl Shown<'_> {
     fn write_json(&self) -> Result<(), Failure> {
         let plan = self.plan;
         print_data("{\n  \"cells\": [")?;
-        for (place, (cell, state)) in plan.cells.iter().zip(self.states).enumerate() {
+        for (index, (cell, state)) in plan.cells.iter().zip(self.states).enumerate() {
             let names = |axis: AxisId| columns(axis).zip(fields(axis, &cell.point[axis]));
             let axes: BTreeMap<&str, String> =
                 plan.columns.iter().flat_map(|axis| names(*axis)).collect();
-            let line = json!({ "id": cell.id, "radiance": cell.radiance, "reference": cell.reference, "state": state, "axes": axes });
-            let comma = if place == 0 { "" } else { "," };
+            let line = json!({
+                "id": cell.id,
+                "radiance": cell.radiance,
+                "reference": cell.reference,
+                "state": state,
+                "axes": axes,
+            });
+            let comma = if index == 0 { "" } else { "," };
             print_data(&format!("{comma}\n    {line}"))?;
         }
         let rest = format!("{:#}\n", self.rest());

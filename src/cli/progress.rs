@@ -97,7 +97,7 @@ pub fn end() {
 }
 
 /// Writes while no bar is drawn.
-pub fn beside<T>(write: impl FnOnce() -> T) -> T {
+pub fn without_bar<T>(write: impl FnOnce() -> T) -> T {
     match &*shown() {
         Some(Shown { bar: Some(bar), .. }) => bar.suspend(write),
         _ => write(),

@@ -1,16 +1,19 @@
 //! `splitsum render`: one image.
 
-use super::flags::{AxisFlags, Given, SeenFlags};
+use super::flags::{AxisFlag, AxisFlags, ViewFlags};
 use super::shared::{check_out, own_method, scene};
 use super::{Failure, log, print, progress};
 use clap::Args;
 use splitsum::bake::given;
 use splitsum::base::pixels::png;
 use splitsum::experiment::axis::{
-    AXES, BLUR, FRAMES, Layer, METHOD, Point, Reference, SAMPLES, View, is_blurred, motion_fault,
+    AXES, BLUR, FRAMES, Layer, METHOD, Point, Reference, SAMPLES, Settings, View, is_blurred,
+    motion_fault,
 };
 use splitsum::experiment::value::{Kind, Range, Value};
 use splitsum::instrument::environment::Environment;
+use splitsum::instrument::pipeline::Frame;
+use splitsum::instrument::scene::Scene;
 use splitsum::instrument::shade::reference_pass::pair_count;
 use splitsum::run::{RenderFault, write_radiance};
 use std::path::{Path, PathBuf};
@@ -33,13 +36,17 @@ pub struct Arguments {
     #[arg(long, value_name = "FILE")]
     out: PathBuf,
     /// Stop the reference early, at this relative standard error.
-    #[arg(long, value_name = "E", value_parser = |text: &str| Kind::Number(Range::above(0.0, 1.0)).parse_text(text))]
+    #[arg(
+        long,
+        value_name = "E",
+        value_parser = |text: &str| Kind::Number(Range::above(0.0, 1.0)).parse_text(text),
+    )]
     relative_error: Option<Value>,
     /// Antialias edges; pixels on them leave the mask.
     #[arg(long)]
     antialias: bool,
     #[command(flatten)]
-    seen: SeenFlags,
+    view: ViewFlags,
     #[command(flatten)]
     axes: AxisFlags,
 }
@@ -58,40 +65,56 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         .precompute
         .validate()
         .map_err(Failure::input)?;
-    let seen = &arguments.seen;
-    let here = Path::new("");
-    let environment = Environment::load(&settings.environment, here, &seen.inputs.options());
-    let scene = scene(&settings.scene);
-    let (environment, scene) = match (environment, scene) {
-        (Ok(environment), Ok(scene)) => (Arc::new(environment), scene),
-        (environment, scene) => {
-            let faults = [environment.err().map(|e| e.to_string()), scene.err()];
-            return Err(Failure::input(
-                faults.into_iter().flatten().collect::<Vec<_>>().join("\n"),
-            ));
-        }
-    };
-    seen.check(&scene)?;
-    for (name, warnings) in [
-        (&environment.name, &environment.warnings),
-        (&scene.name, &scene.warnings),
-    ] {
-        super::warn_all(name, warnings);
-    }
+    let (environment, scene) = loaded(arguments, &settings)?;
     let view = View {
         reference_error: arguments.relative_error.as_ref().map(Value::number),
         reference_samples: reference_samples(arguments),
         antialias: arguments.antialias,
-        ..seen.view()
+        ..arguments.view.view()
     };
     let curve = settings.curve;
-    let given = given::load(&settings.prefiltered, &settings.dfg, here).map_err(Failure::input)?;
+    let given =
+        given::load(&settings.prefiltered, &settings.dfg, Path::new("")).map_err(Failure::input)?;
     let request = settings.request(&environment, &scene, &view, given);
     progress::doing("rendering");
-    let mut pipeline = seen.device.open().map_err(Failure::opening)?;
+    let mut pipeline = arguments.view.device.open().map_err(Failure::opening)?;
     let frame = pipeline
         .render(&request)
         .map_err(|error| Failure::rendering(RenderFault::from(error)))?;
+    log_convergence(&frame);
+    if is_linear {
+        write_radiance(&arguments.out, &frame).map_err(Failure::failed)?;
+    } else {
+        let picture = pipeline.tonemap(&frame.radiance, curve);
+        let (picture, _) = picture.map_err(|error| Failure::rendering(RenderFault::from(error)))?;
+        png::write_rgb8(&arguments.out, &picture).map_err(Failure::failed)?;
+    }
+    print(&format!("{}\n", arguments.out.display()))
+}
+
+/// Loads environment and scene, with the faults of both, and prints their warnings.
+fn loaded(
+    arguments: &Arguments,
+    settings: &Settings,
+) -> Result<(Arc<Environment>, Scene), Failure> {
+    let options = arguments.view.inputs.options();
+    let environment = Environment::load(&settings.environment, Path::new(""), &options);
+    let (environment, scene) = match (environment, scene(&settings.scene)) {
+        (Ok(environment), Ok(scene)) => (environment, scene),
+        (environment, scene) => {
+            let faults = [environment.err().map(|e| e.to_string()), scene.err()];
+            let faults: Vec<String> = faults.into_iter().flatten().collect();
+            return Err(Failure::input(faults.join("\n")));
+        }
+    };
+    arguments.view.check(&scene)?;
+    super::warn_all(&environment.name, &environment.warnings);
+    super::warn_all(&scene.name, &scene.warnings);
+    Ok((Arc::new(environment), scene))
+}
+
+/// Prints where each reference term of an image stopped.
+fn log_convergence(frame: &Frame) {
     for term in &frame.convergences {
         let met = if term.is_met {
             ""
@@ -103,14 +126,6 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
             term.term, term.sample_count, term.relative_error
         ));
     }
-    if is_linear {
-        write_radiance(&arguments.out, &frame).map_err(Failure::failed)?;
-    } else {
-        let picture = pipeline.tonemap(&frame.radiance, curve);
-        let (picture, _) = picture.map_err(|error| Failure::rendering(RenderFault::from(error)))?;
-        png::write_rgb8(&arguments.out, &picture).map_err(Failure::failed)?;
-    }
-    print(&format!("{}\n", arguments.out.display()))
 }
 
 /// Returns the files that the command reads.
@@ -139,7 +154,7 @@ fn check_used(arguments: &Arguments, point: &Point, is_linear: bool) -> Result<(
     let diffuse = point.diffuse().name;
     let has_reference_term = point.method().is_integrated() || point.diffuse().is_integrated();
     let mut faults = Vec::new();
-    for Given { flag, axis, .. } in arguments.axes.iter() {
+    for AxisFlag { flag, axis, .. } in arguments.axes.iter() {
         let is_reference_count = *axis == SAMPLES && has_reference_term;
         if collapsed[*axis] == Value::Unset && !is_reference_count {
             let without = format!("with method {method} and diffuse {diffuse}");

@@ -37,7 +37,11 @@ pub struct Arguments {
 #[derive(Args, Debug, Default)]
 pub struct AnswerFlags {
     /// Answer by this metric (`splitsum list metrics`) [default: the experiment's].
-    #[arg(long, value_name = "NAME", value_parser = |name: &str| Metric::parse(name).map(|metric| metric.name().to_owned()))]
+    #[arg(
+        long,
+        value_name = "NAME",
+        value_parser = |name: &str| Metric::parse(name).map(|metric| metric.name().to_owned()),
+    )]
     pub metric: Option<String>,
     /// Weigh views by these, first the leading one [default: the experiment's].
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
@@ -78,7 +82,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
 
 impl From<PageError> for Failure {
     fn from(error: PageError) -> Self {
-        Self::of(error.is_misuse(), error)
+        Self::by_misuse(error.is_misuse(), error)
     }
 }
 

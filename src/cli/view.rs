@@ -1,7 +1,7 @@
 //! `splitsum view`.
 
 use super::Failure;
-use super::flags::{AxisFlags, SeenFlags};
+use super::flags::{AxisFlags, ViewFlags};
 use super::shared::{own_method, scene};
 use clap::Args;
 use splitsum::base::names::Listed;
@@ -33,7 +33,11 @@ pub struct Arguments {
     #[arg(long)]
     no_background: bool,
     /// Choose the method of the right half.
-    #[arg(long, value_name = "NAME", value_parser = |text: &str| AXES[METHOD].kind.parse_text(text))]
+    #[arg(
+        long,
+        value_name = "NAME",
+        value_parser = |text: &str| AXES[METHOD].kind.parse_text(text),
+    )]
     right: Option<Value>,
     /// Stop the reference at N samples per pixel [default: 4096].
     #[arg(long, value_name = "N", value_parser = parse_samples)]
@@ -42,7 +46,7 @@ pub struct Arguments {
     #[arg(long, hide = true)]
     validation: bool,
     #[command(flatten)]
-    seen: SeenFlags,
+    view: ViewFlags,
     #[command(flatten)]
     axes: AxisFlags,
 }
@@ -88,19 +92,19 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
     // Bad input is reported before a window opens.
     let settings = state.point.settings();
-    arguments.seen.inputs.environment(&settings.environment)?;
+    arguments.view.inputs.environment(&settings.environment)?;
     let scene = scene(&settings.scene).map_err(Failure::input)?;
     super::warn_all(&scene.name, &scene.warnings);
-    arguments.seen.check(&scene)?;
+    arguments.view.check(&scene)?;
     if !arguments.out.is_dir() {
         return Err(Failure::input(format!(
             "--out: there is no folder {}",
             arguments.out.display()
         )));
     }
-    let load = arguments.seen.inputs.options();
+    let load = arguments.view.inputs.options();
     let options = Options {
-        device: arguments.seen.device.choice(),
+        device: arguments.view.device.choice(),
         validation: arguments.validation,
         ..Options::default()
     };
@@ -151,13 +155,13 @@ fn state(arguments: &Arguments) -> State {
     for (axis, text) in firsts.into_iter().filter(|(axis, _)| !is_given(*axis)) {
         point[axis] = AXES[axis].kind.parse_text(text).expect("a valid default");
     }
-    let mut view = arguments.seen.view();
+    let mut view = arguments.view.view();
     view.reference_samples = arguments
         .reference_samples
         .unwrap_or(view.reference_samples);
     if !is_design(point[SCENE].text()) {
         view.background = !arguments.no_background;
-        view.orbit = arguments.seen.orbit.unwrap_or(HOME);
+        view.orbit = arguments.view.orbit.unwrap_or(HOME);
     }
     let state = State::new(point, view);
     let right = arguments.right.clone().unwrap_or(state.right.clone());
