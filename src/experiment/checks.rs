@@ -5,7 +5,7 @@ use super::axis::{
     METALLIC, METHOD, MOTION, Named, PREFILTER_SIZE, PREFILTERED, Point, SAMPLES, SCENE,
     SHEEN_COLOR, SIZE, motion_fault,
 };
-use super::config::{Config, Placed, Sweep};
+use super::config::{Condition, Config, Placed, Sweep};
 use super::fault::{Faults, Place};
 use super::inputs::Inputs;
 use super::value::Value;
@@ -192,19 +192,19 @@ pub fn check_exclusions(config: &Config, faults: &mut Faults) {
         config
             .axes
             .iter()
-            .all(|s| s.axis != axis || s.values.len() == s.written && s.written > 0)
+            .filter(|sweep| sweep.axis == axis)
+            .all(|sweep| sweep.values.len() == sweep.written && sweep.written > 0)
     };
     let conditions = config
         .exclusions
         .iter()
         .flat_map(|exclusion| &exclusion.conditions);
-    for (axis, values) in conditions.filter(|(axis, _)| is_read(*axis)) {
+    for Condition { axis, values } in conditions.filter(|condition| is_read(condition.axis)) {
         let known = values_of(config, *axis);
-        for Placed { value, place } in values
-            .iter()
-            .filter(|placed| !known.contains(&&placed.value))
-        {
-            faults.add(place, off_axis(config.named(*axis), value, &known));
+        for Placed { value, place } in values {
+            if !known.contains(&value) {
+                faults.add(place, off_axis(config.named(*axis), value, &known));
+            }
         }
     }
 }

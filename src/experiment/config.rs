@@ -22,7 +22,6 @@ pub struct Placed {
 
 #[derive(Clone, Debug)]
 pub struct Sweep {
-    /// Index into [`AXES`].
     pub axis: AxisId,
     pub named: Named,
     pub values: Vec<Placed>,
@@ -34,13 +33,12 @@ pub struct Sweep {
 pub struct Ask {
     pub question: String,
     pub place: Place,
-    /// The axis (index into [`AXES`]) of the answer's rows.
+    /// The axis of the answer's rows.
     pub by: Option<(AxisId, Place)>,
 }
 
 #[derive(Clone, Debug)]
 pub struct Zip {
-    /// Indices into [`AXES`].
     pub axes: Vec<AxisId>,
     pub place: Place,
 }
@@ -48,10 +46,23 @@ pub struct Zip {
 /// Combinations to leave out: every condition must match.
 #[derive(Clone, Debug)]
 pub struct Exclusion {
-    /// Index of an axis, and the values that match.
-    pub conditions: Vec<(AxisId, Vec<Placed>)>,
+    pub conditions: Vec<Condition>,
     pub why: String,
     pub place: Place,
+}
+
+/// The values of an axis that match.
+#[derive(Clone, Debug)]
+pub struct Condition {
+    pub axis: AxisId,
+    pub values: Vec<Placed>,
+}
+
+impl Condition {
+    fn matches(&self, point: &Point) -> bool {
+        let mut values = self.values.iter();
+        values.any(|placed| placed.value == point[self.axis])
+    }
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -274,12 +285,10 @@ impl Config {
 
     /// Finds the first exclusion that matches a point.
     pub fn exclusion_of(&self, point: &Point) -> Option<usize> {
-        let matches = |(axis, values): &(AxisId, Vec<Placed>)| {
-            values.iter().any(|placed| placed.value == point.0[*axis])
-        };
-        self.exclusions
-            .iter()
-            .position(|exclusion| exclusion.conditions.iter().all(matches))
+        self.exclusions.iter().position(|exclusion| {
+            let mut conditions = exclusion.conditions.iter();
+            conditions.all(|condition| condition.matches(point))
+        })
     }
 
     fn read_key(

@@ -106,7 +106,7 @@ pub struct Faults<'a> {
     lines: Lines<'a>,
     found: Vec<Fault>,
     /// Hashes of known faults: many combinations have the same one.
-    seen: HashSet<u64>,
+    known: HashSet<u64>,
     more: usize,
 }
 
@@ -116,7 +116,7 @@ impl<'a> Faults<'a> {
             path,
             lines: Lines::new(text),
             found: Vec::new(),
-            seen: HashSet::new(),
+            known: HashSet::new(),
             more: 0,
         }
     }
@@ -126,7 +126,7 @@ impl<'a> Faults<'a> {
         let mut text = text.into();
         let mut hasher = DefaultHasher::new();
         (place, &text).hash(&mut hasher);
-        if !self.seen.insert(hasher.finish()) {
+        if !self.known.insert(hasher.finish()) {
             return;
         }
         if self.found.len() == FAULTS_SHOWN {

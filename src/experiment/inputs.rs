@@ -28,22 +28,22 @@ pub struct Inputs {
 /// keep their names.
 pub fn short_names<'n>(names: impl IntoIterator<Item = &'n str>) -> BTreeMap<String, String> {
     let stems: BTreeMap<&str, String> = names.into_iter().map(|name| (name, stem(name))).collect();
-    let is_own = |stem: &String| {
-        stems
+    let is_unique = |stem: &String| {
+        let alike = stems
             .iter()
-            .filter(|(name, other)| *other == stem || *name == stem)
-            .count()
-            == 1
+            .filter(|(name, other)| *other == stem || *name == stem);
+        alike.count() == 1
     };
-    let short = |(name, stem): (&&str, &String)| {
-        let short = if is_own(stem) {
+    let mut short_names = BTreeMap::new();
+    for (name, stem) in &stems {
+        let short = if is_unique(stem) {
             stem.clone()
         } else {
             name.to_string()
         };
-        (name.to_string(), short)
-    };
-    stems.iter().map(short).collect()
+        short_names.insert(name.to_string(), short);
+    }
+    short_names
 }
 
 /// The stem of a file with its layer; other names as they are.

@@ -61,8 +61,22 @@ pub struct Plan {
 #[derive(Debug)]
 pub struct ReferenceGroup<'p> {
     pub id: &'p str,
-    /// Id of each radiance, and the cells that share it.
-    pub radiances: Vec<(&'p str, Vec<&'p Cell>)>,
+    pub radiances: Vec<RadianceGroup<'p>>,
+}
+
+/// Cells that share an image before its tone curve.
+#[derive(Debug)]
+pub struct RadianceGroup<'p> {
+    pub id: &'p str,
+    pub cells: Vec<&'p Cell>,
+}
+
+impl<'p> ReferenceGroup<'p> {
+    pub fn cells(&self) -> impl Iterator<Item = &'p Cell> + Clone {
+        self.radiances
+            .iter()
+            .flat_map(|radiance| radiance.cells.iter().copied())
+    }
 }
 
 /// An experiment's text and where its paths start.
@@ -124,8 +138,8 @@ impl Plan {
         let excluding: usize = config
             .exclusions
             .iter()
-            .flat_map(|e| &e.conditions)
-            .map(|(_, values)| values.len())
+            .flat_map(|exclusion| &exclusion.conditions)
+            .map(|condition| condition.values.len())
             .sum();
         if combinations > COMBINATIONS_MAX {
             faults.add(
@@ -166,10 +180,13 @@ impl Plan {
             let radiance = *radiance_of
                 .entry((group, &cell.radiance))
                 .or_insert_with(|| {
-                    radiances.push((&cell.radiance, Vec::new()));
+                    radiances.push(RadianceGroup {
+                        id: &cell.radiance,
+                        cells: Vec::new(),
+                    });
                     radiances.len() - 1
                 });
-            radiances[radiance].1.push(cell);
+            radiances[radiance].cells.push(cell);
         }
         groups
     }
@@ -245,7 +262,7 @@ impl Plan {
 
     /// Returns one point for each combination of sizes and inputs, references included.
     pub fn points_by_size(&self) -> Vec<Point> {
-        let mut seen = HashSet::new();
+        let mut known = HashSet::new();
         let points = self
             .cells
             .iter()
@@ -257,7 +274,7 @@ impl Plan {
                 .filter(|(axis, _)| axis.needs_memory);
             sizes.map(|(_, value)| value.clone()).collect::<Vec<_>>()
         };
-        points.filter(|point| seen.insert(key(point))).collect()
+        points.filter(|point| known.insert(key(point))).collect()
     }
 
     /// Returns the samples for the steps of a point's error; only some terms have steps, and only
@@ -349,7 +366,7 @@ impl Plan {
             config,
             inputs,
         };
-        let mut seen = HashSet::new();
+        let mut known = HashSet::new();
         let mut cells = Vec::new();
         for point in plan.config.combinations() {
             if let Some(index) = plan.config.exclusion_of(&point) {
@@ -366,7 +383,7 @@ impl Plan {
             let radiance =
                 plan.radiance_id(&point, plan.cell_seed(&point), plan.cell_error(&point));
             let id = cell_id(&radiance, &reference, &point, plan.ladder_of(&point));
-            if seen.insert(id.clone()) {
+            if known.insert(id.clone()) {
                 cells.push(Cell {
                     id,
                     point,

@@ -1,7 +1,7 @@
 //! Sections beside the axes: questions, exclusions, timing, ladder, tables.
 
 use super::axis::{AXES, Named, SAMPLES, is_precompute};
-use super::config::{AXIS, Ask, Config, Exclusion, Placed, Timing, axis_names};
+use super::config::{AXIS, Ask, Condition, Config, Exclusion, Placed, Timing, axis_names};
 use super::fault::Faults;
 use super::toml_tree::{at, checked, checked_as, list, raw, section, table, text, unknown_key};
 use super::value::{Kind, Raw};
@@ -151,7 +151,10 @@ fn read_exclusion(item: &Spanned<DeValue>, faults: &mut Faults) -> Exclusion {
             exclusion.why = checked_as(parse_why, "exclude.why", value, faults).unwrap_or_default();
         } else if let Some(named) = Named::find(key) {
             let values = read_condition(named, key, value, faults);
-            exclusion.conditions.push((named.axis, values));
+            exclusion.conditions.push(Condition {
+                axis: named.axis,
+                values,
+            });
         } else {
             let known = [&axis_names()[..], &["why"]].concat();
             unknown_key(&place, "exclude.", key, &known, faults);

@@ -81,16 +81,16 @@ impl Config {
     /// Checks that zipped axes are swept, have one length and belong to one zip. Runs after
     /// `--set`.
     pub(super) fn check_zips(&self, faults: &mut Faults) {
-        let mut seen = Vec::new();
+        let mut known = Vec::new();
         for zip in &self.zips {
             let mut lengths = Vec::new();
             for &axis in &zip.axes {
                 let name = AXES[axis].name;
-                if seen.contains(&axis) {
+                if known.contains(&axis) {
                     faults.add(&zip.place, format!("zip: {name} is listed twice"));
                     continue;
                 }
-                seen.push(axis);
+                known.push(axis);
                 match self.axes.iter().find(|sweep| sweep.axis == axis) {
                     Some(sweep) => lengths.push((name, sweep.written)),
                     None => faults.add(&zip.place, format!("zip: {name} is not in [axes]")),
@@ -114,14 +114,14 @@ impl Config {
 
     /// Reports repeated values of an axis and repeated rows of a zip. Runs after `--set`.
     pub(super) fn check_twice(&self, faults: &mut Faults) {
-        for (members, steps) in self.dimensions() {
-            let mut seen = HashSet::new();
+        for Dimension { members, steps } in self.dimensions() {
+            let mut known = HashSet::new();
             for step in 0..steps {
                 let row: Vec<&Placed> = members
                     .iter()
                     .map(|&member| &self.axes[member].values[step])
                     .collect();
-                if !seen.insert(row.iter().map(|placed| &placed.value).collect::<Vec<_>>()) {
+                if !known.insert(row.iter().map(|placed| &placed.value).collect::<Vec<_>>()) {
                     let values: Vec<String> = members
                         .iter()
                         .zip(&row)
@@ -146,7 +146,7 @@ impl Config {
     pub fn combination_count(&self) -> u64 {
         self.dimensions()
             .iter()
-            .map(|(_, steps)| *steps as u64)
+            .map(|dimension| dimension.steps as u64)
             .fold(1, u64::saturating_mul)
     }
 
@@ -154,11 +154,11 @@ impl Config {
     /// together.
     pub fn combinations(&self) -> impl Iterator<Item = Point> + '_ {
         let dimensions = self.dimensions();
-        let count: usize = dimensions.iter().map(|(_, steps)| steps).product();
+        let count: usize = dimensions.iter().map(|dimension| dimension.steps).product();
         (0..count).map(move |index| {
             let mut point = self.base.clone();
             let mut rest = index;
-            for (members, steps) in dimensions.iter().rev() {
+            for Dimension { members, steps } in dimensions.iter().rev() {
                 for sweep in members.iter().map(|&member| &self.axes[member]) {
                     point[sweep.axis] = sweep.values[rest % steps].value.clone();
                 }
@@ -172,29 +172,38 @@ impl Config {
         short_names(self.values(ENVIRONMENT).map(|(value, _)| value.text()))
     }
 
-    /// Groups axes (indices into `axes`) that vary together, each group with its number of steps.
-    fn dimensions(&self) -> Vec<(Vec<usize>, usize)> {
-        let mut dimensions: Vec<(Vec<usize>, usize)> = Vec::new();
+    /// Groups axes that vary together.
+    fn dimensions(&self) -> Vec<Dimension> {
+        let mut dimensions: Vec<Dimension> = Vec::new();
         for (index, sweep) in self.axes.iter().enumerate() {
             let zip = self.zips.iter().find(|zip| zip.axes.contains(&sweep.axis));
-            let known = dimensions.iter_mut().find(|(members, _)| {
+            let is_zipped_with = |dimension: &&mut Dimension| {
+                let mut members = dimension.members.iter();
                 zip.is_some_and(|zip| {
-                    members
-                        .iter()
-                        .any(|&member| zip.axes.contains(&self.axes[member].axis))
+                    members.any(|&member| zip.axes.contains(&self.axes[member].axis))
                 })
-            });
-            match known {
+            };
+            match dimensions.iter_mut().find(is_zipped_with) {
                 // Lengths differ only if there is a fault.
-                Some((members, steps)) => {
-                    members.push(index);
-                    *steps = (*steps).min(sweep.values.len());
+                Some(dimension) => {
+                    dimension.members.push(index);
+                    dimension.steps = dimension.steps.min(sweep.values.len());
                 }
-                None => dimensions.push((vec![index], sweep.values.len())),
+                None => dimensions.push(Dimension {
+                    members: vec![index],
+                    steps: sweep.values.len(),
+                }),
             }
         }
         dimensions
     }
+}
+
+/// Axes that vary together: one, or the axes of a zip.
+struct Dimension {
+    /// Indices into [`Config::axes`].
+    members: Vec<usize>,
+    steps: usize,
 }
 
 /// Lists the values of a sweep as written, a range expanded, each with its place.

@@ -86,7 +86,8 @@ columns! {
 columns! {
     /// `errors.csv` of an experiment with sequences of frames: its columns after [`ErrorColumns`].
     pub struct SteadinessColumns {
-        /// Of sequences: `relmse` of the accumulated frames without noise: bias and, if moving, lag.
+        /// Of sequences: `relmse` of the accumulated frames without noise: bias and, if moving,
+        /// lag.
         pub lag_bias: Option<f64>,
         /// Of sequences: variance of the last eight results by the curve of `tone_mapped_mse`, no
         /// motion.
@@ -117,8 +118,8 @@ columns! {
         pub n_dot_v_to: f64,
         /// The approximation: see docs/estimators.md, "The ladder".
         pub step: String,
-        /// Covariance share of the `relmse`, in the ladder's order; shares of a cell and band sum to
-        /// 1.
+        /// Covariance share of the `relmse`, in the ladder's order; shares of a cell and band sum
+        /// to 1.
         pub share: f64,
         /// Standard error of the share, from scrambled point sets; 0 if nothing is sampled.
         pub share_error: f64,

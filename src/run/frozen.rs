@@ -12,7 +12,7 @@ const FILE_BYTES_MAX: u64 = 1 << 22;
 /// The copy of the experiment in the folder of a run.
 pub const EXPERIMENT_FILE: &str = "experiment.toml";
 
-/// Facts about the experiment file in the provenance beside it.
+/// Facts about the experiment file in the provenance of its folder.
 #[derive(Debug)]
 struct Frozen {
     /// Base folder of paths in the file; `None` if it names no file.
@@ -25,7 +25,7 @@ struct Frozen {
 
 impl Frozen {
     /// Facts about the file at `path`, if it is in the folder of a run.
-    fn beside(path: &Path, text: &str) -> Option<Self> {
+    fn read(path: &Path, text: &str) -> Option<Self> {
         if path.file_name().is_none_or(|name| name != EXPERIMENT_FILE) {
             return None;
         }
@@ -105,7 +105,7 @@ pub fn load(
             format!("cannot be read: {error}; expected an experiment file (TOML)"),
         )
     })?;
-    let Some(frozen) = Frozen::beside(path, &text) else {
+    let Some(frozen) = Frozen::read(path, &text) else {
         let source = Source {
             check,
             ..Source::new(path, &text, overrides)

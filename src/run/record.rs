@@ -168,7 +168,7 @@ impl StepScores {
 
 impl StepRecord {
     /// The steps of each band, in order.
-    pub fn of(attributions: &[Attribution]) -> Vec<Self> {
+    pub fn of_attributions(attributions: &[Attribution]) -> Vec<Self> {
         let mut records = Vec::new();
         for band in attributions {
             let [lo, hi] = band.seen_at;
@@ -197,7 +197,7 @@ pub struct KeptCell {
 }
 
 impl KeptCell {
-    pub fn of(record: &CellRecord) -> Self {
+    pub fn new(record: &CellRecord) -> Self {
         let all = |scores: &Scores, metrics: &[&Metric]| -> Box<[Option<f64>]> {
             metrics
                 .iter()

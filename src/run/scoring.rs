@@ -129,7 +129,7 @@ impl ReferenceImage {
         let known = || self.displays.lock().unwrap_or_else(PoisonError::into_inner);
         let ready = known()
             .iter()
-            .find(|(of, _)| *of == curve)
+            .find(|(known, _)| *known == curve)
             .map(|(_, display)| display.clone());
         if let Some(display) = ready {
             return Ok(comparison.with_reference_display(display));

@@ -20,7 +20,7 @@ pub struct Share {
 }
 
 impl Share {
-    pub fn of(plan: &Plan, shard: Shard) -> Self {
+    pub fn new(plan: &Plan, shard: Shard) -> Self {
         split(plan, shard.count).swap_remove(shard.index - 1)
     }
 }
@@ -70,7 +70,8 @@ fn units(plan: &Plan) -> Vec<Vec<&Cell>> {
     let mut unit_of: Vec<usize> = (0..groups.len()).collect();
     let mut known: HashMap<&str, usize> = HashMap::new();
     for (place, group) in groups.iter().enumerate() {
-        for id in std::iter::once(group.id).chain(group.radiances.iter().map(|(id, _)| *id)) {
+        let images = group.radiances.iter().map(|radiance| radiance.id);
+        for id in std::iter::once(group.id).chain(images) {
             let other = unit_of[*known.entry(id).or_insert(place)];
             let [kept, lost] = [other.min(unit_of[place]), other.max(unit_of[place])];
             if kept != lost {
@@ -86,7 +87,7 @@ fn units(plan: &Plan) -> Vec<Vec<&Cell>> {
         units
             .entry(unit_of[place])
             .or_default()
-            .extend(group.radiances.iter().flat_map(|(_, cells)| cells));
+            .extend(group.cells());
     }
     let mut units: Vec<Vec<&Cell>> = units.into_values().collect();
     let mut first: BTreeMap<Vec<String>, usize> = BTreeMap::new();

@@ -29,7 +29,7 @@ pub struct TimingRecord {
     pub warmup: u32,
     /// Order and time in each round.
     #[serde(default)]
-    pub rounds: Vec<Place>,
+    pub rounds: Vec<RoundPosition>,
     pub passes: Vec<PassSamples>,
     pub wall_ms: Vec<f64>,
     pub device: String,
@@ -38,7 +38,7 @@ pub struct TimingRecord {
 }
 
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
-pub struct Place {
+pub struct RoundPosition {
     /// Within the round, from 0.
     pub order: usize,
     /// Seconds since the first round of the block.

@@ -101,12 +101,7 @@ impl<'p> Run<'p> {
         desk: &mut Desk<'p>,
         progress: &mut dyn Progress,
     ) -> Result<(), RunError> {
-        let cells: Vec<&Cell> = group
-            .radiances
-            .iter()
-            .flat_map(|(_, cells)| cells)
-            .copied()
-            .collect();
+        let cells: Vec<&Cell> = group.cells().collect();
         let Some(first) = self.open_cells(&cells).first().copied() else {
             return Ok(());
         };
@@ -123,8 +118,8 @@ impl<'p> Run<'p> {
                 return self.fail(&cells, &format!("its reference: {reason}"), progress);
             }
         };
-        for (id, cells) in &group.radiances {
-            let open = self.open_cells(cells);
+        for radiance in &group.radiances {
+            let open = self.open_cells(&radiance.cells);
             let Some(first) = open.first() else {
                 continue;
             };
@@ -132,7 +127,7 @@ impl<'p> Run<'p> {
                 return Ok(());
             }
             let of_group = reference.image.rendered.as_ref();
-            let rendered = match of_group.filter(|_| *id == group.id) {
+            let rendered = match of_group.filter(|_| radiance.id == group.id) {
                 Some(frame) => Ok(Made {
                     frame: frame.clone(),
                     steps: Arc::default(),
@@ -198,7 +193,7 @@ impl<'p> Run<'p> {
         };
         if let Some(samples) = self.plan.ladder_of(point) {
             let steps = renderer.attributions(&request, samples, &BANDS)?;
-            made.steps = Arc::new(StepRecord::of(&steps));
+            made.steps = Arc::new(StepRecord::of_attributions(&steps));
         }
         Ok(made)
     }

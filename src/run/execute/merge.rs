@@ -47,7 +47,7 @@ pub fn merge(plan: &Plan, options: &RunOptions) -> Result<Merged, RunError> {
     }
     let cell_note = mixed("cells", &run.devices);
     let missing = run.missing()?;
-    run.write_own()?;
+    run.write_identity()?;
     let outcome = Outcome {
         is_stopped: missing != Missing::default(),
         ..run.finish(true)?

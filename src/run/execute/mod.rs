@@ -56,7 +56,7 @@ pub fn run(
     let mut run = Run::load(plan, store, options)?;
     let is_adopted = run.adopt(progress)?;
     run.forget_changed(progress)?;
-    let steps = run.own_cells().count() + run.jobs.len();
+    let steps = run.share_cells().count() + run.jobs.len();
     let left = run.steps_left();
     if left > 0 {
         let mut renderer = match renderer.take() {
@@ -120,12 +120,12 @@ struct Run<'p> {
 
 impl<'p> Run<'p> {
     fn load(plan: &'p Plan, store: Store, options: &'p RunOptions<'p>) -> Result<Self, RunError> {
-        let share = options.shard.map(|shard| Share::of(plan, shard));
+        let share = options.shard.map(|shard| Share::new(plan, shard));
         let mut results = Results::new();
         let mut recorded = images::Recorded::new();
         let mut unusable = Vec::new();
         let mut devices: BTreeMap<String, usize> = BTreeMap::new();
-        for cell in plan.cells.iter().filter(|cell| is_own(&share, cell)) {
+        for cell in plan.cells.iter().filter(|cell| is_in_share(&share, cell)) {
             match store.record::<CellRecord>(CELLS_FOLDER, &cell.id) {
                 // Of another program.
                 Ok(Some(record))
@@ -142,7 +142,7 @@ impl<'p> Run<'p> {
                     images::note(&mut recorded, plan, cell, &record.files);
                     results.insert(
                         cell.id.clone(),
-                        CellResult::Done(Box::new(KeptCell::of(&record))),
+                        CellResult::Done(Box::new(KeptCell::new(&record))),
                     );
                     *devices
                         .entry(device_words(&record.device, &record.driver))
@@ -210,16 +210,17 @@ impl<'p> Run<'p> {
         Ok(())
     }
 
-    fn own_cells(&self) -> impl Iterator<Item = &'p Cell> {
+    /// The cells that this process renders.
+    fn share_cells(&self) -> impl Iterator<Item = &'p Cell> {
         self.plan
             .cells
             .iter()
-            .filter(|cell| is_own(&self.share, cell))
+            .filter(|cell| is_in_share(&self.share, cell))
     }
 
     /// Whether a cell has its record, or belongs to another process.
     fn is_done(&self, cell: &Cell) -> bool {
-        !is_own(&self.share, cell)
+        !is_in_share(&self.share, cell)
             || matches!(self.results.get(&cell.id), Some(CellResult::Done(_)))
     }
 
@@ -249,12 +250,10 @@ impl<'p> Run<'p> {
     /// Predicts the open work. References in the cache or the folder are free.
     fn forecast(&self, renderer: &dyn Renderer) -> Forecast {
         let groups = self.plan.groups();
-        let cells = groups
-            .iter()
-            .flat_map(|group| group.radiances.iter().flat_map(|(_, cells)| cells));
-        let open: Vec<&Cell> = cells.copied().filter(|cell| !self.is_done(cell)).collect();
+        let cells = groups.iter().flat_map(ReferenceGroup::cells);
+        let open: Vec<&Cell> = cells.filter(|cell| !self.is_done(cell)).collect();
         let is_kept = |group: &ReferenceGroup| {
-            let mut cells = group.radiances.iter().flat_map(|(_, cells)| cells).copied();
+            let mut cells = group.cells();
             let first = cells.clone().find(|cell| !self.is_done(cell))?;
             let request = || {
                 self.plan
@@ -318,7 +317,7 @@ impl<'p> Run<'p> {
         }
         self.results.insert(
             record.cell.clone(),
-            CellResult::Done(Box::new(KeptCell::of(record))),
+            CellResult::Done(Box::new(KeptCell::new(record))),
         );
     }
 
@@ -413,7 +412,7 @@ impl<'p> Run<'p> {
     fn outcome(self) -> Outcome {
         Outcome {
             dir: self.store.dir().to_owned(),
-            cell_count: self.own_cells().count(),
+            cell_count: self.share_cells().count(),
             failures: self.failures(),
             is_stopped: self.is_stopped() && self.steps_left() > 0,
             timings: self.timings,
@@ -421,7 +420,8 @@ impl<'p> Run<'p> {
     }
 }
 
-fn is_own(share: &Option<Share>, cell: &Cell) -> bool {
+/// Whether this process renders the cell.
+fn is_in_share(share: &Option<Share>, cell: &Cell) -> bool {
     share
         .as_ref()
         .is_none_or(|share| share.cells.contains(&cell.id))

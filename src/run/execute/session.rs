@@ -20,7 +20,7 @@ impl Run<'_> {
             .as_ref()
             .is_some_and(|found| found.plan_hash != self.plan.hash);
         if is_other {
-            let all = self.own_cells().count();
+            let all = self.share_cells().count();
             let done = self.results.len();
             progress.note(&format!(
                 "continues a run of another plan: {done} of {all} cells are done"
@@ -52,12 +52,12 @@ impl Run<'_> {
                 "{EXPERIMENT_FILE} was missing or edited; writing it again"
             ));
         }
-        self.write_own()?;
+        self.write_identity()?;
         Ok(is_other)
     }
 
     /// Writes the copy of the experiment and the provenance, unless they are up to date.
-    pub(super) fn write_own(&self) -> Result<(), RunError> {
+    pub(super) fn write_identity(&self) -> Result<(), RunError> {
         let plan = self.plan;
         let dir = self.store.dir();
         let changed = match provenance::read(dir)? {

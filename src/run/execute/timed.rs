@@ -11,7 +11,7 @@ use crate::instrument::pipeline::{DeviceInfo, RenderRequest, TimingSamples};
 use crate::run::renderer::{RenderFault, Renderer, Served};
 use crate::run::scoring::CellFault;
 use crate::run::store::TIMINGS_FOLDER;
-use crate::run::timing::{self, PassSamples, Place, TimingJob, TimingRecord};
+use crate::run::timing::{self, PassSamples, RoundPosition, TimingJob, TimingRecord};
 use fastrand::Rng;
 use std::time::Instant;
 
@@ -24,7 +24,7 @@ struct Timed<'p> {
     job: TimingJob<'p>,
     request: RenderRequest,
     samples: TimingSamples,
-    places: Vec<Place>,
+    positions: Vec<RoundPosition>,
 }
 
 impl<'p> Run<'p> {
@@ -92,7 +92,7 @@ impl<'p> Run<'p> {
                 job: job.clone(),
                 request: self.plan.request(&job.cell.point),
                 samples: TimingSamples::default(),
-                places: Vec::new(),
+                positions: Vec::new(),
             })
             .collect();
         let is_cpu = renderer.device().device_type == "cpu";
@@ -120,7 +120,9 @@ impl<'p> Run<'p> {
                 let change = frames[index].max(u32::from(block.len() > 1));
                 let sample = configuration.sample(change, 1, renderer)?;
                 configuration.samples.append(sample);
-                configuration.places.push(Place { order, start_s });
+                configuration
+                    .positions
+                    .push(RoundPosition { order, start_s });
             }
         }
         Ok(timed)
@@ -169,7 +171,7 @@ impl Timed<'_> {
             size: self.job.size,
             axes: self.job.axes,
             warmup,
-            rounds: self.places,
+            rounds: self.positions,
             passes: passes.collect(),
             wall_ms: self.samples.wall_ms,
             device: device.name.clone(),

@@ -74,7 +74,7 @@ impl Store {
             return Ok(whole.into_iter().collect());
         };
         let folder = self.dir.join(SHARDS_FOLDER);
-        let own = lock(folder.join(shard.stem() + SHARD_LOCK), false, || {
+        let shard_lock = lock(folder.join(shard.stem() + SHARD_LOCK), false, || {
             busy(format!("shard {shard}"))
         })?;
         let others = names_in(&folder)
@@ -83,7 +83,7 @@ impl Store {
         let mut rivals = others.filter(|other| other.count != shard.count);
         match rivals.find(|other| is_locked(&folder.join(other.stem() + SHARD_LOCK))) {
             Some(rival) => Err(busy(format!("shard {rival}"))),
-            None => Ok(whole.into_iter().chain(own).collect()),
+            None => Ok(whole.into_iter().chain(shard_lock).collect()),
         }
     }
 

@@ -356,7 +356,7 @@ fn experiment(bytes: &[u8]) {
                 .groups()
                 .iter()
                 .flat_map(|group| &group.radiances)
-                .map(|r| r.1.len())
+                .map(|radiance| radiance.cells.len())
                 .sum();
             assert_eq!(planned, plan.cells.len());
             for cell in &plan.cells {

@@ -35,7 +35,7 @@ fn simulated(plan: &Plan, truth: Truth) -> Vec<[f64; 2]> {
     let cells: Vec<&Cell> = plan
         .groups()
         .iter()
-        .flat_map(|group| group.radiances.iter().flat_map(|(_, cells)| cells.clone()))
+        .flat_map(|group| group.cells())
         .collect();
     let mut forecast = Forecast::new(plan, &cells, &jobs, []);
     let (mut steps, mut random) = (Steps::new(plan, &jobs, []), Rng::with_seed(7));

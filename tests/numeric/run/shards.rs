@@ -304,12 +304,7 @@ fn every_cell_is_in_one_part_and_parts_have_no_image_in_common() {
         };
         let (all, timed): (f64, f64) = seconds(&split(&plan, 1)[0]);
         let unit = |group: &ReferenceGroup| {
-            let cells = group
-                .radiances
-                .iter()
-                .flat_map(|(_, cells)| cells)
-                .map(|cell| cell.id.clone())
-                .collect();
+            let cells = group.cells().map(|cell| cell.id.clone()).collect();
             seconds(&Share {
                 cells,
                 ..Share::default()
