@@ -33,13 +33,14 @@ pub fn short_text(named: Named, point: &Point) -> String {
 
 /// As [`short_text`], for a value from a table.
 pub fn short_value<'v>(axis: &Axis, text: &'v str) -> Cow<'v, str> {
-    match (axis.kind.path_in(text), text.strip_prefix(BUILTIN_PREFIX)) {
-        (None, _) => short_number(text),
-        (_, Some(formula)) => formula.into(),
-        (Some(path), None) => Path::new(path)
-            .file_stem()
-            .map_or(text.into(), |stem| stem.to_string_lossy()),
+    let Some(path) = axis.kind.path_in(text) else {
+        return short_number(text);
+    };
+    if let Some(formula) = text.strip_prefix(BUILTIN_PREFIX) {
+        return formula.into();
     }
+    let stem = Path::new(path).file_stem();
+    stem.map_or(text.into(), |stem| stem.to_string_lossy())
 }
 
 /// The axes whose values begin a file name. They are the same in every plan, so that a larger plan
@@ -69,10 +70,10 @@ pub fn file_words(text: &str) -> String {
     let is_number = text
         .strip_prefix('-')
         .is_some_and(|rest| rest.starts_with(|c: char| c.is_ascii_digit()));
-    let plain = |(place, c): (usize, char)| match c {
-        '-' | '.' if place == 0 && !is_number => '_',
+    let plain = |(index, c): (usize, char)| match c {
+        '-' | '.' if index == 0 && !is_number => '_',
         c if c.is_ascii_alphanumeric() || "-_.".contains(c) => c,
-        _ if place == 0 => '_',
+        _ if index == 0 => '_',
         _ => '-',
     };
     text.chars()

@@ -32,29 +32,28 @@ impl Share {
 pub fn split(plan: &Plan, count: usize) -> Vec<Share> {
     let jobs = timing::jobs(plan);
     let mut steps = Steps::new(plan, &jobs, []);
-    let mut seconds = |cells: &[&Cell]| cells.iter().map(|cell| steps.cell(cell)).sum::<f64>();
-    let units: Vec<(f64, Vec<&Cell>)> = units(plan)
+    let units: Vec<Unit> = units(plan)
         .into_iter()
-        .map(|cells| (seconds(&cells), cells))
+        .map(|cells| Unit {
+            seconds: cells.iter().map(|cell| steps.cell(cell)).sum(),
+            cells,
+        })
         .collect();
     let timed: f64 = jobs.iter().map(|job| steps.timing(job)).sum();
-    let cells: f64 = units.iter().map(|(seconds, _)| seconds).sum();
+    let cells: f64 = units.iter().map(|unit| unit.seconds).sum();
     // If timings fill a part, the others get the cells.
     let is_apart = count > 1 && timed * count as f64 >= cells + timed;
-    let (parts, total) = if is_apart {
-        (count - 1, cells)
-    } else {
-        (count, cells + timed)
-    };
+    let parts = if is_apart { count - 1 } else { count };
+    let total = if is_apart { cells } else { cells + timed };
     let mut shares = vec![Share::default(); count];
     let mut begun = 0.0;
-    for (seconds, unit) in units {
+    for unit in units {
         // The part that holds the middle of the unit.
-        let place = (begun + 0.5 * seconds) / total * parts as f64;
-        begun += seconds;
-        shares[(place as usize).min(parts - 1)]
+        let part = (begun + 0.5 * unit.seconds) / total * parts as f64;
+        begun += unit.seconds;
+        shares[(part as usize).min(parts - 1)]
             .cells
-            .extend(unit.iter().map(|cell| cell.id.clone()));
+            .extend(unit.cells.iter().map(|cell| cell.id.clone()));
     }
     shares[count - 1].timings = jobs.into_iter().map(|job| job.id).collect();
     if let Some(first) = shares.iter_mut().find(|share| !share.cells.is_empty()) {
@@ -63,29 +62,36 @@ pub fn split(plan: &Plan, count: usize) -> Vec<Share> {
     shares
 }
 
+/// Cells that stay together.
+struct Unit<'p> {
+    /// Stated work.
+    seconds: f64,
+    cells: Vec<&'p Cell>,
+}
+
 /// Groups the cells that share references or images, ordered by environment and model.
 fn units(plan: &Plan) -> Vec<Vec<&Cell>> {
     let groups = plan.groups();
     // Groups with a common image are one unit, named by its first group.
     let mut unit_of: Vec<usize> = (0..groups.len()).collect();
     let mut known: HashMap<&str, usize> = HashMap::new();
-    for (place, group) in groups.iter().enumerate() {
+    for (index, group) in groups.iter().enumerate() {
         let images = group.radiances.iter().map(|radiance| radiance.id);
         for id in std::iter::once(group.id).chain(images) {
-            let other = unit_of[*known.entry(id).or_insert(place)];
-            let [kept, lost] = [other.min(unit_of[place]), other.max(unit_of[place])];
-            if kept != lost {
-                unit_of
-                    .iter_mut()
-                    .filter(|unit| **unit == lost)
-                    .for_each(|unit| *unit = kept);
+            let other = unit_of[*known.entry(id).or_insert(index)];
+            let kept = other.min(unit_of[index]);
+            let merged = other.max(unit_of[index]);
+            for unit in &mut unit_of {
+                if *unit == merged {
+                    *unit = kept;
+                }
             }
         }
     }
     let mut units: BTreeMap<usize, Vec<&Cell>> = BTreeMap::new();
-    for (place, group) in groups.iter().enumerate() {
+    for (index, group) in groups.iter().enumerate() {
         units
-            .entry(unit_of[place])
+            .entry(unit_of[index])
             .or_default()
             .extend(group.cells());
     }
@@ -96,10 +102,10 @@ fn units(plan: &Plan) -> Vec<Vec<&Cell>> {
             .map(|axis| unit[0].point[axis].to_string())
             .to_vec()
     };
-    for (place, unit) in units.iter().enumerate() {
+    for (index, unit) in units.iter().enumerate() {
         let key = light_and_model(unit);
-        first.entry(key[..1].to_vec()).or_insert(place);
-        first.entry(key).or_insert(place);
+        first.entry(key[..1].to_vec()).or_insert(index);
+        first.entry(key).or_insert(index);
     }
     units.sort_by_cached_key(|unit| {
         let key = light_and_model(unit);
