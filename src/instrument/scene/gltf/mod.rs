@@ -19,6 +19,7 @@ mod material;
 mod tangents;
 mod textures;
 
+use super::maps::ReadMaps;
 use super::mesh::Mesh;
 use super::source::SceneFiles;
 use super::{Scene, SceneError, toward_viewer_of_files};
@@ -64,10 +65,10 @@ pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Sc
     }
     reader.add_unread(&document);
     let mut scene = Scene::assemble(spec, Vec::new(), reader.meshes, materials);
-    let (textures, reduced) = maps.finish();
+    let ReadMaps { textures, warning } = maps.finish();
     scene.textures = textures;
     scene.toward_viewer = toward_viewer_of_files();
-    scene.warnings.extend(reduced);
+    scene.warnings.extend(warning);
     if !reader.unread.is_empty() {
         let unread: Vec<String> = reader.unread.into_iter().collect();
         scene
