@@ -5,6 +5,7 @@
 
 use crate::base::files::open_regular;
 use crate::base::names::not_one_of;
+use crate::base::numbers::shortest;
 use std::collections::HashMap;
 use std::fs::File;
 use std::io::{Read, Seek};
@@ -52,30 +53,6 @@ impl Cell {
             Self::Integer(integer) => integer.to_string(),
             Self::Missing => String::new(),
         }
-    }
-}
-
-pub fn rounded(number: f64, digits: usize) -> f64 {
-    format!("{number:.*e}", digits - 1)
-        .parse()
-        .expect("a number reads back")
-}
-
-/// Numbers from here on, and below its inverse, are written with an exponent.
-const EXPONENT_FROM: f64 = 1e16;
-/// Smallest magnitude that is written without an exponent.
-const EXPONENT_BELOW: f64 = 1e-5;
-
-/// The shortest text that reads back to the same number.
-fn shortest(number: f64) -> String {
-    let magnitude = number.abs();
-    if magnitude == 0.0
-        || !magnitude.is_finite()
-        || (EXPONENT_BELOW..EXPONENT_FROM).contains(&magnitude)
-    {
-        number.to_string()
-    } else {
-        format!("{number:e}")
     }
 }
 

@@ -7,7 +7,8 @@ use splitsum::bake::container::Texel;
 use splitsum::bake::convention::Preset;
 use splitsum::bake::make::{self, Making};
 use splitsum::bake::plain::{Baking, SETTINGS};
-use splitsum::base::names::{Listed, not_one_of};
+use splitsum::base::names::{Listed, not_listed, not_one_of};
+use splitsum::experiment::axis::named::LISTED_AXES;
 use splitsum::experiment::axis::{
     AXES, AxisId, BRDF, DFG_SIZE, IRRADIANCE_SIZE, MASKING, PREFILTER_LEVEL_COUNT, PREFILTER_SIZE,
     PREFILTER_WEIGHT, Point, Settings,
@@ -210,7 +211,8 @@ fn setting(text: &str) -> Result<(AxisId, Value), String> {
         .split_once('=')
         .ok_or_else(|| format!("{text:?} is not NAME=VALUE"))?;
     let axis = AxisId::find(name);
-    let axis = axis.ok_or_else(|| not_one_of("setting of a bake", name, SETTINGS, ""))?;
+    let axis =
+        axis.ok_or_else(|| not_listed("setting of a bake", name, SETTINGS, "", Some(LISTED_AXES)))?;
     if !SETTINGS.contains(&name) {
         return Err(format!("{name} does not change a bake; leave it out"));
     }

@@ -1,8 +1,8 @@
 //! Records of cells and references.
 
 use super::columns::{Column, STEP_NUMBERS};
-use crate::base::csv::rounded;
 use crate::base::names::listed;
+use crate::base::numbers::round_to_significant;
 use crate::instrument::ladder::{Attribution, StepNumbers};
 use crate::instrument::metrics::{METRICS, Metric, linear_metrics};
 use crate::instrument::shade::reference_pass::Convergence;
@@ -155,7 +155,10 @@ impl StepRecord {
                     noise,
                 ];
                 let number = |(column, x): (&Column, f64)| {
-                    (column.name.to_owned(), Exact(rounded(x, STEP_DIGITS)))
+                    (
+                        column.name.to_owned(),
+                        Exact(round_to_significant(x, STEP_DIGITS)),
+                    )
                 };
                 let numbers = STEP_NUMBERS.iter().zip(numbers).map(number);
                 Self {

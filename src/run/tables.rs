@@ -5,12 +5,12 @@ pub use crate::instrument::metrics::{DISPLAY_HEADLINE, HEADLINE};
 use super::columns::{
     BINS, CELL, Column, ERRORS, FAILED, STEADINESS, STEP_NUMBERS, STEPS, TIMINGS,
 };
-use super::statistics::{median, median_interval};
 use super::store::{
     BinRecord, CellRecord, FailureRecord, KeptCell, Scores, StepRecord, Store, StoreError,
 };
 use super::timing::TimingRecord;
 use crate::base::csv::Cell as Field;
+use crate::base::math::order_statistics::{median, median_interval};
 use crate::base::names::Listed;
 use crate::experiment::axis::named::{columns, fields};
 use crate::experiment::axis::{AXES, AxisId, FRAMES, SIZE};

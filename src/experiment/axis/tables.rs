@@ -24,6 +24,7 @@ pub const IRRADIANCE: &str = "irradiance";
 const TABLE_FILE: Kind = Kind::NameOrFile {
     what: "table",
     names: || vec![OWN],
+    listed_in: None,
 };
 
 const TABLE: Axis = Axis {
@@ -72,6 +73,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
             Kind::NameOrFile {
                 what: "table",
                 names: || vec![OWN, CENTRES],
+                listed_in: None,
             },
             || Value::from(OWN),
             TABLE,

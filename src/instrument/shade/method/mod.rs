@@ -18,7 +18,7 @@ use super::diffuse::Diffuse;
 use super::reference::integrate;
 use super::twin::{SpecularTwin, Twin};
 use super::{NONE, REFERENCE};
-use crate::base::names::{Listed, listed};
+use crate::base::names::Listed;
 use crate::instrument::brdf::Compensation;
 use crate::instrument::precompute::taps::TapCount;
 use crate::instrument::precompute::{PrecomputeSettings, PrefilterBy, StorageFormat};
@@ -214,17 +214,25 @@ impl Method {
     }
 }
 
-listed!(
-    Method,
-    "method",
-    METHODS,
+impl Listed for Method {
+    const WHAT: &'static str = "method";
+    const LISTED_IN: Option<&'static str> = Some("a name of `splitsum list methods`");
+
+    fn all() -> impl Iterator<Item = &'static Self> + Clone {
+        METHODS.iter()
+    }
+
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
     /// Finds a listed method, or `file:PATH` ([`own`]).
     fn by_name(name: &str) -> Option<&'static Self> {
         Self::all()
             .find(|method| method.name == name)
             .or_else(|| own::loaded(name))
     }
-);
+}
 
 /// Role of a method, which sets its colour in figures and captions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
