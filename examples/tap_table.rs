@@ -7,7 +7,9 @@ use splitsum::instrument::precompute::prefilter::{Kernel, LEVEL_MAPPINGS};
 use splitsum::instrument::precompute::taps::{Chain, TapCount, TapTable, dielectric_share};
 
 fn main() {
-    let (masking, alpha, f0) = (MaskingShadowing::Correlated, 0.25, 0.04);
+    let masking = MaskingShadowing::Correlated;
+    let alpha = 0.25;
+    let f0 = 0.04;
     let chain = Chain::new(Kernel::cosine(&Ggx), &LEVEL_MAPPINGS[0], 6);
     let table = TapTable::fit(&chain, &Ggx, masking, TapCount::Two);
     for degrees in [10.0_f64, 45.0, 80.0] {

@@ -238,7 +238,8 @@ impl TableRows {
         &mut self,
         mut see: impl FnMut(Row) -> Result<(), TableError>,
     ) -> Result<(), TableError> {
-        let (mut record, mut number) = (::csv::StringRecord::new(), 0);
+        let mut record = ::csv::StringRecord::new();
+        let mut number = 0;
         while self
             .reader
             .read_record(&mut record)
@@ -283,7 +284,9 @@ impl<'t> Row<'t> {
 }
 
 fn is_whole(file: &mut File) -> std::io::Result<bool> {
-    let (mut buffer, mut is_quoted, mut last) = (vec![0; 1 << 16], false, b'\n');
+    let mut buffer = vec![0; 1 << 16];
+    let mut is_quoted = false;
+    let mut last = b'\n';
     loop {
         let count = file.read(&mut buffer)?;
         let Some(end) = buffer[..count].last() else {

@@ -45,7 +45,8 @@ impl Queries {
     ///
     /// `tolerance` does not apply to DFG pairs (5e-7) and SH9 (1e-9), which are cheap.
     pub fn answer(&self, tolerance: Tolerance, done: impl Fn() + Sync) -> Answers {
-        let (mut colors, mut numbers) = (self.kind.colors(), self.kind.columns().numbers.to_vec());
+        let mut colors = self.kind.colors();
+        let mut numbers = self.kind.columns().numbers.to_vec();
         for (_, color, number) in LAYERS
             .iter()
             .filter(|(asks, ..)| self.columns.iter().any(|column| column == asks))
@@ -153,7 +154,8 @@ fn answer(
                 answer.diffuse_transmitted,
                 answer.diffuse,
             ];
-            let (n_dot_v, mut kept) = (surface.n.dot(surface.v), Vec::new());
+            let n_dot_v = surface.n.dot(surface.v);
+            let mut kept = Vec::new();
             if let Some(coat) = coat {
                 let pair = dfg(surface.model, surface.masking, n_dot_v, coat.alpha);
                 let pair = DVec2::new(pair.f0_scale, pair.f90_scale);

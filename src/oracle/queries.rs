@@ -284,7 +284,8 @@ impl<'a> Reader<'a> {
     /// Checks one row; `None` if it has a fault.
     fn row(&mut self, line: u64, record: &::csv::StringRecord) -> Option<Query> {
         if record.len() != self.columns.len() {
-            let (found, expected) = (record.len(), self.columns.len());
+            let found = record.len();
+            let expected = self.columns.len();
             self.fault(
                 line,
                 "",
@@ -304,14 +305,16 @@ impl<'a> Reader<'a> {
         // All cells are checked before any is used, so that a row reports all its faults.
         let integral = match self.kind {
             Kind::Shading | Kind::Ladder => {
-                let (model, masking, alpha) = (row.model(), row.masking(), row.alpha("alpha"));
-                let (levels, coat, sheen, anisotropy) =
-                    (row.levels(), row.coat(), row.sheen(), row.anisotropy());
-                let (f0, n, v) = (
-                    row.f0(),
-                    row.direction(["nx", "ny", "nz"]),
-                    row.direction(["vx", "vy", "vz"]),
-                );
+                let model = row.model();
+                let masking = row.masking();
+                let alpha = row.alpha("alpha");
+                let levels = row.levels();
+                let coat = row.coat();
+                let sheen = row.sheen();
+                let anisotropy = row.anisotropy();
+                let f0 = row.f0();
+                let n = row.direction(["nx", "ny", "nz"]);
+                let v = row.direction(["vx", "vy", "vz"]);
                 if let (Some(n), Some(v)) = (n, v)
                     && n.dot(v) <= 0.0
                 {
@@ -324,7 +327,9 @@ impl<'a> Reader<'a> {
                     );
                 }
                 (|| {
-                    let (model, masking, alpha) = (model?, masking?, alpha?);
+                    let model = model?;
+                    let masking = masking?;
+                    let alpha = alpha?;
                     let surface = Surface::new(model, masking, alpha, f0?, [n?, v?]);
                     let surface = anisotropy?.map_or(surface, |(strength, turn, law)| {
                         let widths = law.widths(alpha, strength);
@@ -347,7 +352,9 @@ impl<'a> Reader<'a> {
                 })()
             }
             Kind::Dfg => {
-                let (model, masking, alpha) = (row.model(), row.masking(), row.alpha("alpha"));
+                let model = row.model();
+                let masking = row.masking();
+                let alpha = row.alpha("alpha");
                 let n_dot_v = row.above_zero_to_one("n_dot_v");
                 (|| {
                     Some(Integral::Dfg {
@@ -359,12 +366,11 @@ impl<'a> Reader<'a> {
                 })()
             }
             Kind::Prefilter => {
-                let (model, alpha, r) = (
-                    row.model(),
-                    row.alpha("alpha"),
-                    row.direction(["rx", "ry", "rz"]),
-                );
-                let (weight, masking) = (row.weight(), row.masking());
+                let model = row.model();
+                let alpha = row.alpha("alpha");
+                let r = row.direction(["rx", "ry", "rz"]);
+                let weight = row.weight();
+                let masking = row.masking();
                 (|| {
                     let kernel = Kernel::new(model?, weight?, masking?);
                     Some(Integral::Prefilter {

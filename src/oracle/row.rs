@@ -75,10 +75,8 @@ impl Row<'_> {
     }
 
     pub(super) fn alpha(&mut self, column: &str) -> Option<f64> {
-        let (text, alpha) = (
-            self.cell(column).to_owned(),
-            self.above_zero_to_one(column)?,
-        );
+        let text = self.cell(column).to_owned();
+        let alpha = self.above_zero_to_one(column)?;
         if alpha < ALPHA_MIN {
             self.fault(
                 column,
@@ -113,10 +111,8 @@ impl Row<'_> {
             self.fault("anisotropy", format!("{text} is outside [0, 1]"));
         }
         let turn = self.optional_cell(others[0]).unwrap_or("0").to_owned();
-        let (turn, law) = (
-            self.number(others[0], &turn)?,
-            *self.optional::<WidthLaw>(others[1])?,
-        );
+        let turn = self.number(others[0], &turn)?;
+        let law = *self.optional::<WidthLaw>(others[1])?;
         if strength > 0.0
             && let Some(what) = self
                 .model()
@@ -137,10 +133,8 @@ impl Row<'_> {
         if !(0.0..=1.0).contains(&weight) {
             self.fault("coat", format!("{text} is outside [0, 1]"));
         }
-        let (alpha, layering) = (
-            self.alpha("coat_alpha"),
-            self.optional("coat_layering").copied(),
-        );
+        let alpha = self.alpha("coat_alpha");
+        let layering = self.optional("coat_layering").copied();
         Some(Some(Coat {
             weight,
             alpha: alpha?,
@@ -154,11 +148,10 @@ impl Row<'_> {
         else {
             return Some(None);
         };
-        let (color, alpha) = (
-            self.color("sheen_color", &text),
-            self.above_zero_to_one("sheen_alpha"),
-        );
-        let (alpha, visibility) = (alpha?, self.optional("sheen_visibility"));
+        let color = self.color("sheen_color", &text);
+        let alpha = self.above_zero_to_one("sheen_alpha");
+        let alpha = alpha?;
+        let visibility = self.optional("sheen_visibility");
         if alpha < SHEEN_ALPHA_MIN {
             self.fault(
                 "sheen_alpha",
@@ -213,7 +206,8 @@ impl Row<'_> {
         };
         let levels = text.parse().ok().filter(|levels| LEVELS.contains(levels));
         if levels.is_none() {
-            let (least, most) = (LEVELS.start(), LEVELS.end());
+            let least = LEVELS.start();
+            let most = LEVELS.end();
             self.fault(
                 "levels",
                 format!("{text:?} is not a count from {least} to {most}"),
@@ -256,7 +250,8 @@ impl Row<'_> {
         let [Some(x), Some(y), Some(z)] = numbers else {
             return None;
         };
-        let (vector, place) = (DVec3::new(x, y, z), columns.join(","));
+        let vector = DVec3::new(x, y, z);
+        let place = columns.join(",");
         let length = vector.length();
         if length == 0.0 {
             self.fault(&place, "the vector is zero; expected a unit vector");

@@ -33,8 +33,7 @@ fn a_copied_method_makes_the_same_image() {
     with_pipeline(|pipeline| {
         let folder = Path::new("shaders/shade/method");
         for name in ["split-sum", "sampled"] {
-            let copy =
-                own::load(&format!("file:{}.glsl", name.replace('-', "_")), folder).unwrap();
+            let copy = own::load(&format!("file:{}.glsl", name.replace('-', "_")), folder).unwrap();
             let listed = Method::listed(name);
             let base = request(
                 &golden_environment(),

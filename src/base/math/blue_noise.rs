@@ -82,7 +82,8 @@ impl Cells {
     fn flip(&mut self, cell: usize) {
         self.is_in[cell] = !self.is_in[cell];
         let sign = if self.is_in[cell] { 1.0 } else { -1.0 };
-        let (frame, pixel) = (cell / AREA, cell % AREA);
+        let frame = cell / AREA;
+        let pixel = cell % AREA;
         let around = |a: usize, b: usize, length: usize| a.abs_diff(b).min(length - a.abs_diff(b));
         let along_x: [f64; SIDE] =
             std::array::from_fn(|x| sign * self.repulsion[around(x, pixel % SIDE, SIDE)]);
@@ -114,7 +115,8 @@ impl Cells {
 
     /// Finds the tightest cluster of the set, or its largest void.
     fn extreme(&mut self, is_cluster: bool) -> usize {
-        let (is_in, energy) = (&self.is_in, &self.energy);
+        let is_in = &self.is_in;
+        let energy = &self.energy;
         let order = |a: &usize, b: &usize| match is_cluster {
             true => energy[*a].total_cmp(&energy[*b]),
             false => energy[*b].total_cmp(&energy[*a]),

@@ -87,7 +87,8 @@ impl EquirectQuadrature {
                 .flat_map(|y| (0..width).map(move |x| (x, y)))
                 .map(|(x, y)| texel(x, y)),
         );
-        let (width, height) = (width as usize, height as usize);
+        let width = width as usize;
+        let height = height as usize;
         let root = Region {
             low: DVec2::splat(-0.5),
             high: DVec2::new(width as f64 - 0.5, height as f64 - 0.5),
@@ -109,7 +110,8 @@ impl EquirectQuadrature {
     pub fn radiance(&self, direction: DVec3) -> DVec3 {
         let place =
             uv_from_direction(direction) * DVec2::new(self.width as f64, self.height as f64) - 0.5;
-        let (corner, t) = (place.floor(), place - place.floor());
+        let corner = place.floor();
+        let t = place - place.floor();
         let texel = |x: f64, y: f64| {
             let x = (corner.x + x).rem_euclid(self.width as f64) as usize;
             let y = (corner.y + y).clamp(0.0, self.height as f64 - 1.0) as usize;
@@ -171,10 +173,8 @@ impl EquirectQuadrature {
                 region.low + DVec2::new(x, y) * (region.high - region.low)
             )))
         };
-        let (center, corners) = (
-            at(0.5, 0.5),
-            [at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0), at(1.0, 1.0)],
-        );
+        let center = at(0.5, 0.5);
+        let corners = [at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0), at(1.0, 1.0)];
         let reach = corners
             .map(|corner| corner.truncate().distance(center.truncate()))
             .into_iter()
@@ -248,7 +248,8 @@ impl EquirectQuadrature {
     ) -> Estimate<K> {
         // Sines and cosines by row and column: a region has 81 points but only 18 angles.
         let coordinates = self.rule.coordinates();
-        let (low, high) = (self.uv(region.low), self.uv(region.high));
+        let low = self.uv(region.low);
+        let high = self.uv(region.high);
         let at = |low: f64, high: f64, x: f64| 0.5 * (low + high) + 0.5 * (high - low) * x;
         let azimuths = coordinates.map(|x| (2.0 * PI * (0.5 - at(low.x, high.x, x))).sin_cos());
         let polar = coordinates.map(|x| (PI * at(low.y, high.y, x)).sin_cos());

@@ -86,10 +86,8 @@ impl Widths {
 
     /// Returns the width along the azimuth of a direction.
     pub fn along(self, w_local: DVec3) -> f64 {
-        let (across, equal) = (
-            w_local.truncate(),
-            self.0.x == self.0.y || w_local.truncate() == DVec2::ZERO,
-        );
+        let across = w_local.truncate();
+        let equal = self.0.x == self.0.y || w_local.truncate() == DVec2::ZERO;
         if equal {
             self.0.y
         } else {

@@ -74,7 +74,8 @@ impl Brdf for Beckmann {
     fn sample_vndf(&self, xi: DVec2, v_local: DVec3, widths: Widths) -> DVec3 {
         const STEPS: u32 = 6;
         let across = widths.stretched(v_local).truncate();
-        let (sin, cos) = (across.length(), v_local.z);
+        let sin = across.length();
+        let cos = v_local.z;
         let end = (cos / sin).min(SLOPE_MAX);
         let area = visible_area_up_to(end, sin, cos);
         let theta = sin.atan2(cos);

@@ -88,7 +88,8 @@ impl EnvironmentDistribution {
     /// As [`Self::new`], with a threshold of `compensation` times the mean luminance; 0 without a
     /// lobe sampler.
     pub fn with_compensation(image: &RgbImage, compensation: f64) -> Self {
-        let (width, height) = (image.width, image.height);
+        let width = image.width;
+        let height = image.height;
         assert!(
             (1..=SIDE_MAX).contains(&width),
             "width {width} of an environment, 1 to {SIDE_MAX} expected"
@@ -127,7 +128,8 @@ impl EnvironmentDistribution {
             width.div_ceil(CELL_COLUMNS),
             (height + 1).div_ceil(CELL_ROWS),
         ];
-        let (mut slots, mut blocks) = (Vec::new(), Vec::new());
+        let mut slots = Vec::new();
+        let mut blocks = Vec::new();
         let mut slot_of_cell = vec![0; CELL_COUNT as usize];
         for cell in 0..CELL_COUNT {
             let [columns, bands] = cell_range(cell, cell_size, [width, height + 1]);
@@ -229,7 +231,8 @@ pub fn rows_of_band(band: usize, height: u32) -> [u32; 2] {
 
 /// Returns v at the upper and the lower edge of a band.
 pub fn band_limits(band: usize, height: u32) -> [f64; 2] {
-    let (band, height) = (band as f64, f64::from(height));
+    let band = band as f64;
+    let height = f64::from(height);
     [
         (band - 0.5).max(0.0) / height,
         (band + 0.5).min(height) / height,

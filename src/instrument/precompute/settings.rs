@@ -191,7 +191,9 @@ impl PrecomputeSettings {
         if self.prefilter == PrefilterBy::Harmonic
             && mapping.alpha_from_mip(1.0, levels) < harmonic::ALPHA_MIN
         {
-            let (name, alpha, degree) = (mapping.name, harmonic::ALPHA_MIN, harmonic::DEGREE_MAX);
+            let name = mapping.name;
+            let alpha = harmonic::ALPHA_MIN;
+            let degree = harmonic::DEGREE_MAX;
             return fault(
                 "prefilter_level_count",
                 format!(

@@ -118,7 +118,8 @@ fn toward_viewer_of_files() -> DVec3 {
 
 /// Returns the unit vector at an azimuth to the right of +z and an elevation, degrees.
 fn toward(azimuth_deg: f64, elevation_deg: f64) -> DVec3 {
-    let (azimuth, elevation) = (azimuth_deg.to_radians(), elevation_deg.to_radians());
+    let azimuth = azimuth_deg.to_radians();
+    let elevation = elevation_deg.to_radians();
     DVec3::new(
         azimuth.sin() * elevation.cos(),
         elevation.sin(),
@@ -141,7 +142,8 @@ impl Scene {
             )),
             None => {
                 let names: Vec<&str> = SCENES.iter().map(|entry| entry.name).collect();
-                let (known, near) = (names.join(", "), suggestion(spec, &names));
+                let known = names.join(", ");
+                let near = suggestion(spec, &names);
                 let files = scene_extensions();
                 let what = format!(
                     "neither a built-in scene ({known}) nor the path of a file ({files}){near}"

@@ -62,7 +62,10 @@ fn ball() -> Vec<Part> {
 }
 
 fn cup() -> Vec<Part> {
-    let (edge_deg, lip, wall_deg, foot) = (128.0, 0.07, 72.0, 0.05);
+    let edge_deg = 128.0;
+    let lip = 0.07;
+    let wall_deg = 72.0;
+    let foot = 0.05;
     // Normals point to the bowl's centre, so the radius is negative.
     let bowl = arc(DVec2::ZERO, -(1.0 + GAP), 0.0, edge_deg - 180.0);
     let rim = arc(

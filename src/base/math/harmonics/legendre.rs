@@ -99,13 +99,12 @@ impl Legendre {
         {
             return false;
         }
-        let (mut last, mut own) = (
-            [0.0; LANES],
-            block
-                .sin
-                .map(|sin| (self.first[m] + m as f64 * sin.ln()).exp()),
-        );
-        let (cos, steps) = (block.cos, &self.steps[m][..degree - m]);
+        let mut last = [0.0; LANES];
+        let mut own = block
+            .sin
+            .map(|sin| (self.first[m] + m as f64 * sin.ln()).exp());
+        let cos = block.cos;
+        let steps = &self.steps[m][..degree - m];
         found.resize(degree - m + 1, own);
         found[0] = own;
         for (value, [a, b]) in found[1..].iter_mut().zip(steps) {

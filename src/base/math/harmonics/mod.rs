@@ -57,7 +57,8 @@ impl Harmonics {
         let blocks = Block::all(rows.count);
         let of_order = |m: usize| {
             let halves = rows.halves(m, &spectra);
-            let (mut sums, mut p) = (vec![[0.0; 6]; degree + 1 - m], Vec::new());
+            let mut sums = vec![[0.0; 6]; degree + 1 - m];
+            let mut p = Vec::new();
             for (block, halves) in blocks.iter().zip(halves.chunks(LANES)) {
                 if !legendre.fill(m, degree, block, &mut p) {
                     continue;
@@ -93,7 +94,8 @@ impl Harmonics {
         let degree = degree.min(self.degree());
         let of_block = |own: &[DVec3]| {
             let block = Block::at(own);
-            let (mut bands, mut p) = (vec![vec![DVec3::ZERO; degree + 1]; own.len()], Vec::new());
+            let mut bands = vec![vec![DVec3::ZERO; degree + 1]; own.len()];
+            let mut p = Vec::new();
             for m in 0..=degree {
                 if !self.legendre.fill(m, degree, &block, &mut p) {
                     continue;
@@ -145,7 +147,8 @@ impl Harmonics {
         let inverse = RealFftPlanner::<f64>::new().plan_fft_inverse(width);
         let of_block = |block: &Block| {
             // By order: sums over even and over odd l + m, by lane.
-            let (mut sums, mut p) = (vec![[[[0.0; LANES]; 6]; 2]; degree + 1], Vec::new());
+            let mut sums = vec![[[[0.0; LANES]; 6]; 2]; degree + 1];
+            let mut p = Vec::new();
             for (m, sums) in sums.iter_mut().enumerate() {
                 if !self.legendre.fill(m, degree, block, &mut p) {
                     continue;
@@ -161,7 +164,8 @@ impl Harmonics {
                     *sums = own;
                 }
             }
-            let (mut spectrum, mut line) = (inverse.make_input_vec(), inverse.make_output_vec());
+            let mut spectrum = inverse.make_input_vec();
+            let mut line = inverse.make_output_vec();
             let mut scratch = inverse.make_scratch_vec();
             let mut row = |lane: usize, sign: f64| {
                 let mut texels = vec![DVec3::ZERO; width];
@@ -242,7 +246,8 @@ fn spectra(
     let factors: Vec<Complex<f64>> = (0..=degree).map(factor).collect();
     let row = |y: usize| {
         let mut found = vec![[0.0; 6]; degree + 1];
-        let (mut line, mut spectrum) = (forward.make_input_vec(), forward.make_output_vec());
+        let mut line = forward.make_input_vec();
+        let mut spectrum = forward.make_output_vec();
         for channel in 0..3 {
             line.iter_mut()
                 .enumerate()
@@ -289,7 +294,8 @@ struct Rows {
 
 impl Rows {
     fn new(height: usize, degree: usize) -> Self {
-        let (count, mut planner) = (smooth_even(degree + 1), FftPlanner::new());
+        let count = smooth_even(degree + 1);
+        let mut planner = FftPlanner::new();
         let orders = || (0..=degree + 1).map(|k| k as f64);
         let half = 0.5 * PI / height as f64;
         let linear =
@@ -320,13 +326,15 @@ impl Rows {
     /// Returns the weighted sum and difference of `g |sin θ|` of each row pair, its series cut at
     /// the degree.
     fn halves(&self, m: usize, spectra: &[Vec<Sextet>]) -> Vec<[Sextet; 2]> {
-        let (height, count) = (self.height, self.count);
+        let height = self.height;
+        let count = self.count;
         let value = |row: usize, channel: usize| {
             let own = &spectra[row][m];
             Complex::new(own[channel], own[channel + 3])
         };
         // S = g sgn θ on the circle, even for odd orders: g |sin θ| is S sin θ.
-        let (is_odd, sign) = (m % 2 == 1, if m % 2 == 1 { 1.0 } else { -1.0 });
+        let is_odd = m % 2 == 1;
+        let sign = if m % 2 == 1 { 1.0 } else { -1.0 };
         let mut circle = vec![Complex::default(); 6 * height];
         for channel in 0..3 {
             let line = &mut circle[2 * height * channel..][..2 * height];
@@ -352,7 +360,8 @@ impl Rows {
             // W_k = (S_k-1 - S_k+1)/2i, W_-k = -sign W_k.
             let out = &mut found[2 * count * channel..][..2 * count];
             let degree = self.linear.len() - 2;
-            let (mut last, mut own) = (sign * series(1), series(0));
+            let mut last = sign * series(1);
+            let mut own = series(0);
             for k in 0..=degree {
                 let next = series(k + 1);
                 let w = (last - next) * Complex::new(0.0, -0.5);
@@ -371,7 +380,8 @@ impl Rows {
                     if i < 3 { value.re } else { value.im }
                 })
             };
-            let (north, south) = (part(row), part(count - 1 - row));
+            let north = part(row);
+            let south = part(count - 1 - row);
             [
                 std::array::from_fn(|i| north[i] + south[i]),
                 std::array::from_fn(|i| north[i] - south[i]),

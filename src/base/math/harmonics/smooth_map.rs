@@ -77,7 +77,8 @@ fn stencil(place: f64) -> (usize, [f64; STENCIL]) {
     let floor = place.floor();
     let t = place - floor + (STENCIL / 2 - 1) as f64;
     let mut weights = SCALES;
-    let (mut left, mut right) = (1.0, 1.0);
+    let mut left = 1.0;
+    let mut right = 1.0;
     for i in 0..STENCIL {
         weights[i] *= left;
         left *= t - i as f64;

@@ -132,7 +132,8 @@ pub(super) fn make(
             );
             bad("an assignment", assignment, form)
         })?;
-        let (key, text) = (key.trim(), text.trim());
+        let key = key.trim();
+        let text = text.trim();
         let parameter = builtin
             .parameters
             .iter()

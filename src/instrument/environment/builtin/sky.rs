@@ -56,7 +56,8 @@ pub static SKY: Builtin = Builtin {
 fn make(values: &Values, size: [u32; 2]) -> RgbImage {
     let elevation = values.get("elevation_deg").to_radians();
     let sun = raster::direction(values.get("azimuth_deg").to_radians(), elevation);
-    let (turbidity, albedo) = (values.get("turbidity"), values.get("albedo"));
+    let turbidity = values.get("turbidity");
+    let albedo = values.get("albedo");
     // Rounding to f32 may push the elevation above π/2.
     let elevation_f32 = (elevation as f32).min(std::f32::consts::FRAC_PI_2);
     let model = Sky::new(elevation_f32, turbidity as f32, albedo as f32);

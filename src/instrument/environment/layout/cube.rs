@@ -49,10 +49,8 @@ fn direction(face: u32, uv: DVec2) -> DVec3 {
 
 /// Returns the point on the cube whose faces have distance 1.
 fn on_face(face: u32, uv: DVec2) -> DVec3 {
-    let (st, sign) = (
-        2.0 * uv - 1.0,
-        if face.is_multiple_of(2) { 1.0 } else { -1.0 },
-    );
+    let st = 2.0 * uv - 1.0;
+    let sign = if face.is_multiple_of(2) { 1.0 } else { -1.0 };
     match face / 2 {
         0 => DVec3::new(sign, -st.y, -sign * st.x),
         1 => DVec3::new(st.x, sign, sign * st.y),

@@ -34,7 +34,8 @@ pub(in crate::instrument::metrics) struct View {
 impl View {
     /// Filters an image, continued by its outermost pixels.
     pub fn new(image: &Rgb8Image) -> Self {
-        let (width, len) = (image.width as usize, image.data.len());
+        let width = image.width as usize;
+        let len = image.data.len();
         let opponent: Vec<Vec3> = image
             .data
             .iter()
@@ -200,7 +201,8 @@ static FEATURE_TAPS: LazyLock<[Taps; 3]> = LazyLock::new(|| {
                 .map(|weight| (sign * weight).max(0.0))
                 .sum::<f64>()
         };
-        let (positive, negative) = (sum(1.0), sum(-1.0));
+        let positive = sum(1.0);
+        let negative = sum(-1.0);
         weights
             .iter()
             .map(|&w| {

@@ -24,10 +24,8 @@ pub fn run(
     table: &Image,
 ) -> Result<Report, GpuError> {
     let [width, height] = table.mip_size(0);
-    let (shader, constants) = (
-        shader(brdf),
-        [masking_shadowing as u32, 0, 0, 0, 0, 0, axes as u32],
-    );
+    let shader = shader(brdf);
+    let constants = [masking_shadowing as u32, 0, 0, 0, 0, 0, axes as u32];
     let mut total = Report::default();
     for part in gpu.parts([width, height], 1, sample_count.into()) {
         let push = DfgParams {

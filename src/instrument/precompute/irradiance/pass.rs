@@ -46,13 +46,11 @@ pub fn run(
         first_row: 0,
         pad0: 0,
     };
-    let (shader, binds) = (
-        shader(layout),
-        [
-            Bind::Sample(environment, Sampler::MAP),
-            Bind::StoreFaces(map, 0),
-        ],
-    );
+    let shader = shader(layout);
+    let binds = [
+        Bind::Sample(environment, Sampler::MAP),
+        Bind::StoreFaces(map, 0),
+    ];
     let mut total = Report::default();
     for part in gpu.parts(
         [width, height],

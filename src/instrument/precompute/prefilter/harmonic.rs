@@ -83,11 +83,13 @@ pub fn integrals(
         // Panels no longer than a radian and a half of the highest degree: dγ = sin γ dt.
         let step = f64::min(0.25, 1.5 * high.cosh() / degree as f64);
         // The nodes of a panel side by side: a single recurrence would wait for itself.
-        let (mut cosines, mut values) = ([0.0; NODES], [0.0; NODES]);
+        let mut cosines = [0.0; NODES];
+        let mut values = [0.0; NODES];
         for k in 0..NODES {
             let t = high - 0.5 * step * (1.0 + rule.nodes[k]);
             // sin γ = 1/cosh t, cos γ = -tanh t, dω = 2π sin² γ dt.
-            let (sin, cos) = (1.0 / t.cosh(), -t.tanh());
+            let sin = 1.0 / t.cosh();
+            let cos = -t.tanh();
             let h = (DVec3::new(sin, 0.0, cos) + DVec3::Z).normalize();
             let own_weight = if cos > 0.0 { weight(cos) } else { 0.0 };
             values[k] =
@@ -95,7 +97,9 @@ pub fn integrals(
             cosines[k] = cos;
         }
         // (l + 1) P_l+1 = (2l + 1) cos γ P_l - l P_l-1.
-        let (mut last, mut own, mut next) = ([0.0; NODES], [1.0; NODES], [0.0; NODES]);
+        let mut last = [0.0; NODES];
+        let mut own = [1.0; NODES];
+        let mut next = [0.0; NODES];
         for (sum, [a, b]) in sums.iter_mut().zip(&steps) {
             (0..NODES).for_each(|k| *sum += values[k] * own[k]);
             (0..NODES).for_each(|k| next[k] = a * cosines[k] * own[k] - b * last[k]);

@@ -149,7 +149,8 @@ fn sample(
         mapping,
         lod_bias,
     } = recipe;
-    let (shader, sample_count) = (shader(kernel.brdf, layout), points.count());
+    let shader = shader(kernel.brdf, layout);
+    let sample_count = points.count();
     let constants = [kernel.masking as u32, 0, 0, kernel.weight.code];
     let [width, height] = map.mip_size(level);
     let alpha = mapping.alpha_from_mip(f64::from(level), map.mip_count()) as f32;

@@ -74,11 +74,10 @@ fn direction(angle: f64) -> DVec3 {
 /// at the centre and at the plane of incidence.
 fn rings(angle: f64, narrowest: f64) -> Vec<(DVec3, f64)> {
     const POWER: f64 = 2.2;
-    let (centre, tangent) = (
-        direction(angle),
-        DVec3::new(-angle.cos(), 0.0, -angle.sin()),
-    );
-    let (polar, azimuth) = (GaussLegendre::<28>::new(), GaussLegendre::<10>::new());
+    let centre = direction(angle);
+    let tangent = DVec3::new(-angle.cos(), 0.0, -angle.sin());
+    let polar = GaussLegendre::<28>::new();
+    let azimuth = GaussLegendre::<10>::new();
     let quarter = azimuth
         .nodes
         .iter()
@@ -94,7 +93,8 @@ fn rings(angle: f64, narrowest: f64) -> Vec<(DVec3, f64)> {
         .flat_map(|(phi, weight)| [phi, PI - phi].map(|phi| (phi.sin_cos(), weight)))
         .collect();
     // s = ln tan(γ/2).
-    let (low, high) = (narrowest.ln(), 1.5);
+    let low = narrowest.ln();
+    let high = 1.5;
     let mut found = Vec::with_capacity(polar.nodes.len() * half.len());
     for (x, weight) in polar.nodes.iter().zip(&polar.weights) {
         let s = low + 0.5 * (1.0 + x) * (high - low);
@@ -187,7 +187,8 @@ impl<'a> Fit<'a> {
 
     /// Returns the kernel of a tap at the directions, and its derivative by the level.
     fn kernel(&self, tap: &Tap) -> Vec<[f64; 2]> {
-        let (about, density) = (direction(tap.angle), self.chain.lookup(tap.level));
+        let about = direction(tap.angle);
+        let density = self.chain.lookup(tap.level);
         self.directions
             .iter()
             .map(|l| density(l.dot(about)))
@@ -255,7 +256,8 @@ impl<'a> Fit<'a> {
     /// Minimises the error and its penalties from `start`, pulled towards `near`, by the method of
     /// Levenberg and Marquardt.
     pub fn solve(&self, start: &[f64], near: &[f64], pull: f64) -> Parameters {
-        let (mut x, mut damping) = (start.to_vec(), 1e-2);
+        let mut x = start.to_vec();
+        let mut damping = 1e-2;
         let mut least = self.trial(&x, near, pull);
         for _ in 0..STEP_COUNT {
             let (matrix, gradient) = self.normal_equations(&x, &least, near, pull);
@@ -326,7 +328,8 @@ impl<'a> Fit<'a> {
                     .collect();
             }
         }
-        let (mut matrix, mut gradient) = (vec![vec![0.0; size]; size], vec![0.0; size]);
+        let mut matrix = vec![vec![0.0; size]; size];
+        let mut gradient = vec![0.0; size];
         for (i, weight) in self.weights.iter().enumerate() {
             for p in 0..size {
                 let weighted = weight * columns[p][i];
@@ -364,7 +367,9 @@ impl<'a> Fit<'a> {
 /// Solves `(M + damping diag M) x = g` by Cholesky's method. Of M, which is positive definite, the
 /// lower half is read.
 fn solve_positive(matrix: &[Vec<f64>], g: &[f64], damping: f64) -> Vec<f64> {
-    let (size, mut factor, mut x) = (g.len(), matrix.to_vec(), g.to_vec());
+    let size = g.len();
+    let mut factor = matrix.to_vec();
+    let mut x = g.to_vec();
     for i in 0..size {
         factor[i][i] *= 1.0 + damping;
         for j in 0..=i {
