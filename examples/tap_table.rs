@@ -17,8 +17,8 @@ fn main() {
         let pair = dfg(&Ggx, masking, n_dot_v, alpha);
         let dielectric = dielectric_share(f0, [pair.f0_scale, pair.f90_scale]);
         println!("seen at {degrees} degrees, from the normal (0) to the mirror direction (1):");
-        for [place, level, weight] in table.taps(n_dot_v, alpha, dielectric) {
-            println!("    look up at {place:.2}, level {level:.2}, with weight {weight:.2}");
+        for [position, level, weight] in table.taps(n_dot_v, alpha, dielectric) {
+            println!("    look up at {position:.2}, level {level:.2}, with weight {weight:.2}");
         }
     }
 }

@@ -20,9 +20,9 @@ pub enum Cell {
 }
 
 macro_rules! cell_from {
-    ($($value:ident: $of:ty => $cell:expr),+ $(,)?) => {
-        $(impl From<$of> for Cell {
-            fn from($value: $of) -> Self {
+    ($($value:ident: $source:ty => $cell:expr),+ $(,)?) => {
+        $(impl From<$source> for Cell {
+            fn from($value: $source) -> Self {
                 $cell
             }
         })+
@@ -82,13 +82,13 @@ pub enum TableError {
 fn in_words(error: &::csv::Error) -> String {
     match error.kind() {
         ::csv::ErrorKind::UnequalLengths {
-            pos: Some(place),
+            pos: Some(position),
             expected_len,
             len,
         } => {
             format!(
                 "line {}: the row has {len} cells; expected {expected_len}, as the header",
-                place.line()
+                position.line()
             )
         }
         _ => error.to_string(),
@@ -163,8 +163,8 @@ impl Table {
     }
 
     pub fn column(&self, name: &str) -> Result<usize, TableError> {
-        let place = self.columns.iter().position(|column| column == name);
-        place.ok_or_else(|| TableError::no_column(&self.path, name, &self.columns))
+        let index = self.columns.iter().position(|column| column == name);
+        index.ok_or_else(|| TableError::no_column(&self.path, name, &self.columns))
     }
 }
 
@@ -173,7 +173,7 @@ impl Table {
 pub struct TableRows {
     path: PathBuf,
     columns: Vec<String>,
-    places: HashMap<String, usize>,
+    column_indices: HashMap<String, usize>,
     reader: ::csv::Reader<File>,
 }
 
@@ -202,16 +202,16 @@ impl TableRows {
             source,
         })?;
         let columns: Vec<String> = heads.iter().map(str::to_owned).collect();
-        let places = columns
+        let column_indices = columns
             .iter()
             .enumerate()
             .rev()
-            .map(|(place, name)| (name.clone(), place))
+            .map(|(index, name)| (name.clone(), index))
             .collect();
         Ok(Self {
             path: path.to_owned(),
             columns,
-            places,
+            column_indices,
             reader,
         })
     }
@@ -227,7 +227,7 @@ impl TableRows {
     /// Fails without this column.
     pub fn needs(&self, name: &str) -> Result<(), TableError> {
         let error = || TableError::no_column(&self.path, name, &self.columns);
-        self.places
+        self.column_indices
             .contains_key(name)
             .then_some(())
             .ok_or_else(error)
@@ -262,7 +262,7 @@ impl TableRows {
 impl<'t> Row<'t> {
     /// The field of a column; `None` if it is empty or missing.
     pub fn text(&self, column: &str) -> Option<&'t str> {
-        Some(&self.record[*self.table.places.get(column)?]).filter(|text| !text.is_empty())
+        Some(&self.record[*self.table.column_indices.get(column)?]).filter(|text| !text.is_empty())
     }
 
     pub fn number(&self, column: &str) -> Option<f64> {

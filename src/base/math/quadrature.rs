@@ -176,7 +176,7 @@ pub fn integrate_adaptively<R, I: IntoIterator<Item = R>, const K: usize>(
     let first = parts
         .iter()
         .enumerate()
-        .map(|(place, (_, estimate))| (priority(estimate, &scale), place));
+        .map(|(index, (_, estimate))| (priority(estimate, &scale), index));
     let mut worst_first: BinaryHeap<(u64, usize)> = first.collect();
     while total.relative_error(&scale) > tolerance.relative
         && parts.len() < tolerance.max_part_count
@@ -189,8 +189,8 @@ pub fn integrate_adaptively<R, I: IntoIterator<Item = R>, const K: usize>(
             let part = estimated(region);
             total.add(&part.1, 1.0);
             // The first takes the place of the whole.
-            let place = if k == 0 { worst } else { parts.len() };
-            worst_first.push((priority(&part.1, &scale), place));
+            let index = if k == 0 { worst } else { parts.len() };
+            worst_first.push((priority(&part.1, &scale), index));
             if k == 0 {
                 parts[worst] = part
             } else {

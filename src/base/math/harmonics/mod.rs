@@ -69,8 +69,8 @@ impl Harmonics {
                         .iter_mut()
                         .zip(halves)
                         .for_each(|(value, half)| *value = half[parity]);
-                    let own = sums.iter_mut().skip(parity).step_by(2);
-                    for (sum, p) in own.zip(p.iter().skip(parity).step_by(2)) {
+                    let parity_sums = sums.iter_mut().skip(parity).step_by(2);
+                    for (sum, p) in parity_sums.zip(p.iter().skip(parity).step_by(2)) {
                         (0..LANES).for_each(|lane| {
                             (0..6).for_each(|i| sum[i] += p[lane] * values[lane][i])
                         });
@@ -92,9 +92,9 @@ impl Harmonics {
     /// directions cost little.
     pub fn bands(&self, degree: usize, directions: &[DVec3]) -> Vec<Vec<DVec3>> {
         let degree = degree.min(self.degree());
-        let of_block = |own: &[DVec3]| {
-            let block = Block::at(own);
-            let mut bands = vec![vec![DVec3::ZERO; degree + 1]; own.len()];
+        let bands_of = |members: &[DVec3]| {
+            let block = Block::at(members);
+            let mut bands = vec![vec![DVec3::ZERO; degree + 1]; members.len()];
             let mut p = Vec::new();
             for m in 0..=degree {
                 if !self.legendre.fill(m, degree, &block, &mut p) {
@@ -102,7 +102,7 @@ impl Harmonics {
                 }
                 // Orders -m are conjugates: they double the real part.
                 let twice = if m == 0 { 1.0 } else { 2.0 };
-                for (lane, (bands, d)) in bands.iter_mut().zip(own).enumerate() {
+                for (lane, (bands, d)) in bands.iter_mut().zip(members).enumerate() {
                     let (sin, cos) = (m as f64 * TAU * uv_from_direction(*d).x).sin_cos();
                     for ((band, value), p) in bands[m..].iter_mut().zip(&self.orders[m]).zip(&p) {
                         let part = |i: usize| value[i] * cos - value[i + 3] * sin;
@@ -114,7 +114,7 @@ impl Harmonics {
         };
         directions
             .par_chunks(LANES)
-            .flat_map_iter(of_block)
+            .flat_map_iter(bands_of)
             .collect()
     }
 
@@ -154,14 +154,14 @@ impl Harmonics {
                     continue;
                 }
                 for (parity, sums) in sums.iter_mut().enumerate() {
-                    let mut own = [[0.0; LANES]; 6];
+                    let mut parity_sums = [[0.0; LANES]; 6];
                     let values = scaled[m].iter().skip(parity).step_by(2);
                     for (value, p) in values.zip(p.iter().skip(parity).step_by(2)) {
                         (0..6).for_each(|i| {
-                            (0..LANES).for_each(|lane| own[i][lane] += value[i] * p[lane])
+                            (0..LANES).for_each(|lane| parity_sums[i][lane] += value[i] * p[lane])
                         });
                     }
-                    *sums = own;
+                    *sums = parity_sums;
                 }
             }
             let mut spectrum = inverse.make_input_vec();
@@ -176,13 +176,14 @@ impl Harmonics {
                         let value = Complex::new(part(channel), part(channel + 3)) * turn;
                         // Orders beyond the columns' rate fold back, as point values do.
                         let bin = m % width;
-                        match () {
-                            () if m == 0 => spectrum[0].re += value.re,
-                            () if bin == 0 || 2 * bin == width => {
-                                spectrum[bin].re += 2.0 * value.re
-                            }
-                            () if 2 * bin < width => spectrum[bin] += value,
-                            () => spectrum[width - bin] += value.conj(),
+                        if m == 0 {
+                            spectrum[0].re += value.re;
+                        } else if bin == 0 || 2 * bin == width {
+                            spectrum[bin].re += 2.0 * value.re;
+                        } else if 2 * bin < width {
+                            spectrum[bin] += value;
+                        } else {
+                            spectrum[width - bin] += value.conj();
                         }
                     }
                     inverse
@@ -329,8 +330,8 @@ impl Rows {
         let height = self.height;
         let count = self.count;
         let value = |row: usize, channel: usize| {
-            let own = &spectra[row][m];
-            Complex::new(own[channel], own[channel + 3])
+            let coefficients = &spectra[row][m];
+            Complex::new(coefficients[channel], coefficients[channel + 3])
         };
         // S = g sgn θ on the circle, even for odd orders: g |sin θ| is S sin θ.
         let is_odd = m % 2 == 1;
@@ -339,8 +340,8 @@ impl Rows {
         for channel in 0..3 {
             let line = &mut circle[2 * height * channel..][..2 * height];
             for row in 0..height {
-                let own = value(row, channel);
-                (line[row], line[2 * height - 1 - row]) = (own, sign * own);
+                let coefficient = value(row, channel);
+                (line[row], line[2 * height - 1 - row]) = (coefficient, sign * coefficient);
             }
         }
         self.forward.process(&mut circle);
@@ -361,7 +362,7 @@ impl Rows {
             let out = &mut found[2 * count * channel..][..2 * count];
             let degree = self.linear.len() - 2;
             let mut last = sign * series(1);
-            let mut own = series(0);
+            let mut current = series(0);
             for k in 0..=degree {
                 let next = series(k + 1);
                 let w = (last - next) * Complex::new(0.0, -0.5);
@@ -369,7 +370,7 @@ impl Rows {
                 if k > 0 {
                     out[2 * count - k] = -sign * w * self.turn[k].conj();
                 }
-                (last, own) = (own, next);
+                (last, current) = (current, next);
             }
         }
         self.inverse.process(&mut found);

@@ -35,14 +35,14 @@ impl Sky {
         let points = ALBEDOS * TURBIDITIES * POINTS;
         let (coefficients, radiances) = data.split_at(3 * points * COEFFICIENTS);
         let t = (elevation / FRAC_PI_2).powf(1.0 / 3.0);
-        let at = |data: &[f32], stride: usize, index: usize| {
+        let interpolated = |data: &[f32], stride: usize, index: usize| {
             interpolated(data, stride, index, turbidity, albedo, t)
         };
         let of_channel = |channel: usize| &coefficients[channel * points * COEFFICIENTS..];
         Self {
             coefficients: [0, 1, 2]
-                .map(|i| std::array::from_fn(|k| at(of_channel(i), COEFFICIENTS, k))),
-            radiances: [0, 1, 2].map(|i| at(&radiances[i * points..], 1, 0)),
+                .map(|i| std::array::from_fn(|k| interpolated(of_channel(i), COEFFICIENTS, k))),
+            radiances: [0, 1, 2].map(|i| interpolated(&radiances[i * points..], 1, 0)),
         }
     }
 

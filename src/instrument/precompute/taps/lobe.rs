@@ -49,8 +49,8 @@ impl Lobe {
         let mut nodes = Vec::with_capacity((2 * R_COUNT * PHI_COUNT) as usize);
         let mut albedos = DVec2::ZERO;
         for (range, i) in (0..2).flat_map(|range| (0..R_COUNT).map(move |i| (range, i))) {
-            let (place, weight) = periodic_node(i, R_COUNT);
-            let r = r_ends[range] + (r_ends[range + 1] - r_ends[range]) * place;
+            let (position, weight) = periodic_node(i, R_COUNT);
+            let r = r_ends[range] + (r_ends[range + 1] - r_ends[range]) * position;
             let u = (1.0 - r) * (1.0 + r);
             let k = 1.0 / (1.0 + (alpha2 - 1.0) * u);
             let cos_h = r * k.sqrt();
@@ -67,8 +67,8 @@ impl Lobe {
             let of_r =
                 weight * (r_ends[range] - r_ends[range + 1]) * 2.0 * r * (phi_end / PI) * d_ratio;
             for j in 0..PHI_COUNT {
-                let (place, weight) = periodic_node(j, PHI_COUNT);
-                let (sin_phi, cos_phi) = (place * phi_end).sin_cos();
+                let (position, weight) = periodic_node(j, PHI_COUNT);
+                let (sin_phi, cos_phi) = (position * phi_end).sin_cos();
                 let h = DVec3::new(sin_h * cos_phi, sin_h * sin_phi, cos_h);
                 let v_dot_h = v.dot(h);
                 // The sine form keeps l a unit vector at small alpha.

@@ -132,16 +132,17 @@ impl<'a> Buffers<'a> {
             IndexType::U16 => 2,
             IndexType::U32 => 4,
         };
-        let places = self.elements(&indices.view(), indices.offset(), replaced, index_size)?;
-        for (place, value) in
-            places.zip(self.elements(&values.view(), values.offset(), replaced, size)?)
+        let replaced_indices =
+            self.elements(&indices.view(), indices.offset(), replaced, index_size)?;
+        for (index, value) in
+            replaced_indices.zip(self.elements(&values.view(), values.offset(), replaced, size)?)
         {
-            let place = place
+            let index = index
                 .iter()
                 .rev()
                 .fold(0, |number, &byte| number << 8 | usize::from(byte));
-            let slot = packed.chunks_exact_mut(size).nth(place);
-            slot.ok_or_else(|| format!("sparse index {place}; expected below {count}"))?
+            let slot = packed.chunks_exact_mut(size).nth(index);
+            slot.ok_or_else(|| format!("sparse index {index}; expected below {count}"))?
                 .copy_from_slice(value);
         }
         Ok(packed)
