@@ -71,7 +71,7 @@ impl Queries {
         }
     }
 
-    /// Lists the columns of the queries, then those of the answers.
+    /// Lists the columns of the queries, then the columns of the answers.
     fn answer_columns(&self) -> Vec<String> {
         let mut colors = self.kind.colors();
         let mut numbers = self.kind.columns().numbers.to_vec();

@@ -260,7 +260,8 @@ impl EquirectQuadrature {
             coordinates.map(|x| (2.0 * PI * (0.5 - coordinate(low.x, high.x, x))).sin_cos());
         let polar = coordinates.map(|x| (PI * coordinate(low.y, high.y, x)).sin_cos());
         let (values, residual) = self.rule.evaluate(|i, j| {
-            let ((sin_phi, cos_phi), (sin_theta, cos_theta)) = (azimuths[i], polar[j]);
+            let (sin_phi, cos_phi) = azimuths[i];
+            let (sin_theta, cos_theta) = polar[j];
             kernel(DVec3::new(
                 sin_phi * sin_theta,
                 cos_theta,

@@ -43,7 +43,8 @@ impl SmoothMap {
     pub fn value(&self, direction: DVec3) -> DVec3 {
         let size = DVec2::new(self.width as f64, self.height as f64);
         let texel = uv_from_direction(direction) * size - 0.5;
-        let ((column, columns), (row, rows)) = (stencil(texel.x), stencil(texel.y));
+        let (column, columns) = stencil(texel.x);
+        let (row, rows) = stencil(texel.y);
         let mut sum = DVec4::ZERO;
         for (j, weight) in rows.iter().enumerate() {
             let line = &self.texels[(row + j) * (self.width + STENCIL) + column..][..STENCIL];

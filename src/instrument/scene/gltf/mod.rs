@@ -7,9 +7,9 @@
 //! tangents under a normal map or an anisotropy are MikkTSpace's (section 3.7.2.1). Winding
 //! determines the front; a mirroring transform flips it.
 //!
-//! Refused: morph targets, skins, required extensions other than those of [`extensions`] and
-//! lights. Other features (emission, occlusion, transparency, vertex colours, animations, lights)
-//! only cause a warning.
+//! Refused: morph targets, skins, and required extensions that [`extensions`] does not accept.
+//! Other features (emission, occlusion, transparency, vertex colours, animations, lights) only
+//! cause a warning.
 
 mod buffers;
 mod document;

@@ -10,7 +10,7 @@ use super::textures::{TextureReader, TextureReference};
 use crate::instrument::scene::material::Material;
 use serde::de::DeserializeOwned;
 
-/// Extensions that are read, other than those of materials.
+/// Extensions that are read, besides [`MATERIAL_EXTENSIONS`].
 const OTHER_EXTENSIONS: [&str; 2] = ["KHR_mesh_quantization", "KHR_texture_transform"];
 
 /// What an extension states about one material. A material without the extension has its defaults.
