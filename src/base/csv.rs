@@ -233,10 +233,10 @@ impl TableRows {
             .ok_or_else(error)
     }
 
-    /// Calls `see` with each row; every row must have as many cells as the header.
+    /// Calls `visit` with each row; every row must have as many cells as the header.
     pub fn each(
         &mut self,
-        mut see: impl FnMut(Row) -> Result<(), TableError>,
+        mut visit: impl FnMut(Row) -> Result<(), TableError>,
     ) -> Result<(), TableError> {
         let mut record = ::csv::StringRecord::new();
         let mut number = 0;
@@ -249,7 +249,7 @@ impl TableRows {
             })?
         {
             number += 1;
-            see(Row {
+            visit(Row {
                 table: self,
                 record: &record,
                 number,
