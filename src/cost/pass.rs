@@ -1,28 +1,28 @@
 //! Counts, registers and waves of compiled shading passes.
 
-use super::child::{ASSEMBLY, CompileFault, Job, compile};
+use super::child::{ASSEMBLY, CompileFault, compile};
 use super::family::Family;
 use super::isa::{self, IsaFault, ShaderCounts};
-use crate::instrument::gpu::Executable;
+use crate::instrument::gpu::{Executable, ShaderVariant};
 use std::path::Path;
 
 pub fn passes(
     program: &Path,
     family: &'static Family,
-    jobs: &[Job],
+    variants: &[ShaderVariant],
 ) -> Result<Vec<Pass>, CompileFault> {
-    let compiled = compile(program, family, jobs)?;
-    let pass = |(job, stages): (&Job, &Vec<Executable>)| {
+    let compiled = compile(program, family, variants)?;
+    let pass = |(variant, stages): (&ShaderVariant, &Vec<Executable>)| {
         let fault = |said: String| CompileFault::Shader {
             family: family.name,
-            shader: job.shader.clone(),
+            shader: variant.shader.clone(),
             said,
         };
         let pass =
             Pass::new(stages).ok_or_else(|| fault("the driver gives no assembly".to_owned()))?;
         pass.map_err(|error| fault(error.to_string()))
     };
-    jobs.iter().zip(&compiled).map(pass).collect()
+    variants.iter().zip(&compiled).map(pass).collect()
 }
 
 #[derive(Clone, Debug, PartialEq)]

@@ -5,12 +5,12 @@ use super::Method;
 use super::pass::{Passes, TABLE};
 use crate::base::glsl::constants::{GROUP_SIDE, SCRAMBLE_COUNT};
 use crate::base::glsl::layout::{ShadeParams, SharedStruct};
+use crate::base::glsl::specialization::Specialization;
 use crate::base::pixels::GrayImage;
-use crate::instrument::brdf::{Brdf, MaskingShadowing};
+use crate::instrument::brdf::Brdf;
 use crate::instrument::environment::distribution::EnvironmentDistribution;
 use crate::instrument::gpu::{Bind, Buffer, Gpu, GpuError, Report, Sampler};
 use crate::instrument::metrics::Epsilon;
-use crate::instrument::precompute::PrecomputeSettings;
 use std::ops::Range;
 
 /// Most samples of a pixel that one dispatch takes.
@@ -24,24 +24,24 @@ pub enum Lobe {
 }
 
 impl Lobe {
-    /// Specialization constants: masking, f32 filter, bend of levels, weight, unused, compensation,
-    /// DFG table's axes, law of the widths, visibility of sheen.
-    fn constants(self, gpu: &Gpu, passes: &Passes) -> [u32; 9] {
+    /// Returns the specialization constants of both passes of the lobe.
+    fn specialization(self, gpu: &Gpu, passes: &Passes) -> Specialization {
         let shading = passes.shading;
-        let PrecomputeSettings {
-            level_mapping,
-            prefilter_weight,
-            ..
-        } = shading.precompute;
-        let mut constants = shading.table_constants(MaskingShadowing::default());
-        constants[1] = u32::from(gpu.info().has_exact_filter);
-        if let Self::Specular(_) = self {
-            constants[0] = shading.masking_shadowing as u32;
-            constants[2] = (level_mapping.bend as f32).to_bits();
-            constants[3] = prefilter_weight.code;
-            constants[8] = shading.sheen_visibility as u32;
+        let general = Specialization {
+            exact_filter: u32::from(gpu.info().has_exact_filter),
+            anisotropy: passes.anisotropy(),
+            ..shading.table_specialization()
+        };
+        match self {
+            Self::Diffuse(_) => general,
+            Self::Specular(_) => Specialization {
+                masking: shading.masking_shadowing as u32,
+                level_bend: shading.precompute.level_mapping.bend as f32,
+                prefilter_weight: shading.precompute.prefilter_weight.code,
+                sheen_visibility: shading.sheen_visibility as u32,
+                ..general
+            },
         }
-        passes.with_widths(constants)
     }
 
     /// Names the shaders that take the samples and that add the term to the image.
@@ -290,7 +290,7 @@ impl ReferenceRun<'_> {
         } = self.passes;
         let [width, height] = gbuffer.size;
         let [shader, _] = lobe.shaders(shading.brdf);
-        let constants = lobe.constants(gpu, &self.passes);
+        let constants = lobe.specialization(gpu, &self.passes).words();
         let rest = [
             Bind::Sample(&tables.environment, Sampler::TEXELS),
             Bind::Read(&self.distribution.words),
@@ -351,7 +351,7 @@ impl ReferenceRun<'_> {
             total.add(gpu.submit_pass(lobe.pass_name(), |r| {
                 r.dispatch(
                     &shader,
-                    &lobe.constants(gpu, &self.passes),
+                    &lobe.specialization(gpu, &self.passes).words(),
                     &binds,
                     &push,
                     part.groups,

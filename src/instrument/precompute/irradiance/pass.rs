@@ -44,7 +44,6 @@ pub fn run(
         source_width,
         source_height,
         first_row: 0,
-        pad0: 0,
     };
     let shader = shader(layout);
     let binds = [
