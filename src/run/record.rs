@@ -132,7 +132,7 @@ const STEP_DIGITS: usize = 4;
 impl StepRecord {
     pub fn of(attributions: &[Attribution]) -> Vec<Self> {
         let of_one = |one: &Attribution| {
-            let ([lo, hi], pixel_count, noise) = (one.seen_at, one.pixel_count, one.noise);
+            let ([lo, hi], pixel_count, noise) = (one.n_dot_v, one.pixel_count, one.noise);
             let record = move |own: &StepNumbers| {
                 let StepNumbers {
                     step,
