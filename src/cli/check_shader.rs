@@ -9,7 +9,7 @@ use splitsum::bake::shader_check::{ERRORS, Row, check, verdict, worst};
 use splitsum::base::names::Listed;
 use splitsum::draw::markdown::{Align, MarkdownTable};
 use splitsum::instrument::brdf::MaskingShadowing;
-use splitsum::instrument::shade::{FILE_PREFIX, own};
+use splitsum::instrument::shade::{FILE_PREFIX, from_file};
 use splitsum::run::RenderFault;
 use std::path::{Path, PathBuf};
 
@@ -31,7 +31,7 @@ pub struct Arguments {
     /// Check a function of this file.
     file: PathBuf,
     /// Check this function of n, v, perceptual roughness and f0, not `specular_radiance`.
-    #[arg(long, value_name = "NAME", default_value = own::FUNCTION, value_parser = entry)]
+    #[arg(long, value_name = "NAME", default_value = from_file::FUNCTION, value_parser = entry)]
     entry: String,
     /// Set the lobe's masking-shadowing, and the DFG table's.
     #[arg(long, value_name = "NAME", default_value = MaskingShadowing::names()[0], value_parser = MaskingShadowing::parse)]
@@ -68,7 +68,7 @@ fn limits(text: &str) -> Result<[f32; 3], String> {
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let name = format!("{FILE_PREFIX}{}", arguments.file.display());
     let method =
-        own::load_function(&name, Path::new(""), &arguments.entry).map_err(Failure::input)?;
+        from_file::load_function(&name, Path::new(""), &arguments.entry).map_err(Failure::input)?;
     progress::doing("rendering");
     let mut pipeline = arguments.device.open().map_err(Failure::opening)?;
     let rows = check(&mut pipeline, method, *arguments.masking);

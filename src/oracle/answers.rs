@@ -246,7 +246,7 @@ fn over_coat(
             error: shares.coat * error,
         },
         judged: reflected.specular_white,
-        base_share: shares.base[0],
+        base_share: shares.base_specular,
     }
 }
 
@@ -270,7 +270,7 @@ fn over_sheen(
     Layer {
         radiance: reflected.combine([color, DVec3::ZERO]),
         judged: reflected.combine([DVec3::ONE, DVec3::ZERO]),
-        base_share: sheen::shares(None, color, alpha, n_dot_v, albedo)[0].x,
+        base_share: sheen::shares(None, color, alpha, n_dot_v, albedo).base.x,
     }
 }
 

@@ -5,7 +5,7 @@ use splitsum::bake::shader_check::{Row, View, check, verdict};
 use splitsum::base::names::Listed;
 use splitsum::instrument::brdf::MaskingShadowing;
 use splitsum::instrument::pipeline::Pipeline;
-use splitsum::instrument::shade::{Method, own};
+use splitsum::instrument::shade::{Method, from_file};
 
 fn rows(pipeline: &mut Pipeline, method: &'static Method) -> Vec<Row> {
     check(pipeline, method, MaskingShadowing::Correlated).unwrap()
@@ -16,7 +16,7 @@ fn rows_of_file(pipeline: &mut Pipeline, name: &str, text: &str) -> Vec<Row> {
     std::fs::write(dir.path().join(name), text).unwrap();
     rows(
         pipeline,
-        own::load_function(&format!("file:{name}"), dir.path(), "ibl").unwrap(),
+        from_file::load_function(&format!("file:{name}"), dir.path(), "ibl").unwrap(),
     )
 }
 

@@ -1,7 +1,7 @@
 //! The specular methods: names, parameters, f64 twins.
 
+pub mod from_file;
 pub mod ladder;
-pub mod own;
 mod sampled;
 mod sampled_unfiltered;
 mod sampled_vndf;
@@ -24,7 +24,7 @@ use crate::instrument::precompute::taps::TapCount;
 use crate::instrument::precompute::{PrecomputeSettings, PrefilterBy, StorageFormat};
 use glam::DVec3;
 
-/// A way to compute the specular term. Names are the stems of shader files (with `-` for `_`).
+/// A method to compute the specular term. Names are the stems of shader files (with `-` for `_`).
 ///
 /// The flags name the axes that change its result: along any other axis an experiment has one cell.
 #[derive(Clone, Copy, Debug)]
@@ -55,6 +55,8 @@ pub struct Method {
     pub storage: Option<StorageFormat>,
     /// Whether its error has a ladder of steps (`crate::instrument::ladder`).
     pub has_ladder: bool,
+    /// Whether it is a split sum to prefer to the textbook's.
+    pub is_corrected: bool,
     /// Replaces its name in the name of its shader: for methods in files.
     pub shader: Option<&'static str>,
     /// The text of its shader, for methods in files.
@@ -102,13 +104,6 @@ pub static METHODS: &[Method] = &[
     ladder::STORAGE,
 ];
 
-const CORRECTED: [&str; 4] = [
-    split_sum_cap::METHOD.name,
-    split_sum_taps::ONE.name,
-    split_sum_taps::TWO.name,
-    split_sum_taps::FOUR.name,
-];
-
 /// The unbiased estimator of the specular integral, by many random samples of BRDF and environment.
 const INTEGRATED: Method = Method {
     uses_samples: true,
@@ -148,6 +143,7 @@ impl Method {
             prefilter: None,
             storage: None,
             has_ladder: false,
+            is_corrected: false,
             shader: None,
             text: None,
             lobe: None,
@@ -156,26 +152,28 @@ impl Method {
 
     /// Returns the settings of its tables if `asked` is requested.
     pub fn tables(&self, asked: PrecomputeSettings) -> PrecomputeSettings {
-        let (prefilter, storage) = (
-            self.prefilter.unwrap_or(asked.prefilter),
-            self.storage.unwrap_or(asked.storage),
-        );
         PrecomputeSettings {
-            prefilter,
-            storage,
+            prefilter: self.prefilter.unwrap_or(asked.prefilter),
+            storage: self.storage.unwrap_or(asked.storage),
             ..asked
         }
     }
 
     /// Its role; `None` for references and their ladder.
     pub fn role(&self) -> Option<Role> {
-        match () {
-            () if self.is_integrated() || self.is_none() => None,
-            () if self.uses_samples => Some(Role::Sampling),
-            () if self.has_ladder => Some(Role::Textbook),
-            () if !self.uses_dfg && self.shader.is_none() => None,
-            () if CORRECTED.contains(&self.name) || self.shader.is_some() => Some(Role::Corrected),
-            () => Some(Role::Other),
+        let is_in_file = self.shader.is_some();
+        if self.is_integrated() || self.is_none() {
+            None
+        } else if self.uses_samples {
+            Some(Role::Sampling)
+        } else if self.has_ladder {
+            Some(Role::Textbook)
+        } else if !self.uses_dfg && !is_in_file {
+            None
+        } else if self.is_corrected || is_in_file {
+            Some(Role::Corrected)
+        } else {
+            Some(Role::Other)
         }
     }
 
@@ -226,11 +224,11 @@ impl Listed for Method {
         self.name
     }
 
-    /// Finds a listed method, or `file:PATH` ([`own`]).
+    /// Finds a listed method, or `file:PATH` ([`from_file`]).
     fn by_name(name: &str) -> Option<&'static Self> {
         Self::all()
             .find(|method| method.name == name)
-            .or_else(|| own::loaded(name))
+            .or_else(|| from_file::loaded(name))
     }
 }
 

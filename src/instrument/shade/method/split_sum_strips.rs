@@ -20,21 +20,17 @@ use std::f64::consts::FRAC_2_PI;
 
 pub const TWO: Method = several(
     2,
-    [
-        "split-sum-strips-two",
-        "Split sum (two strips)",
-        "an anisotropic lobe by two lookups along its tangent",
-    ],
+    "split-sum-strips-two",
+    "Split sum (two strips)",
+    "an anisotropic lobe by two lookups along its tangent",
     Twin::Estimator(|surface, light, _| split_sum(surface, light, 2)),
 );
 
 pub const FOUR: Method = several(
     4,
-    [
-        "split-sum-strips-four",
-        "Split sum (four strips)",
-        "an anisotropic lobe by four lookups along its tangent",
-    ],
+    "split-sum-strips-four",
+    "Split sum (four strips)",
+    "an anisotropic lobe by four lookups along its tangent",
     Twin::Estimator(|surface, light, _| split_sum(surface, light, 4)),
 );
 
