@@ -106,7 +106,8 @@ fn compiled(
 
 /// Lists the families that the installed driver compiles for; an error if there are none.
 pub fn available(program: &Path) -> Result<Vec<(&'static Family, Compiler)>, CompileFault> {
-    let (mut found, mut missing) = (Vec::new(), None);
+    let mut found = Vec::new();
+    let mut missing = None;
     for family in FAMILIES {
         match compiled(program, family, &[]) {
             Ok((compiler, _)) => found.push((family, compiler)),

@@ -40,9 +40,8 @@ impl Pass {
     /// Reads a compiled compute shader; `None` without its assembly or statistics.
     pub fn new(stages: &[Executable]) -> Option<Result<Self, IsaFault>> {
         let [stage] = stages else { return None };
-        let [vector_registers, waves] =
-            ["VGPRs", "Subgroups per SIMD"].map(|name| stage.statistic(name));
-        let (vector_registers, waves) = (vector_registers? as u32, waves? as u32);
+        let vector_registers = stage.statistic("VGPRs")? as u32;
+        let waves = stage.statistic("Subgroups per SIMD")? as u32;
         let counts = isa::count(stage.text(ASSEMBLY)?);
         Some(counts.map(|counts| Self {
             counts,
