@@ -243,32 +243,3 @@ pub enum Role {
     /// Another split sum, such as an engine's.
     Other,
 }
-
-/// Replaces the code names of methods in a text by their titles: "Split sum (textbook)" for
-/// `split-sum`, "Sampling, 16 samples" for `sampled 16`. The words `none`, `reference` and
-/// `sampled` alone stay: they mean other things, too.
-pub fn words_in(text: &str) -> String {
-    const ENDS: [char; 5] = [':', ',', ';', '.', ')'];
-    let mut words = text.split(' ').peekable();
-    let mut all = Vec::new();
-    while let Some(word) = words.next() {
-        let name = word.trim_end_matches(ENDS);
-        let next = words.peek().map(|next| next.trim_end_matches(ENDS));
-        let count = next.filter(|next| name == word && next.parse::<u32>().is_ok());
-        let is_plain = [NONE, REFERENCE].contains(&name)
-            || (name == sampled::METHOD.name && count.is_none() && next != Some("over"));
-        let Some(method) = Method::by_name(name).filter(|_| !is_plain) else {
-            all.push(word.to_owned());
-            continue;
-        };
-        let count = count.filter(|_| method.uses_samples);
-        let said = method.words(count);
-        let end = if count.is_some() {
-            words.next().unwrap_or_default()
-        } else {
-            word
-        };
-        all.push(said + &end[end.trim_end_matches(ENDS).len()..]);
-    }
-    all.join(" ")
-}
