@@ -93,7 +93,8 @@ pub struct Bend {
 /// One line for each renderer.
 macro_rules! bends {
     ($($name:literal $parameters:ident $normal:ident $toward:ident $dfg:ident $about:literal;)*) => {
-        /// Every lookup. The first does not bend the normal; the next two do not either, at other widths.
+        /// Every lookup. The first does not bend the normal; the next two do not either, at other
+        /// widths.
         pub static BENDS: &[Bend] = &[$(Bend {
             name: $name,
             about: $about,

@@ -100,8 +100,8 @@ impl<'a> Passes<'a> {
         } = *self;
         let rows = shading.placement.environment_from_world().transpose();
         let row = |v: DVec3| v.extend(0.0).as_vec4().to_array();
-        let ([width, height], [environment_width, environment_height]) =
-            (gbuffer.size, tables.environment.mip_size(0));
+        let [width, height] = gbuffer.size;
+        let [environment_width, environment_height] = tables.environment.mip_size(0);
         ShadeParams {
             environment_from_world_0: row(rows.x_axis),
             environment_from_world_1: row(rows.y_axis),
@@ -231,7 +231,8 @@ impl<'a> Passes<'a> {
 
     /// Shows the environment in pixels where nothing is hit.
     pub fn background(&self, recorder: &mut Recorder, part: Part) -> Result<(), GpuError> {
-        let ([width, height], camera) = (self.gbuffer.size, self.camera);
+        let [width, height] = self.gbuffer.size;
+        let camera = self.camera;
         let turn = self.shading.placement.environment_from_world();
         let [extent_x, extent_y] = match camera.projection {
             Projection::Perspective { .. } => camera.extent(f64::from(width) / f64::from(height)),

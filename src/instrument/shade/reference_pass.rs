@@ -166,17 +166,18 @@ impl Sums {
     ) -> Result<f64, GpuError> {
         let sums: Vec<[[f32; 4]; 2]> = gpu.read_buffer(&self.0)?;
         let scrambles = f64::from(SCRAMBLE_COUNT);
-        let (mut sum, mut count) = (0.0, 0u64);
+        let mut sum = 0.0;
+        let mut count = 0u64;
         let pixels = sums.chunks_exact(SCRAMBLE_COUNT as usize).zip(&mask.data);
         for (estimates, _) in pixels.filter(|(_, hit)| **hit > 0.0) {
             for channel in 0..3 {
-                let of = |[high, low]: &[[f32; 4]; 2]| {
+                let estimate = |[high, low]: &[[f32; 4]; 2]| {
                     (f64::from(high[channel]) + f64::from(low[channel])) * scale
                 };
-                let mean = estimates.iter().map(of).sum::<f64>() / scrambles;
+                let mean = estimates.iter().map(estimate).sum::<f64>() / scrambles;
                 let squared = estimates
                     .iter()
-                    .map(|estimate| (of(estimate) - mean).powi(2))
+                    .map(|sums| (estimate(sums) - mean).powi(2))
                     .sum::<f64>();
                 sum += epsilon.relative(squared / (scrambles * (scrambles - 1.0)), mean);
             }
@@ -229,7 +230,8 @@ impl ReferenceRun<'_> {
     /// Adds one term to the radiance and its squared standard error to `squared_error`.
     pub fn run(&self, gpu: &Gpu, lobe: Lobe) -> Result<(Report, Convergence), GpuError> {
         let mut total = Report::default();
-        let (mut done, mut samples) = (0, self.stop.first());
+        let mut done = 0;
+        let mut samples = self.stop.first();
         let scale = f64::from(self.passes.shading.environment_scale);
         let relative_error = loop {
             let pairs = samples / SAMPLES_PER_PAIR;
@@ -340,7 +342,8 @@ impl ReferenceRun<'_> {
             Bind::ReadWrite(radiance),
             Bind::ReadWrite(self.squared_error),
         ];
-        let (binds, [_, shader]) = (self.passes.binds(&rest), lobe.shaders(shading.brdf));
+        let binds = self.passes.binds(&rest);
+        let [_, shader] = lobe.shaders(shading.brdf);
         let mut total = Report::default();
         for part in gpu.parts(gbuffer.size, 1, SCRAMBLE_COUNT.into()) {
             let push = ShadeParams {

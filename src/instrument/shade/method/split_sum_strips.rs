@@ -51,7 +51,8 @@ fn split_sum(surface: &Surface, light: &Light, count: u32) -> DVec3 {
     let alpha = (0.5 * extent.length_squared())
         .sqrt()
         .clamp(ALPHA_MIN.into(), 1.0);
-    let (mut sum, mut weights) = (DVec3::ZERO, 0.0);
+    let mut sum = DVec3::ZERO;
+    let mut weights = 0.0;
     for i in 0..count as u32 {
         let x = f64::from(STRIP_REACH) * ((2.0 * f64::from(i) + 1.0) / count - 1.0);
         let z = FRAC_2_PI * (1.0 - standard.z) * (1.0 - x * x).sqrt();
