@@ -4,7 +4,7 @@ use super::product::{LAST_SIDE, Product, SIDE};
 use crate::base::names::{Listed, listed};
 use crate::instrument::brdf::MaskingShadowing;
 use crate::instrument::precompute::prefilter::{LevelMapping, WEIGHTS, Weight};
-use glam::{DVec2, DVec3};
+use glam::{BVec2, DVec2, DVec3, Vec2Swizzles};
 use serde::Deserialize;
 use std::fmt;
 use std::sync::LazyLock;
@@ -85,42 +85,51 @@ pub struct TableAxes {
     /// Parameter to the right, then downwards: `n` for n·v, `r` for perceptual roughness, `-` if it
     /// falls.
     pub name: &'static str,
+    /// Whether roughness is to the right.
+    is_swapped: bool,
+    /// Whether the parameters to the right and downwards fall.
+    falls: BVec2,
+}
+
+impl TableAxes {
+    const fn new(name: &'static str, is_swapped: bool, falls: [bool; 2]) -> Self {
+        Self {
+            name,
+            is_swapped,
+            falls: BVec2::new(falls[0], falls[1]),
+        }
+    }
 }
 
 /// Every variant; the first is ours.
 pub static TABLE_AXES: &[TableAxes] = &[
-    TableAxes { name: "n+r+" },
-    TableAxes { name: "n+r-" },
-    TableAxes { name: "n-r+" },
-    TableAxes { name: "n-r-" },
-    TableAxes { name: "r+n+" },
-    TableAxes { name: "r+n-" },
-    TableAxes { name: "r-n+" },
-    TableAxes { name: "r-n-" },
+    TableAxes::new("n+r+", false, [false, false]),
+    TableAxes::new("n+r-", false, [false, true]),
+    TableAxes::new("n-r+", false, [true, false]),
+    TableAxes::new("n-r-", false, [true, true]),
+    TableAxes::new("r+n+", true, [false, false]),
+    TableAxes::new("r+n-", true, [false, true]),
+    TableAxes::new("r-n+", true, [true, false]),
+    TableAxes::new("r-n-", true, [true, true]),
 ];
 
 impl TableAxes {
-    /// Returns n·v and perceptual roughness at texture coordinates.
+    /// Returns n·v and perceptual roughness at texture coordinates. Inverse: [`Self::uv`].
     pub fn parameters(&self, uv: DVec2) -> DVec2 {
         self.swapped(self.flipped(uv))
     }
 
     /// Returns texture coordinates of n·v and perceptual roughness. Inverse: [`Self::parameters`].
-    pub fn place(&self, parameters: DVec2) -> DVec2 {
+    pub fn uv(&self, parameters: DVec2) -> DVec2 {
         self.flipped(self.swapped(parameters))
     }
 
     fn flipped(&self, uv: DVec2) -> DVec2 {
-        let falls = |sign: usize| self.name.as_bytes()[sign] == b'-';
-        DVec2::select(glam::BVec2::new(falls(1), falls(3)), 1.0 - uv, uv)
+        DVec2::select(self.falls, 1.0 - uv, uv)
     }
 
-    fn swapped(&self, at: DVec2) -> DVec2 {
-        if self.name.starts_with('r') {
-            DVec2::new(at.y, at.x)
-        } else {
-            at
-        }
+    fn swapped(&self, pair: DVec2) -> DVec2 {
+        if self.is_swapped { pair.yx() } else { pair }
     }
 }
 
@@ -140,7 +149,7 @@ pub static TABLE_CHANNELS: &[TableChannels] = &[
     },
     TableChannels {
         name: "bias-scale",
-        pair: |texel| DVec2::new(texel.y, texel.x),
+        pair: |texel| texel.yx(),
     },
     // Filament's table for several scatterings.
     TableChannels {

@@ -121,7 +121,7 @@ pub fn table(value: &str, dir: &Path) -> Result<Option<Arc<GivenTable>>, String>
     let side = image.width;
     let texel = |index: u32| {
         let at = (DVec2::new((index % side).into(), (index / side).into()) + 0.5) / f64::from(side);
-        let [x, y] = (convention.table_axes.place(at) * f64::from(side))
+        let [x, y] = (convention.table_axes.uv(at) * f64::from(side))
             .to_array()
             .map(|at| (at as u32).min(side - 1));
         let [a, b, _] = image.get(x, y).map(f64::from);

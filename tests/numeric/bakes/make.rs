@@ -294,7 +294,7 @@ fn given_tables_are_turned_to_our_axes() {
     for axes in TABLE_AXES {
         let at = DVec2::new(0.2, 0.7);
         assert!(
-            (axes.parameters(axes.place(at)) - at).abs().max_element() < 1e-15,
+            (axes.parameters(axes.uv(at)) - at).abs().max_element() < 1e-15,
             "{}",
             axes.name
         );
