@@ -13,13 +13,38 @@ use std::sync::LazyLock;
 /// axes of a Vulkan cube map, or of our lat-long map ([`crate::base::math::equirect`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Axes {
-    /// File axis of each world axis, and whether it is negated.
-    of: [(usize, bool); 3],
+    /// File axis of each world axis.
+    file_axes: [FileAxis; 3],
+}
+
+/// A signed axis of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct FileAxis {
+    /// 0 for x.
+    index: usize,
+    is_negative: bool,
+}
+
+impl FileAxis {
+    const fn positive(index: usize) -> Self {
+        Self {
+            index,
+            is_negative: false,
+        }
+    }
+
+    fn sign(self) -> f64 {
+        if self.is_negative { -1.0 } else { 1.0 }
+    }
 }
 
 impl Axes {
     pub const SAME: Self = Self {
-        of: [(0, false), (1, false), (2, false)],
+        file_axes: [
+            FileAxis::positive(0),
+            FileAxis::positive(1),
+            FileAxis::positive(2),
+        ],
     };
 
     /// Parses a text such as `-z+y+x`.
@@ -44,7 +69,10 @@ impl Axes {
         ];
         orders.into_iter().flat_map(|order| {
             (0..8).map(move |signs| Self {
-                of: std::array::from_fn(|i| (order[i], signs >> i & 1 == 1)),
+                file_axes: std::array::from_fn(|i| FileAxis {
+                    index: order[i],
+                    is_negative: signs >> i & 1 == 1,
+                }),
             })
         })
     }
@@ -52,30 +80,25 @@ impl Axes {
     /// Converts a world direction to the file. Inverse: [`Self::to_world`].
     pub fn to_file(self, world: DVec3) -> DVec3 {
         let mut file = DVec3::ZERO;
-        (0..3).for_each(|i| file[self.of[i].0] = self.sign(i) * world[i]);
+        for (axis, value) in self.file_axes.into_iter().zip(world.to_array()) {
+            file[axis.index] = axis.sign() * value;
+        }
         file
     }
 
     /// Converts a file direction to the world. Inverse: [`Self::to_file`].
     pub fn to_world(self, file: DVec3) -> DVec3 {
-        DVec3::from_array(std::array::from_fn(|i| self.sign(i) * file[self.of[i].0]))
-    }
-
-    fn sign(self, i: usize) -> f64 {
-        if self.of[i].1 { -1.0 } else { 1.0 }
+        DVec3::from_array(self.file_axes.map(|axis| axis.sign() * file[axis.index]))
     }
 }
 
 impl fmt::Display for Axes {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        self.of.iter().try_for_each(|(axis, is_turned)| {
-            write!(
-                f,
-                "{}{}",
-                if *is_turned { '-' } else { '+' },
-                ["x", "y", "z"][*axis]
-            )
-        })
+        for axis in self.file_axes {
+            let sign = if axis.is_negative { '-' } else { '+' };
+            write!(f, "{sign}{}", ["x", "y", "z"][axis.index])?;
+        }
+        Ok(())
     }
 }
 
@@ -158,6 +181,7 @@ pub static TABLE_CHANNELS: &[TableChannels] = &[
     },
 ];
 
+/// How to read the numbers of a bake.
 #[derive(Clone, Debug)]
 pub struct Convention {
     pub axes: Axes,
@@ -251,11 +275,14 @@ impl Preset {
         })?;
         preset.parsed()?;
         if let Some(product) = &preset.product {
-            let given = [
-                ("alphas", preset.alphas.is_some()),
-                ("scale", preset.scale != 1.0),
-            ];
-            if let Some((name, _)) = given.iter().find(|(_, is_given)| *is_given) {
+            let excluded = if preset.alphas.is_some() {
+                Some("alphas")
+            } else if preset.scale != 1.0 {
+                Some("scale")
+            } else {
+                None
+            };
+            if let Some(name) = excluded {
                 return Err(format!(
                     "{name}: a preset with [product] writes radiance by a level_mapping; leave it \
                      out"
@@ -292,6 +319,7 @@ impl Preset {
         count.map_or(SIDE, |count| SIDE.max(LAST_SIDE << (count - 1)))
     }
 
+    /// Returns the conventions with parsed names.
     pub fn convention(&self) -> Convention {
         self.parsed().expect("checked where it was read")
     }
@@ -329,6 +357,7 @@ impl Preset {
 }
 
 impl Convention {
+    /// Returns the width of each of `count` levels.
     pub fn alphas(&self, count: usize) -> Result<Vec<f64>, String> {
         match &self.alphas {
             Some(alphas) if alphas.len() == count && alphas.is_sorted() => Ok(alphas.clone()),
@@ -352,6 +381,7 @@ impl Convention {
         }
     }
 
+    /// Returns the number of levels that the engine reads of `count`.
     pub fn mapping_levels(&self, count: usize) -> u32 {
         self.mapping.engine_levels.unwrap_or(count as u32)
     }

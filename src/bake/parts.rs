@@ -5,6 +5,7 @@ use crate::base::pixels::RgbImage;
 use crate::instrument::environment::layout::MapLayout;
 use serde::{Deserialize, Serialize};
 
+/// A map of radiance or irradiance.
 #[derive(Clone, Debug)]
 pub struct Map {
     pub layout: &'static MapLayout,

@@ -295,6 +295,7 @@ impl Judged {
             .collect()
     }
 
+    /// Describes the doubt of a map, if there is one.
     pub fn warning(&self, ranked: &RankedAxes) -> Option<Warning> {
         Some(Warning {
             map: ranked.map,
@@ -407,8 +408,8 @@ fn turn_about_y(used: AxesFit, best: AxesFit) -> Option<f64> {
     let turns_by = |degrees: f64| {
         let turn = DQuat::from_rotation_y(degrees.to_radians());
         DVec3::AXES.into_iter().all(|world| {
-            let seen = best.axes.to_world(used.axes.to_file(world));
-            seen.distance(turn * world) < 1e-6
+            let turned = best.axes.to_world(used.axes.to_file(world));
+            turned.distance(turn * world) < 1e-6
         })
     };
     [90.0, 180.0, -90.0]

@@ -106,13 +106,12 @@ pub struct WidthSlip {
     pub shift: Option<f64>,
 }
 
+/// A wrong factor on values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum GainSlip {
     /// A gain, and the factor of the file that it changes.
-    Level {
-        gain: Gain,
-        scale: Scale,
-    },
+    Level { gain: Gain, scale: Scale },
+    /// A gain of SH.
     Sh(Gain),
     /// Divided by the number of samples; expected the sum of their weights.
     MeanWeight,
@@ -127,12 +126,14 @@ pub struct Scale {
     pub value: f64,
 }
 
+/// The map that a factor applies to.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ScaleFlag {
     Radiance,
     Irradiance,
 }
 
+/// A level whose bright values are cut.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CutSlip {
     /// Largest value of the level.
@@ -150,6 +151,7 @@ pub enum Encoding {
     Rgbm(Rgbm),
 }
 
+/// A world axis.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum TurnAxis {
     X,
@@ -169,6 +171,7 @@ impl TurnAxis {
     }
 }
 
+/// A turn of the environment about an axis of the world.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {
     pub axis: TurnAxis,
@@ -186,6 +189,7 @@ pub enum Mips {
     OneLookup,
 }
 
+/// A slip of SH that maps cannot have.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ShSlip {
     Form(ShForm),
@@ -223,10 +227,12 @@ pub enum ShWindow {
 }
 
 impl Cause {
+    /// Whether no slip is named.
     pub fn is_unknown(&self) -> bool {
         matches!(self, Self::Unknown(_))
     }
 
+    /// Whether it names black texels.
     pub fn is_black(&self) -> bool {
         matches!(self, Self::Black | Self::BlackFaces(_))
     }

@@ -34,6 +34,7 @@ pub enum TexelGrid {
 }
 
 impl Directions {
+    /// Lists the texel centres of a level of `size` texels a face.
     pub fn new(layout: &'static MapLayout, axes: Axes, size: [u32; 2]) -> Self {
         let grid = TexelGrid::default();
         let centre = |index: usize| file_direction(layout, size, grid, index, DVec2::splat(0.5));
@@ -114,6 +115,7 @@ impl Directions {
             .collect()
     }
 
+    /// Returns the texels at these indices.
     pub fn only(&self, chosen: &[usize]) -> Self {
         Self {
             world: chosen.iter().map(|index| self.world[*index]).collect(),

@@ -9,6 +9,7 @@ use std::f64::consts::PI;
 /// Tries lobes narrower and wider by this factor.
 const REACH: f64 = 5.0;
 const DIRECTIONS: usize = 600;
+/// Largest degree of the harmonics of a fit.
 pub const DEGREE_MAX: usize = 320;
 /// Narrower lobes reach beyond [`DEGREE_MAX`].
 pub const ALPHA_MIN: f64 = 5.0 / DEGREE_MAX as f64;
@@ -19,6 +20,7 @@ const REFINED: u32 = 8;
 /// Largest relMSE that a fit may leave: 20 % rms.
 const CLOSE: f64 = 0.04;
 
+/// The width and gain that best explain a level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit {
     pub alpha: f64,

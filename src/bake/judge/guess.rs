@@ -29,6 +29,7 @@ pub const SURE: f64 = 0.99;
 /// Number of equally good axes below [`SURE`] that chance gives: a map of another light.
 pub const ALIKE_MAX: usize = 4;
 
+/// An orientation of a map, and how well the light fits it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxesFit {
     pub axes: Axes,
@@ -72,6 +73,7 @@ pub fn axes(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Axe
     Ok(best)
 }
 
+/// Ranks every orientation of an irradiance map, best first.
 pub fn irradiance_axes(truth: &Truth, map: &Map) -> Vec<AxesFit> {
     let (kernel, alpha) = Truth::of_irradiance();
     let light = truth.prefiltered_by(kernel, alpha);

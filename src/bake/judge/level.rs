@@ -41,6 +41,7 @@ pub struct Worst {
     pub exact: DVec3,
 }
 
+/// The score of a level, or of an irradiance map.
 #[derive(Clone, Debug, Default)]
 pub struct LevelScore {
     pub size: [u32; 2],

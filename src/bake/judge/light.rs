@@ -43,6 +43,7 @@ pub enum SourceSlip {
     DarkWeighted,
 }
 
+/// A half of a lat-long map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Half {
     Upper,
@@ -125,6 +126,7 @@ pub struct OtherLights<'l> {
 }
 
 impl<'l> OtherLights<'l> {
+    /// Convolves sources when a level reads them.
     pub fn new<F: FnOnce() -> Vec<Source>, G: FnOnce() -> Vec<Source>>(
         truth: &'l Truth,
         alphas: &'l [f64],

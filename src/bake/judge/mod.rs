@@ -9,6 +9,7 @@ mod chain;
 mod clause;
 mod directions;
 mod doubt;
+mod doubt_words;
 pub mod exact;
 mod faces;
 mod fit;
@@ -27,6 +28,7 @@ pub mod slip;
 mod summary;
 pub mod table;
 mod table_slip;
+mod table_texels;
 mod table_words;
 mod texel;
 mod texel_words;
@@ -140,6 +142,7 @@ impl<'a> Truth<'a> {
         (Kernel::cosine(&Phong), 1.0)
     }
 
+    /// Returns the ε of relative metrics under this light.
     pub fn epsilon(&self) -> Epsilon {
         Epsilon::of_light(self.environment.luminance.mean)
     }

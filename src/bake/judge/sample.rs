@@ -122,6 +122,7 @@ impl Slipped {
     }
 }
 
+/// The compared texels of a level.
 pub struct Sample<'a, 't> {
     pub level: &'a Level<'t, 'a>,
     pub directions: Directions,

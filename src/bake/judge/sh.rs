@@ -108,6 +108,7 @@ impl Form {
     }
 }
 
+/// The score of nine coefficients.
 #[derive(Clone, Debug)]
 pub struct ShScore {
     /// Errors of the irradiance, against the exact coefficients up to degree 2.

@@ -126,6 +126,7 @@ impl Row {
         [views[views.len() / 2], views[views.len() - 1]]
     }
 
+    /// Returns the view with the median of an error.
     pub fn median(&self, kind: ErrorKind) -> &View {
         self.ranked(kind)[0]
     }
@@ -141,12 +142,12 @@ pub struct WorstError {
     pub kind: ErrorKind,
     /// Without its sign.
     pub size: f64,
-    pub place: WorstPlace,
+    pub location: WorstLocation,
 }
 
 /// Where an error is largest.
 #[derive(Clone, Copy, Debug)]
-pub enum WorstPlace {
+pub enum WorstLocation {
     /// A gain that is the same on every surface.
     EverySurface(Gain),
     Surface {
@@ -160,6 +161,7 @@ pub enum WorstPlace {
 }
 
 impl WorstError {
+    /// Finds the surface with the largest median.
     pub fn new(rows: &[Row], kind: ErrorKind) -> Self {
         let mut sorted: Vec<&Row> = rows.iter().collect();
         sorted.sort_by(|a, b| a.median_size(kind).total_cmp(&b.median_size(kind)));
@@ -170,17 +172,21 @@ impl WorstError {
         let limit = kind.limit();
         let gain = |row: &Row| 1.0 + row.median(ErrorKind::Gain).errors.gain;
         let is_even = (gain(least_row) / gain(row) - 1.0).abs() < limit;
-        let place = if kind == ErrorKind::Gain && size > limit && is_even {
-            WorstPlace::EverySurface(Gain::new(gain(row)))
+        let location = if kind == ErrorKind::Gain && size > limit && is_even {
+            WorstLocation::EverySurface(Gain::new(gain(row)))
         } else {
-            WorstPlace::Surface {
+            WorstLocation::Surface {
                 alpha: row.alpha,
                 f0: row.f0,
                 view: *row.median(kind),
                 least: (least > limit.max(0.5 * size)).then_some(least),
             }
         };
-        Self { kind, size, place }
+        Self {
+            kind,
+            size,
+            location,
+        }
     }
 
     /// Whether it is above the limit of a good method.
@@ -201,6 +207,7 @@ pub enum ShaderVerdict {
 }
 
 impl ShaderVerdict {
+    /// Compares the largest medians with their limits.
     pub fn new(rows: &[Row]) -> Self {
         let mut views = rows.iter().flat_map(|row| &row.views);
         if views.all(|view| view.moment < MOMENT_MIN) {

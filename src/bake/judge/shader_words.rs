@@ -1,6 +1,6 @@
 //! Words of the errors of a shader.
 
-use super::shader::{ErrorKind, PerError, ShaderVerdict, View, WorstError, WorstPlace};
+use super::shader::{ErrorKind, PerError, ShaderVerdict, View, WorstError, WorstLocation};
 use std::fmt;
 
 impl ErrorKind {
@@ -54,9 +54,9 @@ impl View {
 
 impl fmt::Display for WorstError {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        match &self.place {
-            WorstPlace::EverySurface(gain) => write!(f, "{gain} at every alpha and f0"),
-            WorstPlace::Surface {
+        match &self.location {
+            WorstLocation::EverySurface(gain) => write!(f, "{gain} at every alpha and f0"),
+            WorstLocation::Surface {
                 alpha,
                 f0,
                 view,

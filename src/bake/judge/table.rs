@@ -2,13 +2,14 @@
 
 use super::cause::{Cause, Unknown};
 use super::table_slip::{Integral, Reading, StretchedLines, TableFlags, TableSlip, shaded_alpha};
+use super::table_texels::{TableTexel, odd_texels, spread_texels};
 use super::verdict::{Quality, Verdict};
 use crate::bake::convention::{Convention, TABLE_AXES, TABLE_CHANNELS, TableAxes, TableChannels};
 use crate::base::names::Listed;
 use crate::base::pixels::RgbImage;
 use crate::instrument::brdf::{Brdf, MaskingShadowing, alpha_from_perceptual_roughness};
 use crate::instrument::precompute::dfg::reference::{dfg_by, dfg_masked_by};
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use rayon::prelude::*;
 use std::collections::HashMap;
 
@@ -16,8 +17,6 @@ use std::collections::HashMap;
 const LINES: u32 = 17;
 /// Number of rows and columns in a search of conventions.
 const LINES_SEARCHED: u32 = 7;
-/// Number of further texels that stand out.
-const ODD_COUNT: usize = 16;
 /// Root mean square error of a table that is something else.
 const RMS_OTHER: f64 = 0.15;
 /// Largest root mean square error of a convention that fits: as much as masking makes.
@@ -37,6 +36,7 @@ const ALPHA_NARROWEST: f64 = 1e-6;
 /// Smallest n·v and roughness at which a slip is compared.
 const PARAMETER_MIN: f64 = 1e-3;
 
+/// The score of a DFG table.
 #[derive(Clone, Debug)]
 pub struct TableScore {
     /// Largest error of A or B.
@@ -419,71 +419,6 @@ fn rms_of_known(
     };
     let sum: f64 = texels.iter().map(square).sum();
     (0.5 * sum / texels.len() as f64).sqrt()
-}
-
-/// A texel of a table.
-struct TableTexel {
-    /// Texture coordinates of its centre.
-    uv: DVec2,
-    /// The first two channels.
-    value: DVec2,
-}
-
-impl TableTexel {
-    fn new(table: &RgbImage, [x, y]: [u32; 2]) -> Self {
-        let size = DVec2::new(table.width.into(), table.height.into());
-        Self {
-            uv: (DVec2::new(x.into(), y.into()) + 0.5) / size,
-            value: DVec3::from_array(table.get(x, y).map(f64::from)).truncate(),
-        }
-    }
-}
-
-/// Picks the texels that differ most from the mean of their neighbours: a row or a texel that is
-/// wrong by itself.
-fn odd_texels(table: &RgbImage) -> Vec<TableTexel> {
-    let value = |x: u32, y: u32| TableTexel::new(table, [x, y]).value;
-    let neighbours = |i: u32, last: u32| [i.saturating_sub(1), (i + 1).min(last)];
-    let difference = |index: u32| {
-        let x = index % table.width;
-        let y = index / table.width;
-        let in_row: DVec2 = neighbours(x, table.width - 1)
-            .map(|x| value(x, y))
-            .iter()
-            .sum();
-        let in_column: DVec2 = neighbours(y, table.height - 1)
-            .map(|y| value(x, y))
-            .iter()
-            .sum();
-        (value(x, y) - (in_row + in_column) / 4.0)
-            .abs()
-            .max_element()
-    };
-    let mut ranked: Vec<(f64, u32)> = (0..table.width * table.height)
-        .map(|index| (difference(index), index))
-        .collect();
-    ranked.sort_by(|(a, _), (b, _)| b.total_cmp(a));
-    ranked
-        .iter()
-        .take(ODD_COUNT)
-        .map(|(_, index)| TableTexel::new(table, [index % table.width, index / table.width]))
-        .collect()
-}
-
-/// Picks about `lines` x `lines` texels, evenly, edges included.
-fn spread_texels(table: &RgbImage, lines: u32) -> Vec<TableTexel> {
-    let columns = spread(table.width, lines);
-    spread(table.height, lines)
-        .iter()
-        .flat_map(|y| columns.iter().map(|x| TableTexel::new(table, [*x, *y])))
-        .collect()
-}
-
-fn spread(side: u32, lines: u32) -> Vec<u32> {
-    match side.min(lines) {
-        1 => vec![0],
-        count => (0..count).map(|k| k * (side - 1) / (count - 1)).collect(),
-    }
 }
 
 /// Integrates A and B at n·v and perceptual roughness, no narrower than the device shades.
