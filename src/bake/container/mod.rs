@@ -162,27 +162,28 @@ pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Texture, PixelsError> {
     }
 }
 
-/// Describes the first value that is not finite.
+/// Describes the first texel that is not finite.
 fn first_oddity(texture: &Texture) -> Option<Fault> {
-    let levels = texture.levels.iter().enumerate();
-    levels
-        .flat_map(|(level, faces)| faces.iter().enumerate().map(move |(face, image)| (level, face, image)))
-        .find_map(|(level, face, image)| {
-        let index = image
-            .data
-            .iter()
-            .position(|texel| texel.iter().any(|value| !value.is_finite()))?;
-        let width = image.width as usize;
-        let what = format!(
-            "level {level}, face {face}, column {}, row {} is {:?}",
-            index % width,
-            index / width,
-            image.data[index]
-        );
-        let expected = "finite values (a sun above 65504 overflows a half: clip the environment \
-                        before the bake)";
-        Some(Fault::new(what, expected))
-    })
+    for (level, faces) in texture.levels.iter().enumerate() {
+        for (face, image) in faces.iter().enumerate() {
+            let is_odd = |texel: &[f32; 3]| texel.iter().any(|value| !value.is_finite());
+            let Some(index) = image.data.iter().position(is_odd) else {
+                continue;
+            };
+            let width = image.width as usize;
+            return Some(Fault::new(
+                format!(
+                    "level {level}, face {face}, column {}, row {} is {:?}",
+                    index % width,
+                    index / width,
+                    image.data[index]
+                ),
+                "finite values (a sun above 65504 overflows a half: clip the environment before \
+                 the bake)",
+            ));
+        }
+    }
+    None
 }
 
 /// A texture's size as its header claims it.
