@@ -29,7 +29,7 @@ mod view;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser, Subcommand};
-use splitsum::base::names::{not_one_of, printable};
+use splitsum::base::names::{not_listed, not_one_of, printable};
 use splitsum::cost::child::COMMAND;
 use splitsum::run::{RenderFault, RunError};
 use std::error::Error;
@@ -239,7 +239,8 @@ fn usage_fault(error: &clap::Error) -> String {
         ErrorKind::InvalidSubcommand => {
             let commands = command_names();
             let commands: Vec<&str> = commands.iter().map(String::as_str).collect();
-            return not_one_of("command", &value, &commands, "");
+            let listed_in = Some("a command of `splitsum --help`");
+            return not_listed("command", &value, &commands, "", listed_in);
         }
         ErrorKind::InvalidValue if !value.is_empty() => {
             let names = context(error, ContextKind::ValidValue);

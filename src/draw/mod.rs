@@ -5,3 +5,4 @@ pub mod colormap;
 #[cfg(feature = "cli")]
 pub mod figure;
 pub mod markdown;
+pub mod method_titles;

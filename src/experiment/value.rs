@@ -1,7 +1,8 @@
 //! Values in a file or on the command line, and their checks.
 
 use crate::base::glsl::constants;
-use crate::base::names::{Listed, NAMES_SHOWN, not_one_of, with_article};
+use crate::base::names::{Listed, NAMES_SHOWN, not_listed, not_one_of, with_article};
+use crate::base::numbers::round_to_significant;
 use crate::instrument::shade::FILE_PREFIX;
 use std::fmt;
 use std::hash::{Hash, Hasher};
@@ -217,15 +218,17 @@ pub enum Kind {
         min: u32,
         max: u32,
     },
-    /// A listed name; `what` is the word for one.
+    /// A listed name; `what` is the word for one, `listed_in` where a user finds a long list.
     Name {
         what: &'static str,
         names: fn() -> Vec<&'static str>,
+        listed_in: Option<&'static str>,
     },
     /// A listed name, or [`FILE_PREFIX`] and the path of a file, which is checked on loading.
     NameOrFile {
         what: &'static str,
         names: fn() -> Vec<&'static str>,
+        listed_in: Option<&'static str>,
     },
     /// A number, or a name for one. The value is always the number.
     NumberOrName {
@@ -249,7 +252,7 @@ pub const IMAGE_SIZE: Kind = Kind::Pair { min: 1, max: 16384 };
 
 /// Rounds to 15 digits, so that 0.1 + 0.2 is 0.3 and 0.7 squared is 0.49.
 pub fn decimal(number: f64) -> f64 {
-    format!("{number:.14e}").parse().unwrap_or(number)
+    round_to_significant(number, 15)
 }
 
 impl Kind {
@@ -257,6 +260,7 @@ impl Kind {
         Self::Name {
             what: T::WHAT,
             names: T::names,
+            listed_in: T::LISTED_IN,
         }
     }
 
@@ -267,8 +271,16 @@ impl Kind {
             Self::Count { min, max } => parse_count(raw, *min, *max).map(Value::Count),
             Self::Color(range) => parse_color(raw, range).map(Value::Color),
             Self::Pair { min, max } => parse_pair(raw, *min, *max).map(Value::Pair),
-            Self::Name { what, names } => parse_name(raw, what, &names(), false),
-            Self::NameOrFile { what, names } => parse_name(raw, what, &names(), true),
+            Self::Name {
+                what,
+                names,
+                listed_in,
+            } => parse_name(raw, what, &names(), *listed_in, false),
+            Self::NameOrFile {
+                what,
+                names,
+                listed_in,
+            } => parse_name(raw, what, &names(), *listed_in, true),
             Self::NumberOrName { range, what, named } => {
                 if let Raw::String(text) = raw {
                     parse_named_number(text, range, what, &named()).map(Value::Number)
@@ -421,7 +433,13 @@ fn parse_pair(raw: &Raw, min: u32, max: u32) -> Result<[u32; 2], String> {
 }
 
 /// Parses a listed name or, if `takes_files`, [`FILE_PREFIX`] and a path.
-fn parse_name(raw: &Raw, what: &str, names: &[&str], takes_files: bool) -> Result<Value, String> {
+fn parse_name(
+    raw: &Raw,
+    what: &str,
+    names: &[&str],
+    listed_in: Option<&str>,
+    takes_files: bool,
+) -> Result<Value, String> {
     let Raw::String(text) = raw else {
         return Err(format!(
             "{raw} is not the name of {} in quotes",
@@ -433,7 +451,7 @@ fn parse_name(raw: &Raw, what: &str, names: &[&str], takes_files: bool) -> Resul
         return Ok(Value::from(text.as_str()));
     }
     let or_file = if takes_files { "file:PATH or " } else { "" };
-    Err(not_one_of(what, text, names, or_file))
+    Err(not_listed(what, text, names, or_file, listed_in))
 }
 
 /// Finds the number that a name stands for.

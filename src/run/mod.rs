@@ -18,7 +18,6 @@ pub mod seal;
 pub mod shard;
 pub mod sheets;
 pub mod split;
-pub mod statistics;
 pub mod store;
 pub mod tables;
 pub mod timing;

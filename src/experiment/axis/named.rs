@@ -5,6 +5,9 @@ use super::{AXES, Axis, AxisId, Symbol};
 use crate::base::names::{in_words, nearest, suggestion};
 use crate::experiment::value::{Kind, Raw, Value};
 
+/// Where a user finds every axis.
+pub const LISTED_AXES: &str = "a name of `splitsum list axes`";
+
 /// A second name of an axis of numbers, in another unit.
 #[derive(Clone, Copy, Debug)]
 pub struct Spelling {

@@ -14,7 +14,7 @@ use crate::instrument::gpu::shader_sources;
 use crate::instrument::precompute::taps::TapCount;
 use crate::instrument::scene::camera::PERSPECTIVE_FOV_DEG;
 use crate::instrument::shade::bend::Bend;
-use crate::instrument::shade::{METHODS, Method, Shading, own};
+use crate::instrument::shade::{METHODS, Method, Shading, from_file};
 use crate::run::live::{LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord, LiveShader};
 use crate::run::live_model::LiveModel;
 use serde::Serialize;
@@ -107,7 +107,7 @@ fn own_shaders(method: &LiveShader) -> Result<BTreeMap<String, String>, String> 
         let text = sources.expand(&entry, &choice, Language::Es)?;
         parse(&entry, &text, Language::Es)?;
         Ok((
-            page_name(&own::shader_name(&permutation, &method.name)),
+            page_name(&from_file::shader_name(&permutation, &method.name)),
             text,
         ))
     };

@@ -7,8 +7,9 @@
 use super::live::{Light, page_name};
 use crate::base::glsl::source::{Choice, Language, PAGE_FOLDER};
 use crate::base::names::Listed;
+use crate::draw::method_titles::words_in;
 use crate::instrument::gpu::shader_sources;
-use crate::instrument::shade::{Method, words_in};
+use crate::instrument::shade::Method;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use minijinja::value::{Serde, Value};

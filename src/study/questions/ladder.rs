@@ -10,7 +10,7 @@
 //! shown instead.
 
 use super::prelude::*;
-use crate::base::csv::rounded;
+use crate::base::numbers::round_to_significant;
 use crate::instrument::ladder::BANDS;
 use crate::instrument::metrics::ALL_VIEWS;
 use crate::instrument::shade::REFERENCE;
@@ -257,9 +257,9 @@ fn answer(frame: &Frame) -> Option<Finding> {
                 group
                     .numbers(step, of)
                     .estimate()
-                    .map(|all| rounded(all.value, DIGITS))
+                    .map(|all| round_to_significant(all.value, DIGITS))
             };
-            let [value, lo, hi] = [value, lo, hi].map(|share| rounded(share, DIGITS));
+            let [value, lo, hi] = [value, lo, hi].map(|share| round_to_significant(share, DIGITS));
             let mut key = group.own[0].row.key(&axes);
             axes.iter()
                 .zip(&mut key)

@@ -11,11 +11,14 @@ pub mod words;
 use super::finished::{Finished, check_weight};
 use super::frame::{Frame, Shape};
 use super::table::{Column, Table, column};
-use crate::base::names::not_one_of;
+use crate::base::names::not_listed;
 use crate::draw::figure::Figure;
 use crate::experiment::axis::{AXES, AxisId, ENVIRONMENT, METHOD, Part, SCENE};
 use crate::experiment::config::{Ask, Config};
 use crate::experiment::fault::Faults;
+
+/// Where a user finds every question.
+const LISTED_QUESTIONS: &str = "a name of `splitsum list questions`";
 
 const ERROR: Column = column(
     "error",
@@ -182,7 +185,10 @@ pub fn check(config: &Config, faults: &mut Faults) {
         let Some(question) = question(name) else {
             faults.add(
                 place,
-                format!("asks: {}", not_one_of("question", name, &names, "")),
+                format!(
+                    "asks: {}",
+                    not_listed("question", name, &names, "", Some(LISTED_QUESTIONS))
+                ),
             );
             continue;
         };

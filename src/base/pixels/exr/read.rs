@@ -3,18 +3,21 @@
 //! The crate `exr` parses and unpacks. The checks here are those that it lacks: claims of memory
 //! and time, and repeated blocks, which would leave others at 0.
 
-use super::layers::choose;
-use crate::base::color::{Chromaticities, REC709};
+use super::color_label;
+use super::frame::Frame;
+use super::layers::{Choice, Layer, choose};
+use crate::base::color::out_of_gamut;
 use crate::base::pixels::file::{ENVIRONMENT_TEXELS_MAX, Fault, check_claim, filled, read_bounded};
 use crate::base::pixels::{Decoded, GrayImage, PixelsError, RgbImage};
 use ::exr::block::UncompressedBlock;
 use ::exr::block::chunk::{Chunk, CompressedBlock};
+use ::exr::block::lines::LineRef;
 use ::exr::block::reader::{FilteredChunksReader, Reader};
 use ::exr::meta::attribute::EnvironmentMap;
 use ::exr::meta::header::Header;
 use ::exr::meta::{BlockDescription, MetaData};
 use ::exr::prelude::{Compression, Error, SampleType, Vec2, f16};
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use std::collections::HashSet;
 use std::io::Cursor;
@@ -28,6 +31,15 @@ const BATCH_BYTES: usize = 1 << 26;
 const BLOCK_BYTES_MAX: usize = 1 << 28;
 /// Most bytes of pixels in an image: about ten seconds of unpacking.
 const PART_BYTES_MAX: usize = 1 << 32;
+/// Where the compression of the first part stands, at the latest.
+const HEADER_BYTES_SEARCHED: usize = 1 << 16;
+/// Compressions since OpenEXR 3.4 (`ImfCompression.h` of 3.5), by number.
+const NEW_COMPRESSIONS: [(u8, &str); 4] = [
+    (10, "HTJ2K256"),
+    (11, "HTJ2K32"),
+    (12, "LJ2K"),
+    (13, "ZSTD"),
+];
 /// Most pixels per byte of a file; only absurd claims exceed it.
 const TEXELS_PER_BYTE: u64 = 1 << 16;
 
@@ -76,13 +88,12 @@ fn chunks(bytes: &[u8], part: usize) -> Result<FilteredChunksReader<Cursor<&[u8]
 }
 
 fn decode(bytes: &[u8], layer: Option<&str>, most_texels: u64) -> Result<Decoded, Fault> {
-    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(|error| {
-        Fault::new(
-            format!("has no usable header ({error})"),
-            "a valid OpenEXR file",
-        )
-    })?;
-    let (layer, warning) = choose(&meta.headers, layer)?;
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false)
+        .map_err(|error| unreadable_header(bytes, &error))?;
+    let Choice {
+        layer,
+        warning: other_layers,
+    } = choose(&meta.headers, layer)?;
     let header = &meta.headers[layer.part];
     let Vec2(width, height) = header.layer_size;
     check_claim(
@@ -92,73 +103,144 @@ fn decode(bytes: &[u8], layer: Option<&str>, most_texels: u64) -> Result<Decoded
         bytes.len(),
         TEXELS_PER_BYTE,
     )?;
+    let mut warnings = Vec::new();
+    let frame = Frame::of_header(header, &mut warnings)?;
+    // A window may claim more than the file holds.
+    check_claim(
+        frame.width as u64,
+        frame.height as u64,
+        most_texels,
+        bytes.len(),
+        TEXELS_PER_BYTE,
+    )?;
+    let to_rec709 = color_label::conversion(header, &mut warnings)?;
     let block_bytes = check_unpacked(header)?;
-    let mut chunks = chunks(bytes, layer.part).map_err(damaged)?;
+    let chunks = chunks(bytes, layer.part).map_err(damaged)?;
+    let mut planes = Planes::new(header, &layer)?;
+    read_blocks(chunks, &meta, block_bytes, &mut planes)?;
 
-    let mut rgb = filled(width * height, [0.0; 3])?;
-    let mut alpha = layer
-        .alpha
-        .map(|_| filled(width * height, 0.0))
-        .transpose()?;
-    let mut seen = HashSet::new();
+    warnings.extend(oddities(header));
+    warnings.extend(other_layers);
+    warnings.extend(missing_channels(&layer));
+    if let Some(to_rec709) = to_rec709 {
+        convert(&mut planes.rgb, to_rec709, &mut warnings);
+    }
+    warnings.extend(white_luminance(header));
+    planes.decoded(&frame, warnings)
+}
+
+/// The values of one layer, and where blocks of its part belong.
+struct Planes<'h> {
+    header: &'h Header,
+    layer: &'h Layer,
+    rgb: Vec<[f32; 3]>,
+    alpha: Option<Vec<f32>>,
+    /// Column and line of each block so far.
+    known_blocks: HashSet<(usize, usize)>,
+}
+
+impl<'h> Planes<'h> {
+    fn new(header: &'h Header, layer: &'h Layer) -> Result<Self, Fault> {
+        let Vec2(width, height) = header.layer_size;
+        Ok(Self {
+            header,
+            layer,
+            rgb: filled(width * height, [0.0; 3])?,
+            alpha: layer
+                .alpha
+                .map(|_| filled(width * height, 0.0))
+                .transpose()?,
+            known_blocks: HashSet::new(),
+        })
+    }
+
+    /// Takes the values of a block. Refuses a second one at the same position, since another would
+    /// be missing.
+    fn put_block(&mut self, block: &UncompressedBlock) -> Result<(), Fault> {
+        let Vec2(x, y) = block.index.pixel_position;
+        let belongs = block.index.layer == self.layer.part && block.index.level == Vec2(0, 0);
+        if !belongs || !self.known_blocks.insert((x, y)) {
+            let what =
+                format!("the block at column {x}, line {y} comes twice or belongs elsewhere");
+            return Err(Fault::new(what, "every block once"));
+        }
+        for line in block.lines(&self.header.channels) {
+            self.put_line(&line);
+        }
+        Ok(())
+    }
+
+    /// Takes a line of one channel.
+    fn put_line(&mut self, line: &LineRef) {
+        let Vec2(x, y) = line.location.position;
+        let first = y * self.header.layer_size.width() + x;
+        let texels = first..first + line.location.sample_count;
+        let channel = line.location.channel;
+        let sample_type = self.header.channels.list[channel].sample_type;
+        // A channel of grey is all three colours.
+        for (color, wanted) in self.layer.rgb.iter().enumerate() {
+            if *wanted == Some(channel) {
+                let targets = self.rgb[texels.clone()]
+                    .iter_mut()
+                    .map(|texel| &mut texel[color]);
+                put_samples(targets, line.value, sample_type);
+            }
+        }
+        if self.layer.alpha == Some(channel)
+            && let Some(alpha) = &mut self.alpha
+        {
+            put_samples(alpha[texels].iter_mut(), line.value, sample_type);
+        }
+    }
+
+    fn decoded(self, frame: &Frame, warnings: Vec<String>) -> Result<Decoded, Fault> {
+        let [width, height] = frame.seen_size().map(|side| side as u32);
+        let rgb = frame.place(self.rgb, [0.0; 3])?;
+        let alpha = self
+            .alpha
+            .map(|alpha| frame.place(alpha, 0.0))
+            .transpose()?;
+        Ok(Decoded {
+            rgb: RgbImage::new(width, height, rgb),
+            alpha: alpha.map(|alpha| GrayImage::new(width, height, alpha)),
+            warnings,
+        })
+    }
+}
+
+/// Unpacks the blocks in batches, to bound the memory, and in parallel.
+fn read_blocks(
+    mut chunks: impl Iterator<Item = Result<Chunk, Error>>,
+    meta: &MetaData,
+    block_bytes: usize,
+    planes: &mut Planes,
+) -> Result<(), Fault> {
+    let batch_length = (BATCH_BYTES / block_bytes).max(1);
     loop {
         let batch = chunks
             .by_ref()
-            .take((BATCH_BYTES / block_bytes).max(1))
-            .collect::<Result<Vec<Chunk>, Error>>();
-        let batch = batch.map_err(damaged)?;
+            .take(batch_length)
+            .collect::<Result<Vec<Chunk>, Error>>()
+            .map_err(damaged)?;
         if batch.is_empty() {
-            break;
+            return Ok(());
         }
         let blocks = batch
             .into_par_iter()
-            .map(|chunk| unpack(chunk, &meta))
+            .map(|chunk| unpack(chunk, meta))
             .collect::<Result<Vec<_>, Fault>>()?;
-        for block in blocks {
-            let Vec2(x, y) = block.index.pixel_position;
-            if (block.index.layer, block.index.level) != (layer.part, Vec2(0, 0))
-                || !seen.insert((x, y))
-            {
-                let what =
-                    format!("the block at column {x}, line {y} comes twice or belongs elsewhere");
-                return Err(Fault::new(what, "every block once"));
-            }
-            for line in block.lines(&header.channels) {
-                let Vec2(x, y) = line.location.position;
-                let (channel, pixels) = (
-                    line.location.channel,
-                    y * width + x..y * width + x + line.location.sample_count,
-                );
-                let kind = header.channels.list[channel].sample_type;
-                if let Some(i) = layer.rgb.iter().position(|wanted| *wanted == Some(channel)) {
-                    put(
-                        rgb[pixels].iter_mut().map(|texel| &mut texel[i]),
-                        line.value,
-                        kind,
-                    );
-                } else if let Some(alpha) = alpha.as_mut().filter(|_| layer.alpha == Some(channel))
-                {
-                    put(alpha[pixels].iter_mut(), line.value, kind);
-                }
-            }
+        for block in &blocks {
+            planes.put_block(block)?;
         }
     }
-    let mut warnings = oddities(header);
-    warnings.extend(warning);
-    let missing = ["R", "G", "B"]
+}
+
+fn missing_channels(layer: &Layer) -> impl Iterator<Item = String> {
+    ["R", "G", "B"]
         .iter()
         .zip(layer.rgb)
-        .filter(|(_, channel)| channel.is_none());
-    warnings
-        .extend(missing.map(|(name, _)| format!("Channel {name} is missing; it was set to 0.")));
-    convert_to_rec709(&mut rgb, header, &mut warnings);
-    let (width, height) = (width as u32, height as u32);
-    let alpha = alpha.map(|alpha| GrayImage::new(width, height, alpha));
-    Ok(Decoded {
-        rgb: RgbImage::new(width, height, rgb),
-        alpha,
-        warnings,
-    })
+        .filter(|(_, channel)| channel.is_none())
+        .map(|(name, _)| format!("Channel {name} is missing; it was set to 0."))
 }
 
 /// Returns the bytes of a part's block, at least 1. Refuses parts that need too much memory or
@@ -171,30 +253,35 @@ fn check_unpacked(header: &Header) -> Result<usize, Fault> {
         ),
         BlockDescription::Tiles(tiles) => tiles.tile_size,
     };
-    let bytes = |Vec2(x, y): Vec2<usize>| {
+    let bytes_of = |Vec2(x, y): Vec2<usize>| {
         x.saturating_mul(y)
             .saturating_mul(header.channels.bytes_per_pixel)
             .max(1)
     };
-    let (block, all) = (bytes(block), bytes(header.layer_size));
-    for (what, bytes, most) in [
-        ("a block has", block, BLOCK_BYTES_MAX),
-        ("its blocks have", all, PART_BYTES_MAX),
-    ] {
-        if bytes > most {
-            let what = format!(
-                "{what} {} MiB of pixels in {} channels",
+    let check = |subject: &str, bytes: usize, most: usize| {
+        if bytes <= most {
+            return Ok(());
+        }
+        Err(Fault::new(
+            format!(
+                "{subject} {} MiB of pixels in {} channels",
                 bytes >> 20,
                 header.channels.list.len()
-            );
-            let expected = format!(
+            ),
+            format!(
                 "at most {} MiB; keep the channels of the colour only",
                 most >> 20
-            );
-            return Err(Fault::new(what, expected));
-        }
-    }
-    Ok(block)
+            ),
+        ))
+    };
+    let block_bytes = bytes_of(block);
+    check("a block has", block_bytes, BLOCK_BYTES_MAX)?;
+    check(
+        "its blocks have",
+        bytes_of(header.layer_size),
+        PART_BYTES_MAX,
+    )?;
+    Ok(block_bytes)
 }
 
 fn unpack(chunk: Chunk, meta: &MetaData) -> Result<UncompressedBlock, Fault> {
@@ -246,57 +333,93 @@ fn check_dwa_counters(chunk: &Chunk, header: &Header) -> Result<(), Fault> {
     }
 }
 
-fn put<'t>(targets: impl Iterator<Item = &'t mut f32>, bytes: &[u8], kind: SampleType) {
-    fn each<'t, const N: usize>(
-        targets: impl Iterator<Item = &'t mut f32>,
-        bytes: &[u8],
-        number: impl Fn([u8; N]) -> f32,
-    ) {
-        targets
-            .zip(bytes.as_chunks().0)
-            .for_each(|(to, from)| *to = number(*from));
-    }
-    match kind {
-        SampleType::F16 => each(targets, bytes, |bytes| f16::from_ne_bytes(bytes).to_f32()),
-        SampleType::F32 => each(targets, bytes, f32::from_ne_bytes),
-        SampleType::U32 => each(targets, bytes, |bytes| u32::from_ne_bytes(bytes) as f32),
+/// Converts the samples of a line to f32.
+fn put_samples<'t>(
+    targets: impl Iterator<Item = &'t mut f32>,
+    bytes: &[u8],
+    sample_type: SampleType,
+) {
+    match sample_type {
+        SampleType::F16 => put_numbers(targets, bytes, |b| f16::from_ne_bytes(b).to_f32()),
+        SampleType::F32 => put_numbers(targets, bytes, f32::from_ne_bytes),
+        SampleType::U32 => put_numbers(targets, bytes, |b| u32::from_ne_bytes(b) as f32),
     }
 }
 
-fn convert_to_rec709(rgb: &mut [[f32; 3]], header: &Header, warnings: &mut Vec<String>) {
-    let xy = |Vec2(x, y): Vec2<f32>| DVec2::new(x.into(), y.into());
-    let chromaticities = header
-        .shared_attributes
-        .chromaticities
-        .map(|c| Chromaticities {
-            red: xy(c.red),
-            green: xy(c.green),
-            blue: xy(c.blue),
-            white: xy(c.white),
-        });
-    let foreign = chromaticities.filter(|c| !c.is_close_to(&REC709));
-    if let Some(matrix) = foreign.and_then(|c| c.to_rec709_with_warning("chromaticities", warnings))
-    {
-        rgb.iter_mut().for_each(|texel| {
-            *texel = (matrix * DVec3::from(texel.map(f64::from)))
-                .as_vec3()
-                .to_array()
-        });
+fn put_numbers<'t, const N: usize>(
+    targets: impl Iterator<Item = &'t mut f32>,
+    bytes: &[u8],
+    number: impl Fn([u8; N]) -> f32,
+) {
+    for (target, sample) in targets.zip(bytes.as_chunks().0) {
+        *target = number(*sample);
     }
 }
 
+/// Multiplies colours by a matrix. A colour outside Rec.709 gets negative channels, which no
+/// radiance has: they become 0 with a warning, as in Radiance files. Channels that are negative in
+/// the file stay, for the check of the caller.
+fn convert(rgb: &mut [[f32; 3]], to_rec709: DMat3, warnings: &mut Vec<String>) {
+    let mut out_of_gamut_count = 0u64;
+    for texel in rgb {
+        let stored = DVec3::from(texel.map(f64::from));
+        let mut converted = to_rec709 * stored;
+        if stored.min_element() >= 0.0 && converted.min_element() < 0.0 {
+            out_of_gamut_count += 1;
+            converted = converted.max(DVec3::ZERO);
+        }
+        *texel = converted.as_vec3().to_array();
+    }
+    warnings.extend(out_of_gamut(out_of_gamut_count));
+}
+
+/// Names the compression if it is one that the crate does not know; its own message is about the
+/// header then.
+fn unreadable_header(bytes: &[u8], error: &Error) -> Fault {
+    match compression_code(bytes).and_then(|code| {
+        NEW_COMPRESSIONS
+            .iter()
+            .find(|(known, _)| *known == code)
+            .map(|(_, name)| name)
+    }) {
+        Some(name) => Fault::new(
+            format!("is compressed by {name}"),
+            "a compression that this program reads; `oiiotool in.exr --compression zip -o out.exr` \
+             changes it",
+        ),
+        None => Fault::new(
+            format!("has no usable header ({error})"),
+            "a valid OpenEXR file",
+        ),
+    }
+}
+
+/// Finds the number of the compression of the first part.
+fn compression_code(bytes: &[u8]) -> Option<u8> {
+    // Name and type of the attribute, each with its NUL, then its size of one byte.
+    const ATTRIBUTE: &[u8] = b"compression\0compression\0\x01\0\0\0";
+    let header = &bytes[..bytes.len().min(HEADER_BYTES_SEARCHED)];
+    let start = header
+        .windows(ATTRIBUTE.len())
+        .position(|window| window == ATTRIBUTE)?;
+    header.get(start + ATTRIBUTE.len()).copied()
+}
+
+/// Warns of a map that may be scaled: pfstools divide maps above the range of halves by a factor,
+/// which they store as the luminance of white.
+fn white_luminance(header: &Header) -> Option<String> {
+    let factor = header.own_attributes.white_luminance?;
+    (factor != 1.0).then(|| {
+        format!(
+            "The header's whiteLuminance is {factor}: the program that wrote the file may have \
+             divided the light by it, as pfstools do; environment_scale={factor} undoes that."
+        )
+    })
+}
+
+/// Returns warnings about header fields that are ignored.
 fn oddities(header: &Header) -> Vec<String> {
     let mut warnings = Vec::new();
-    let (Vec2(x, y), Vec2(width, height)) =
-        (header.own_attributes.layer_position, header.layer_size);
-    let display = header.shared_attributes.display_window;
-    if (display.position, display.size) != (Vec2(x, y), Vec2(width, height)) {
-        warnings.push(format!(
-            "The data window ({width}x{height} at {x}, {y}) differs from the display window ({}x{} \
-             at {}, {}); the data window is used.",
-            display.size.0, display.size.1, display.position.0, display.position.1
-        ));
-    }
     if header.shared_attributes.pixel_aspect != 1.0 {
         let aspect = header.shared_attributes.pixel_aspect;
         warnings.push(format!(
