@@ -1,6 +1,7 @@
 //! The names in the documents: each axis, method, metric, question, experiment and flag exists.
 //!
-//! A name is a text in backquotes. Four rules find it, from the strictest to the loosest:
+//! A name is a text in backquotes. Files of the repository exist, too. Four rules find a name, from
+//! the strictest to the loosest:
 //!
 //! 1. A command (`splitsum bake --for bevy`, `--set alpha=1`): the command, its flags, and values
 //!    of axes exist.
@@ -412,8 +413,24 @@ impl Check<'_> {
         true
     }
 
+    /// Checks that a file of the repository exists. Returns whether the text is a path.
+    fn path(&mut self, text: &str) -> bool {
+        let folders = ["docs/", "scripts/", "shaders/", "src/", "tests/"];
+        let is_part = |c: char| c.is_ascii_alphanumeric() || "/_-.".contains(c);
+        if !folders.iter().any(|folder| text.starts_with(folder)) || !text.chars().all(is_part) {
+            return false;
+        }
+        // `src/instrument/brdf/x.rs` is a file to be written.
+        let is_placeholder = Path::new(text).file_stem().is_some_and(|stem| stem == "x");
+        if !is_placeholder && !root().join(text).exists() {
+            self.fault(text, &format!("`{text}` is not a file of the repository"));
+        }
+        true
+    }
+
     fn span(&mut self, text: &str, noun: Option<Noun>) {
-        if self.command_line(text) || self.quoted_setting(text) || !is_name(text) {
+        if self.path(text) || self.command_line(text) || self.quoted_setting(text) || !is_name(text)
+        {
             return;
         }
         match noun {
@@ -481,8 +498,7 @@ fn check<'a>(page: &'a str, text: &str) -> Check<'a> {
 }
 
 fn pages() -> Vec<PathBuf> {
-    let documents = std::fs::read_dir(root().join("docs")).unwrap();
-    let documents = documents.map(|entry| entry.unwrap().path());
+    let documents = files_below(&root().join("docs")).into_iter();
     [root().join("README.md"), root().join("CONTRIBUTING.md")]
         .into_iter()
         .chain(documents.filter(|path| path.extension().is_some_and(|end| end == "md")))
@@ -521,7 +537,7 @@ fn names_that_do_not_exist_are_reported() {
     let page = r#"
 The axis `bent` and the axes `alpha`, `bend` or `lobe_width`. The method `split-sum-three`.
 The diffuse methods `sh9`, `zh9` and `irradiance-map`. The metric `wpsnr`. The question `errors`.
-The experiment `fronts`; `split-summed-*` and `-seventeen`; `relmse_of_nothing`.
+The file `src/nowhere.rs`. The experiment `fronts`; `split-summed-*` and `-seventeen`; `relmse_of_nothing`.
 Use `--sets`, `splitsum bakes`, `splitsum bake --with x`, `splitsum list knobs`, `run --for x`,
 `--set width=1`, `--set bend=sideways`, `--method split-sum,split-sum-none`, `dfg = "middles"`.
 
@@ -544,6 +560,7 @@ These exist: the axis `alpha`, the methods `split-sum-*`, `-four`, the metric `r
         "page: `zh9` is not a diffuse method",
         "page: `wpsnr` is not a metric",
         "page: `errors` is not a question",
+        "page: `src/nowhere.rs` is not a file of the repository",
         "page: `fronts` is not an experiment",
         "page: `split-summed-*` is not a name of the program",
         "page: `-seventeen` is not a name of the program",
