@@ -2,6 +2,7 @@
 
 use super::page::PageError;
 use super::record::{ANSWER_FILE, AnswerRecord, WriteError};
+use super::sheets::sheet_files;
 use super::summary::{SHEETS_FOLDER, bold, sheet_link, sheet_title};
 use super::write::SUMMARY_FILE;
 use crate::base::files::{TEXT_BYTES_MAX, names_in, read_text, relative};
@@ -9,7 +10,6 @@ use crate::base::pixels::{PixelsError, write_atomically};
 use crate::draw::markdown::{self, Align, MarkdownTable, inline, link_label, paragraph};
 use crate::run::frozen::EXPERIMENT_FILE;
 use crate::run::provenance::{EXPERIMENT_FOLDER, PROVENANCE_FILE, SET_FOLDER};
-use crate::run::sheets::sheet_files;
 use crate::run::store::{ANSWERS_FOLDER, TIMINGS_FOLDER};
 use crate::study::finished::{FinishedError, provenance};
 use std::io::Write as _;

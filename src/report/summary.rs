@@ -1,9 +1,9 @@
 //! `summary.md`: the question, the answers, the state of the run.
 
 use super::record::{AnswerRecord, shortened};
+use super::sheets::sheet_files;
 use crate::draw::markdown::{Align, MarkdownTable, inline, link, paragraph, significant};
 use crate::experiment::axis::{AXES, SIZE};
-use crate::run::sheets::sheet_files;
 use crate::run::store::{ANSWERS_FOLDER, StopReason};
 use crate::study::finished::Finished;
 use crate::study::frame::{distinct_in_order, estimate::median};

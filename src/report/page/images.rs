@@ -4,7 +4,6 @@
 use super::page_run::PageRun;
 use crate::base::pixels::packed;
 use crate::base::pixels::{Decoded, GrayImage, exr};
-use crate::experiment::axis::AxisId;
 use crate::experiment::axis::SCENE;
 use crate::experiment::value::Value;
 use crate::instrument::metrics::Epsilon;

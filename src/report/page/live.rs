@@ -15,8 +15,8 @@ use crate::instrument::precompute::taps::TapCount;
 use crate::instrument::scene::camera::PERSPECTIVE_FOV_DEG;
 use crate::instrument::shade::bend::Bend;
 use crate::instrument::shade::{METHODS, Method, Shading, own};
-use crate::run::live::{LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord, LiveShader};
-use crate::run::live_model::LiveModel;
+use crate::report::live::model::LiveModel;
+use crate::report::live::record::{LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord, LiveShader};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 

@@ -5,7 +5,7 @@
 use crate::base::files;
 use crate::draw::markdown::percent_escaped;
 use crate::instrument::metrics::Metric;
-use crate::run::sheets::sheet_files;
+use crate::report::sheets::sheet_files;
 use crate::study::finished::{Finished, FinishedCell};
 use crate::study::questions::Answer;
 use serde_json::{Value as Json, json};
