@@ -2,7 +2,9 @@
 
 use super::record::{AnswerRecord, shortened};
 use super::sheets::sheet_files;
-use crate::draw::markdown::{Align, MarkdownTable, inline, link, paragraph, significant};
+use crate::draw::markdown::{
+    Align, MarkdownTable, inline, link, link_label, paragraph, significant,
+};
 use crate::experiment::axis::{AXES, SIZE};
 use crate::run::store::{ANSWERS_FOLDER, StopReason};
 use crate::study::finished::Finished;
@@ -132,12 +134,26 @@ fn reference_stops(run: &Finished) -> String {
     }
 }
 
-pub fn sheet_link(name: &str) -> String {
+fn sheet_link(name: &str) -> String {
     link(sheet_title(name), &format!("{SHEETS_FOLDER}/{name}"))
 }
 
-pub fn sheet_title(name: &str) -> &str {
+fn sheet_title(name: &str) -> &str {
     name.trim_end_matches(".svg")
+}
+
+/// The summary for a folder that has the contact sheet `name` beside it and no others; `None` if
+/// the summary does not link that sheet.
+pub fn with_sheet_beside(summary: &str, name: &str) -> Option<String> {
+    let link_in_run = sheet_link(name);
+    summary.contains(&link_in_run).then(|| {
+        summary
+            .replace(&link_in_run, &link(sheet_title(name), name))
+            .replace(
+                &link(SHEETS_FOLDER, SHEETS_FOLDER),
+                &link_label(SHEETS_FOLDER),
+            )
+    })
 }
 
 /// A link to the first contact sheet; empty without pictures.

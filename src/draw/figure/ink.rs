@@ -2,34 +2,75 @@
 
 use super::Figure;
 
-/// Class, CSS property, custom property, and colours on a light and a dark ground.
-type Ink = (&'static str, &'static str, &'static str, [&'static str; 2]);
+/// A CSS rule that colours the elements of some classes.
+struct Rule {
+    selector: String,
+    property: &'static str,
+    /// The custom property that a page may set.
+    variable: String,
+    on_light: &'static str,
+    on_dark: &'static str,
+}
 
-pub const INKS: [Ink; 8] = [
-    (
-        ".fig-ground",
-        "fill",
-        "--fig-ground",
-        ["#fafaf8", "#101214"],
-    ),
-    (".fig-ink", "fill", "--fig-ink", ["#15171a", "#edeeee"]),
-    (".fig-muted", "fill", "--fig-muted", ["#575b62", "#a6acb3"]),
-    (".fig-grid", "stroke", "--fig-grid", ["#dcdcd7", "#31363b"]),
-    (".fig-axis", "stroke", "--fig-axis", ["#85888d", "#7d848b"]),
-    (".fig-plain", "color", "--fig-muted", ["#575b62", "#a6acb3"]),
-    (
-        ".fig-d,.fig-o",
-        "stroke",
-        "--fig-ground",
-        ["#fafaf8", "#101214"],
-    ),
-    (".fig-b", "fill", "--fig-ground", ["#fafaf8", "#101214"]),
-];
+/// A colour on a light and a dark ground.
+type Pair = [&'static str; 2];
+
+const GROUND: Pair = ["#fafaf8", "#101214"];
+const MUTED: Pair = ["#575b62", "#a6acb3"];
+
+impl Rule {
+    fn new(
+        selector: impl Into<String>,
+        property: &'static str,
+        variable: impl Into<String>,
+        [on_light, on_dark]: Pair,
+    ) -> Self {
+        Self {
+            selector: selector.into(),
+            property,
+            variable: variable.into(),
+            on_light,
+            on_dark,
+        }
+    }
+
+    /// The rule with one of its colours. The colour is written twice, for programs without custom
+    /// properties.
+    fn css(&self, color: &str) -> String {
+        let Self {
+            selector,
+            property,
+            variable,
+            ..
+        } = self;
+        format!("{selector}{{{property}:{color};{property}:var({variable},{color})}}")
+    }
+}
+
+/// All rules, in the order of the style sheet.
+fn rules() -> Vec<Rule> {
+    let mut rules = vec![
+        Rule::new(".fig-ground", "fill", "--fig-ground", GROUND),
+        Rule::new(".fig-ink", "fill", "--fig-ink", ["#15171a", "#edeeee"]),
+        Rule::new(".fig-muted", "fill", "--fig-muted", MUTED),
+        Rule::new(".fig-grid", "stroke", "--fig-grid", ["#dcdcd7", "#31363b"]),
+        Rule::new(".fig-axis", "stroke", "--fig-axis", ["#85888d", "#7d848b"]),
+        Rule::new(".fig-plain", "color", "--fig-muted", MUTED),
+        Rule::new(".fig-d,.fig-o", "stroke", "--fig-ground", GROUND),
+        Rule::new(".fig-b", "fill", "--fig-ground", GROUND),
+    ];
+    for (i, colors) in SERIES.iter().enumerate() {
+        let selector = format!(".fig-s{i}");
+        let variable = format!("--fig-s{i}");
+        rules.push(Rule::new(selector, "color", variable, *colors));
+    }
+    rules
+}
 
 /// Colours of series on a light and a dark ground, with a contrast of at least 4.5:1. The first
 /// four are for methods: orange, teal, violet, blue. The others are pink, ochre, sky, grey, olive,
 /// brown.
-pub const SERIES: [[&str; 2]; 10] = [
+pub const SERIES: [Pair; 10] = [
     ["#b3400a", "#ff9a62"],
     ["#007167", "#45cdb7"],
     ["#6446b0", "#bba8ff"],
@@ -51,8 +92,8 @@ impl Figure {
         let mut taken: Vec<usize> = Vec::new();
         for series in &self.series[..=series.filter(|index| *index < self.series.len())?] {
             let next = OTHERS.into_iter().find(|ink| !taken.contains(ink));
-            let own = series.ink.filter(|ink| !taken.contains(ink));
-            taken.push(own.or(next).unwrap_or(taken.len() % OTHERS.len()));
+            let preferred = series.ink.filter(|ink| !taken.contains(ink));
+            taken.push(preferred.or(next).unwrap_or(taken.len() % OTHERS.len()));
         }
         taken.last().copied()
     }
@@ -71,33 +112,11 @@ pub fn dashes(index: usize, is_dashed: bool) -> Option<&'static str> {
 
 const SHAPES: &str = include_str!("../../../assets/report/figure.css");
 
-/// The style sheet of a figure. Each colour is written twice, for programs without custom
-/// properties.
+/// The style sheet of a figure.
 pub fn style() -> String {
-    let inks = INKS.map(|(class, property, name, colors)| {
-        (class.to_owned(), property, name.to_owned(), colors)
-    });
-    let series = SERIES.iter().enumerate();
-    let series = series.map(|(i, colors)| {
-        (
-            format!(".fig-s{i}"),
-            "color",
-            format!("--fig-s{i}"),
-            *colors,
-        )
-    });
-    let all: Vec<_> = inks.into_iter().chain(series).collect();
-    let rules = |ground: usize| -> String {
-        let rule = |(class, property, name, colors): &(String, &str, String, [&str; 2])| {
-            let color = colors[ground];
-            format!("{class}{{{property}:{color};{property}:var({name},{color})}}")
-        };
-        all.iter().map(rule).collect()
-    };
-    let dark = rules(1);
-    format!(
-        "{}{}@media(prefers-color-scheme:dark){{{dark}}}",
-        SHAPES.replace("\n", ""),
-        rules(0)
-    )
+    let rules = rules();
+    let light: String = rules.iter().map(|rule| rule.css(rule.on_light)).collect();
+    let dark: String = rules.iter().map(|rule| rule.css(rule.on_dark)).collect();
+    let shapes = SHAPES.replace('\n', "");
+    format!("{shapes}{light}@media(prefers-color-scheme:dark){{{dark}}}")
 }

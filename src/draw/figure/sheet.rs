@@ -3,7 +3,7 @@
 
 use super::element::{path, rectangle, words};
 use super::ink::style;
-use super::text::{AXIS, Font, LABEL, LINE, MIDDLE, TITLE, escape, px, stack};
+use super::text::{AXIS, Anchor, Font, LABEL, LINE, MIDDLE, TITLE, escape, px, stack};
 use crate::base::pixels::Rgb8Image;
 use crate::draw::colormap::ColorScale;
 use crate::draw::markdown::significant;
@@ -62,7 +62,9 @@ const WIDTH_MIN: f64 = 460.0;
 const HEIGHT_MAX: f64 = 2.0;
 const ROW_LABEL_MAX: f64 = 170.0;
 const LINES_MAX: usize = 6;
+/// Size of a colour bar, pixels, and the number of its colours.
 const BAR: [f64; 2] = [256.0, 12.0];
+const BAR_STEPS: u32 = 64;
 
 /// The gap before a row or column.
 fn gap_before(head: &Head) -> f64 {
@@ -139,7 +141,7 @@ impl ContactSheet {
         page.y += BLOCK_GAP + line_count as f64 * AXIS.line();
         for (label, left) in labels.iter().zip(lefts) {
             let top = page.y - label.len() as f64 * AXIS.line();
-            page.lines(label, [left + tile_width / 2.0, top], AXIS, "middle");
+            page.lines(label, [left + tile_width / 2.0, top], AXIS, Anchor::Middle);
         }
     }
 
@@ -175,7 +177,12 @@ impl ContactSheet {
         let tile_height = f64::from(self.tile[1]);
         page.y += gap_before(&row.head);
         let label_top = page.y + (tile_height - label.len() as f64 * AXIS.line()) / 2.0;
-        page.lines(label, [lefts[0] - BLOCK_GAP / 2.0, label_top], AXIS, "end");
+        page.lines(
+            label,
+            [lefts[0] - BLOCK_GAP / 2.0, label_top],
+            AXIS,
+            Anchor::End,
+        );
         for (tile, left) in row.tiles.iter().zip(lefts) {
             page.tile(tile, [*left, page.y], self.tile);
         }
@@ -194,7 +201,7 @@ struct Page {
 }
 
 impl Page {
-    fn lines(&mut self, lines: &[String], [x, top]: [f64; 2], font: Font, anchor: &'static str) {
+    fn lines(&mut self, lines: &[String], [x, top]: [f64; 2], font: Font, anchor: Anchor) {
         let baseline = top + font.size * (LINE / 2.0 + MIDDLE);
         self.body
             .extend(stack(lines, "", [x, baseline], font, anchor).map(|line| words(&line)));
@@ -202,7 +209,7 @@ impl Page {
 
     fn paragraph(&mut self, text: &str, font: Font, width: f64) {
         let lines = font.wrap(text, width - 2.0 * MARGIN, usize::MAX);
-        self.lines(&lines, [MARGIN, self.y], font, "start");
+        self.lines(&lines, [MARGIN, self.y], font, Anchor::Start);
         self.y += lines.len() as f64 * font.line();
     }
 
@@ -222,14 +229,14 @@ impl Page {
                     std::slice::from_ref(note),
                     [middle, y + height],
                     LABEL,
-                    "middle",
+                    Anchor::Middle,
                 );
             }
             Tile::Missing(reason) => {
                 self.body += &path("fig-grid", "", &rectangle([x, y, width, height]));
                 let lines = LABEL.wrap(reason, width - 2.0 * GAP, LINES_MAX);
                 let top = y + (height - lines.len() as f64 * LABEL.line()) / 2.0;
-                self.lines(&lines, [middle, top], LABEL, "middle");
+                self.lines(&lines, [middle, top], LABEL, Anchor::Middle);
             }
         }
     }
@@ -237,35 +244,35 @@ impl Page {
     /// Label, colour bar and ticks with their values.
     fn legend(&mut self, label: &str, scale: &ColorScale, left: f64) {
         self.y += BLOCK_GAP;
-        self.lines(&[label.to_owned()], [left, self.y], LABEL, "start");
+        self.lines(&[label.to_owned()], [left, self.y], LABEL, Anchor::Start);
         self.y += LABEL.line();
         let [width, height] = BAR;
-        for step in 0..64 {
-            let [r, g, b] = scale.palette.color(f64::from(step) / 63.0);
+        let step_width = width / f64::from(BAR_STEPS);
+        for step in 0..BAR_STEPS {
+            let [r, g, b] = scale
+                .palette
+                .color(f64::from(step) / f64::from(BAR_STEPS - 1));
+            let x = left + f64::from(step) * width / f64::from(BAR_STEPS);
             // Half a pixel wider, or seams would show.
-            let data = rectangle([
-                left + f64::from(step) * width / 64.0,
-                self.y,
-                width / 64.0 + 0.5,
-                height,
-            ]);
+            let data = rectangle([x, self.y, step_width + 0.5, height]);
             self.body += &path("", &format!(" fill=\"rgb({r},{g},{b})\""), &data);
         }
         for tick in scale.ticks() {
-            let value = significant(tick, 2).replace('-', "−");
-            let value = if value.contains('.') {
-                value.trim_end_matches('0').trim_end_matches('.')
-            } else {
-                &value
-            };
-            self.lines(
-                &[value.to_owned()],
-                [left + scale.place(tick) * width, self.y + height],
-                LABEL,
-                "middle",
-            );
+            let x = left + scale.share(tick) * width;
+            let label = tick_label(tick);
+            self.lines(&[label], [x, self.y + height], LABEL, Anchor::Middle);
         }
         self.y += height + LABEL.line();
+    }
+}
+
+/// A tick of a colour bar: two digits, without zeros behind the decimal point.
+fn tick_label(tick: f64) -> String {
+    let label = significant(tick, 2).replace('-', "\u{2212}");
+    if label.contains('.') {
+        label.trim_end_matches('0').trim_end_matches('.').to_owned()
+    } else {
+        label
     }
 }
 
