@@ -231,7 +231,7 @@ impl<'p> SheetMaker<'p> {
     fn row_label(&self, cells: &[&Cell], row_axes: &[AxisId]) -> String {
         let mut lines = Vec::new();
         for &axis in row_axes {
-            let point = rows::teller(cells.iter().map(|cell| &cell.point), axis);
+            let point = rows::representative(cells.iter().map(|cell| &cell.point), axis);
             let named = self.plan.config.named(axis);
             let value = short_text(named, point);
             if !value.is_empty() {

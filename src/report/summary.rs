@@ -6,7 +6,7 @@ use crate::draw::markdown::{
     Align, MarkdownTable, inline, link, link_label, paragraph, significant,
 };
 use crate::experiment::axis::{AXES, SIZE};
-use crate::run::store::{ANSWERS_FOLDER, StopReason};
+use crate::run::store::{ANSWERS_FOLDER, ReferenceStop, StopReason};
 use crate::study::finished::Finished;
 use crate::study::frame::{distinct_in_order, estimate::median};
 use crate::study::questions::Answer;
@@ -64,7 +64,7 @@ fn section(answer: &Answer) -> String {
 fn state(run: &Finished, record: &AnswerRecord) -> String {
     let sizes =
         distinct_in_order(run.cells.iter().map(|cell| cell.point[SIZE].to_string())).join(", ");
-    let planned = run.provenance["cell_count"].as_u64().unwrap_or(0);
+    let planned = run.provenance.cell_count;
     let mut text = format!("{} of {planned} cells done", record.cells);
     if record.failed > 0 {
         let _ = write!(text, ", {} failed", record.failed);
@@ -73,8 +73,8 @@ fn state(run: &Finished, record: &AnswerRecord) -> String {
         text,
         ". {} {sizes}. Reference: `{}`, {} samples per pixel{}. Device: {}.\n",
         AXES[SIZE].name,
-        inline(&run.text("/reference/method")),
-        inline(&run.text("/reference/samples")),
+        inline(&run.provenance.reference.method),
+        run.provenance.reference.samples,
         reference_stops(run),
         if record.devices.is_empty() {
             "none yet".to_owned()
@@ -92,19 +92,18 @@ fn state(run: &Finished, record: &AnswerRecord) -> String {
 /// Where the references stopped, as the end of a sentence.
 fn reference_stops(run: &Finished) -> String {
     // Cells of one reference share its file.
-    let mut stops = BTreeMap::new();
-    for (cell, stop) in run
-        .cells
-        .iter()
-        .filter_map(|cell| Some((cell, cell.reference.as_ref()?)))
-    {
-        let alike = || format!("{stop:?}");
-        stops.insert(
-            cell.images
-                .as_ref()
-                .map_or_else(alike, |images| images.reference.clone()),
-            stop,
-        );
+    let mut stops: BTreeMap<String, &ReferenceStop> = BTreeMap::new();
+    for cell in &run.cells {
+        if let Some(stop) = &cell.reference {
+            let reference = match &cell.images {
+                Some(images) => images.reference.clone(),
+                None => format!("{stop:?}"),
+            };
+            stops.insert(reference, stop);
+        }
+    }
+    if stops.is_empty() {
+        return String::new();
     }
     let errors: Vec<f64> = stops.values().map(|stop| stop.relative_error.0).collect();
     let worst = errors.iter().copied().fold(f64::NAN, f64::max);
@@ -113,25 +112,18 @@ fn reference_stops(run: &Finished) -> String {
         significant(median(&errors), 2),
         significant(worst, 2)
     );
-    match run
-        .provenance
-        .pointer("/reference/relative_error")
-        .and_then(serde_json::Value::as_f64)
-    {
-        _ if stops.is_empty() => String::new(),
-        None => format!(" (relative standard error: {errors})"),
-        Some(wanted) => {
-            let met = stops
-                .values()
-                .filter(|stop| stop.stopped_by == StopReason::RelativeError)
-                .count();
-            format!(
-                " at most; {met} of {} stopped earlier at a relative standard error of {wanted} \
-                 ({errors})",
-                stops.len()
-            )
-        }
-    }
+    let Some(wanted) = run.provenance.reference.relative_error else {
+        return format!(" (relative standard error: {errors})");
+    };
+    let met_count = stops
+        .values()
+        .filter(|stop| stop.stopped_by == StopReason::RelativeError)
+        .count();
+    format!(
+        " at most; {met_count} of {} stopped earlier at a relative standard error of {wanted} \
+         ({errors})",
+        stops.len()
+    )
 }
 
 fn sheet_link(name: &str) -> String {

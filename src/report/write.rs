@@ -107,16 +107,18 @@ fn answer_files(answers: &[Answer]) -> Vec<AnswerFile> {
 impl Written {
     pub fn new(run: &Finished, answers: &[Answer]) -> Result<Self, WriteError> {
         let mut files = answer_files(answers);
-        let session = run.last_session();
+        let session = run.provenance.last_session().cloned().unwrap_or_default();
         let record = AnswerRecord {
-            name: run.text("/name"),
-            question: run.text("/question"),
+            name: run.provenance.name.clone(),
+            question: run.provenance.question.clone(),
             answers: answers.iter().map(AnswerSentence::new).collect(),
             cells: run.cells.len() - run.failed_count(),
             failed: run.failed_count(),
             devices: run.devices(),
-            date_utc: run.text(&format!("{session}/date_utc")),
-            commit: run.text(&format!("{session}/commit/hash")),
+            date_utc: session.date_utc,
+            commit: session
+                .commit
+                .map_or_else(String::new, |commit| commit.hash),
             is_cpu_timed: run.is_cpu_timed(),
             files: files.iter().map(|file| file.name.clone()).collect(),
         };

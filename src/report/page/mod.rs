@@ -13,6 +13,7 @@ mod sections;
 pub use page_run::PageRun;
 
 use crate::base::pixels::{PixelsError, write_atomically};
+use crate::run::provenance::{ExclusionRecord, MetricRecord};
 use crate::run::store::FailureRecord;
 use crate::study::frame::Frame;
 use images::Choice;
@@ -21,7 +22,6 @@ use page_run::Fact;
 use pictures::Pictures;
 use sections::{ScriptTable, Section};
 use serde::Serialize;
-use serde_json::Value as Json;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -109,13 +109,13 @@ pub fn check_out(path: &Path) -> Result<(), PageError> {
 /// The data of the template.
 #[derive(Serialize)]
 struct Content<'a> {
-    name: String,
+    name: &'a str,
     heading: String,
     /// Name of the metric of the answers.
     metric: &'static str,
     facts: Vec<Fact>,
     /// As the first run defined them.
-    metrics: &'a Json,
+    metrics: &'a [MetricRecord],
     program_version: &'static str,
     runs: Vec<RunContent<'a>>,
 }
@@ -124,7 +124,7 @@ struct Content<'a> {
 #[derive(Serialize)]
 struct RunContent<'a> {
     label: &'a str,
-    name: String,
+    name: &'a str,
     /// To the folder of the run; `None` if the page leaves it.
     link: Option<String>,
     anchor: String,
@@ -140,8 +140,8 @@ struct RunContent<'a> {
     sections: Vec<Section<'a>>,
     provenance: Vec<(&'static str, Vec<(String, String)>)>,
     failures: &'a [FailureRecord],
-    excluded: &'a Json,
-    input_warnings: &'a Json,
+    excluded: &'a [ExclusionRecord],
+    input_warnings: &'a [String],
     sheets: Vec<[String; 2]>,
     /// The text of the experiment.
     experiment: &'a str,
@@ -166,7 +166,7 @@ impl RunContent<'_> {
             failures: self.failures,
             label: self.label,
             link: self.link.as_deref(),
-            name: &self.name,
+            name: self.name,
             shared: &self.shared,
             sheets: &self.sheets,
         }
@@ -185,11 +185,11 @@ pub fn write(options: &PageOptions, runs: &[PageRun]) -> Result<Written, PageErr
     let metrics = model::metrics(runs);
     let light = live::Light::collect(runs, live::BUDGET_BYTES);
     let content = Content {
-        name: first.finished.text("/name"),
+        name: &first.finished.provenance.name,
         heading: page_run::heading(runs),
         metric: frames[0].metric_name(),
         facts: page_run::facts(runs),
-        metrics: &first.finished.provenance["metrics"],
+        metrics: &first.finished.provenance.metrics,
         program_version: env!("CARGO_PKG_VERSION"),
         runs: run_contents(options, runs, &frames, &axes),
     };
@@ -253,7 +253,7 @@ fn run_contents<'a>(
         };
         contents.push(RunContent {
             label: &run.label,
-            name: finished.text("/name"),
+            name: &finished.provenance.name,
             link: (!options.is_alone).then(|| page_run::link(link_base, &finished.dir)),
             anchor: format!("run-{}", index + 1),
             index,
@@ -267,15 +267,15 @@ fn run_contents<'a>(
             sections,
             provenance: page_run::provenance(run),
             failures: &finished.failures,
-            excluded: &finished.provenance["excluded"],
-            input_warnings: &finished.provenance["input_warnings"],
+            excluded: &finished.provenance.excluded,
+            input_warnings: &finished.provenance.input_warnings,
             sheets: if options.is_alone {
                 Vec::new()
             } else {
                 run.sheets(link_base)
             },
             experiment: &finished.experiment,
-            whole: format!("{:#}", finished.provenance),
+            whole: format!("{:#}", finished.provenance.to_json()),
         });
     }
     contents

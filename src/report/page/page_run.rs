@@ -6,6 +6,7 @@ use crate::base::files;
 use crate::draw::markdown::percent_escaped;
 use crate::instrument::metrics::Metric;
 use crate::report::sheets::sheet_files;
+use crate::run::provenance::Session;
 use crate::study::finished::{Finished, FinishedCell};
 use crate::study::questions::Answer;
 use itertools::Itertools;
@@ -43,44 +44,47 @@ impl<'a> PageRun<'a> {
         page_runs
     }
 
-    /// A text of the last session.
-    pub fn session(&self, pointer: &str) -> String {
-        self.finished
-            .text(&format!("{}{pointer}", self.finished.last_session()))
+    /// The last session; an empty one before the first.
+    fn session(&self) -> Session {
+        let last = self.finished.provenance.last_session();
+        last.cloned().unwrap_or_default()
     }
 
     /// The question of the experiment, else its name.
     pub fn question(&self) -> String {
-        Some(self.finished.text("/question"))
-            .filter(|text| !text.is_empty())
-            .unwrap_or_else(|| self.finished.text("/name"))
+        let provenance = &self.finished.provenance;
+        if provenance.question.is_empty() {
+            provenance.name.clone()
+        } else {
+            provenance.question.clone()
+        }
     }
 
+    /// The device of the last session with its driver.
     pub fn device(&self) -> String {
-        format!(
-            "{} · {}",
-            self.session("/device/name"),
-            self.session("/device/driver")
-        )
+        let device = self.session().device;
+        format!("{} · {}", device.name, device.driver)
     }
 
-    /// `2026-11-21 18:07 UTC` for `2026-11-21T18:07:34Z`.
+    /// When the last session began: `2026-11-21 18:07 UTC` for `2026-11-21T18:07:34Z`.
     pub fn date(&self) -> String {
-        let date = self.session("/date_utc");
+        let date = self.session().date_utc;
         let parts = date
             .split_once('T')
             .and_then(|(day, time)| Some((day, time.strip_suffix('Z')?.get(..5)?)));
-        parts.map_or_else(|| date.clone(), |(day, time)| format!("{day} {time} UTC"))
+        match parts {
+            Some((day, time)) => format!("{day} {time} UTC"),
+            None => date,
+        }
     }
 
-    /// The commit of the program, marked if files were changed.
+    /// The commit of the program, marked if files were changed; empty if unknown.
     pub fn commit(&self) -> String {
-        let changed = if self.session("/commit/dirty") == "true" {
-            " (changed)"
-        } else {
-            ""
-        };
-        format!("{}{changed}", self.session("/commit/hash"))
+        match self.session().commit {
+            Some(commit) if commit.is_dirty == Some(true) => format!("{} (changed)", commit.hash),
+            Some(commit) => commit.hash,
+            None => String::new(),
+        }
     }
 
     /// What is missing from the answers, one sentence each.
@@ -96,7 +100,7 @@ impl<'a> PageRun<'a> {
             ));
         }
         let done = run.cells.len() as u64;
-        let planned = run.provenance["cell_count"].as_u64().unwrap_or(0);
+        let planned = run.provenance.cell_count;
         if done < planned {
             warnings.push(format!(
                 "{done} of {planned} cells are done: the run was stopped."
@@ -142,7 +146,7 @@ impl<'a> PageRun<'a> {
 fn folder_name(run: &Finished) -> String {
     let path = std::fs::canonicalize(&run.dir).unwrap_or_else(|_| run.dir.clone());
     path.file_name().map_or_else(
-        || run.text("/name"),
+        || run.provenance.name.clone(),
         |name| name.to_string_lossy().into_owned(),
     )
 }
@@ -201,27 +205,30 @@ pub fn link(from: &Path, to: &Path) -> String {
 
 /// The facts of a run in its provenance by title, with the hashes of its inputs last.
 pub fn provenance(page_run: &PageRun) -> Vec<(&'static str, Vec<(String, String)>)> {
-    let all = &page_run.finished.provenance;
-    let session = all
-        .pointer(&page_run.finished.last_session())
-        .unwrap_or(&Json::Null);
+    let provenance = &page_run.finished.provenance;
+    let session = provenance.last_session();
     let groups = [
-        ("Device", &session["device"]),
-        ("Host", &session["host"]),
-        ("Program", session),
-        ("Commit", &session["commit"]),
-        ("Experiment", all),
-        ("Inputs", &all["inputs"]),
+        ("Device", session.map(|session| entries(&session.device))),
+        ("Host", session.map(|session| entries(&session.host))),
+        ("Program", session.map(entries)),
+        (
+            "Commit",
+            session.and_then(|session| session.commit.as_ref().map(entries)),
+        ),
+        ("Experiment", Some(entries(provenance))),
+        ("Inputs", Some(entries(&provenance.inputs))),
     ];
     groups
         .into_iter()
-        .map(|(title, object)| (title, entries(object)))
+        .map(|(title, entries)| (title, entries.unwrap_or_default()))
         .filter(|(_, entries)| !entries.is_empty())
         .collect()
 }
 
-/// The entries of an object that are texts, numbers, flags or lists of texts.
-fn entries(object: &Json) -> Vec<(String, String)> {
+/// The fields of an object that are texts, numbers, flags or lists of texts, by name as in the
+/// file.
+fn entries(object: &impl Serialize) -> Vec<(String, String)> {
+    let object = serde_json::to_value(object).expect("JSON can hold text, numbers and lists");
     let mut entries = Vec::new();
     for (name, value) in object.as_object().into_iter().flatten() {
         let text = match value {

@@ -85,7 +85,7 @@ fn asked(run: &Finished) -> Vec<(&'static Question, Finding)> {
     let serves = QUESTIONS
         .iter()
         .filter(|question| (question.lacks)(&frame.shape).is_none());
-    let name = run.text("/name");
+    let name = run.provenance.name.clone();
     let answer = |asked: &&'static Question| {
         let finding = (asked.answer)(&frame);
         // The synthetic renderer has no error in the diffuse term, so a ratio of its errors has no
@@ -135,7 +135,11 @@ fn questions_an_experiment_serves_are_known_before_it_runs() {
         let rendered = Frame::new(run, None).shape;
         for question in QUESTIONS {
             let [before, after] = [&written, &rendered].map(|shape| (question.lacks)(shape));
-            assert_eq!(before, after, "{} of {}", question.name, run.text("/name"));
+            assert_eq!(
+                before, after,
+                "{} of {}",
+                question.name, run.provenance.name
+            );
         }
     }
 }
@@ -223,7 +227,7 @@ fn every_number_of_a_sentence_is_one_of_its_tables() {
             .as_ref()
             .map(|digest| digest.markdown())
             .unwrap_or_default();
-        let name = run.text("/name");
+        let name = run.provenance.name.clone();
         assert!(
             missing.is_empty(),
             "{} of {name}: {missing:?} in: {}\n{digest}",
@@ -446,7 +450,7 @@ fn order_and_failed_twins_of_cells_change_no_answer() {
             said(&more),
             before,
             "{} with failed cells",
-            run.text("/name")
+            run.provenance.name
         );
         for seed in 0..3 {
             let mut shuffled = run.clone();
@@ -462,7 +466,7 @@ fn order_and_failed_twins_of_cells_change_no_answer() {
                 said(&shuffled),
                 before,
                 "{} by seed {seed}",
-                run.text("/name")
+                run.provenance.name
             );
         }
     }
@@ -493,7 +497,7 @@ fn the_unit_of_the_metric_changes_no_ratio() {
                 .filter(|(name, _)| ["break-even", "effect"].contains(name))
                 .collect::<Vec<_>>()
         };
-        assert_eq!(ratios(&quadrupled), ratios(&run), "{}", run.text("/name"));
+        assert_eq!(ratios(&quadrupled), ratios(&run), "{}", run.provenance.name);
     }
 }
 

@@ -126,7 +126,7 @@ fn shares_of_both_signs_are_given_as_a_range() {
 #[test]
 fn tables_are_judged_in_every_band_of_the_view() {
     let mut paper = Paper::new(&["scene", "environment", "alpha", "method", "prefilter_size"]);
-    paper.run.provenance["reference"]["method"] = "ladder-view".into();
+    paper.run.provenance.reference.method = "ladder-view".into();
     // Over all n·v both tables err by less than a tenth of the split; facing the viewer only the
     // larger one does.
     let bands = |grazing: f64, facing: f64| -> Vec<Bin> {

@@ -17,7 +17,7 @@ fn judged_by(method: &str) -> Paper {
         "level_mapping",
         "prefilter",
     ]);
-    paper.run.provenance["reference"]["method"] = method.into();
+    paper.run.provenance.reference.method = method.into();
     paper
 }
 
