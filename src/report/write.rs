@@ -91,7 +91,7 @@ impl Written {
         let sentence = |answer: &Answer| AnswerSentence {
             question: answer.question.name.to_owned(),
             asks: answer.question.asks.to_owned(),
-            sentence: answer.finding.sentence.clone(),
+            sentence: answer.finding.sentences.markdown(),
         };
         let session = run.last_session();
         let record = AnswerRecord {

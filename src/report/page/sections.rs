@@ -3,6 +3,7 @@
 use super::model::field;
 use super::page_run::{PageRun, link};
 use crate::draw::figure::svg::WIDTHS;
+use crate::draw::words::spans;
 use crate::instrument::shade::words_in;
 use crate::report::write::drawing;
 use crate::run::store::ANSWERS_FOLDER;
@@ -33,19 +34,16 @@ pub fn sections(page_run: &PageRun, run: usize, first: usize, here: &Path) -> Ve
                 .as_array()
                 .is_some_and(|all| all.len() <= COLUMNS_BESIDE)
         });
-        let (headline, scope) = finding
-            .sentence
-            .split_once(". ")
-            .unwrap_or((&finding.sentence, ""));
+        let sentences = &finding.sentences;
         json!({
             // Numbered from the second run.
             "id": if run == 0 { key.to_owned() } else { format!("{key}-{}", run + 1) },
             "index": first + i,
             "key": key,
             "question": answer.question.asks,
-            "sentence": finding.sentence,
-            "headline": headline.trim_end_matches('.'),
-            "scope": scope,
+            "sentence": spans(sentences.all()),
+            "headline": spans([&sentences.headline]),
+            "scope": spans(sentences.after_headline()),
             "row_count": finding.table.rows.len(),
             "csv": link(here, &page_run.finished.dir.join(ANSWERS_FOLDER).join(format!("{key}.csv"))),
             "is_cpu": answer.question.rests_on_cpu_times(page_run.finished),
