@@ -33,6 +33,7 @@ cell_from! {
     text: String => Self::Text(text),
     number: f64 => Self::Number(number),
     number: u32 => Self::Integer(number.into()),
+    number: u64 => Self::Integer(number),
     number: usize => Self::Integer(number as u64),
     // 1 or 0.
     is: bool => Self::Integer(is.into()),

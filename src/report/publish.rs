@@ -8,7 +8,7 @@ use crate::base::files::{TEXT_BYTES_MAX, names_in, read_text, relative};
 use crate::base::pixels::{PixelsError, write_atomically};
 use crate::draw::markdown::{self, Align, MarkdownTable, inline, link_label, paragraph};
 use crate::run::frozen::EXPERIMENT_FILE;
-use crate::run::provenance::{EXPERIMENT_FOLDER, PROVENANCE_FILE, SET_FOLDER};
+use crate::run::provenance::PROVENANCE_FILE;
 use crate::run::sheets::sheet_files;
 use crate::run::store::{ANSWERS_FOLDER, TIMINGS_FOLDER};
 use crate::study::finished::{FinishedError, provenance};
@@ -81,7 +81,7 @@ pub(super) fn make_folder(path: &Path) -> Result<(), PublishError> {
 /// files that were never published.
 pub fn check(dir: &Path, into: &Path, replace: bool) -> Result<(), PublishError> {
     let new = provenance(dir)?;
-    let target = into.join(new["name"].as_str().unwrap_or_default());
+    let target = into.join(&new.name);
     if let Some(file) = [into, &target].into_iter().find(|path| path.is_file()) {
         return misuse(
             file,
@@ -105,7 +105,7 @@ pub fn check(dir: &Path, into: &Path, replace: bool) -> Result<(), PublishError>
         );
     }
     let published = provenance(&target)?;
-    if replace || published["plan_hash"] == new["plan_hash"] {
+    if replace || published.plan_hash == new.plan_hash {
         return Ok(());
     }
     let what = format!(
@@ -197,13 +197,12 @@ pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, Pu
 
 /// Writes the provenance, with folders relative to the published one.
 fn write_provenance(dir: &Path, target: &Path) -> Result<(), PublishError> {
-    let mut value = provenance(dir)?;
-    for key in [EXPERIMENT_FOLDER, SET_FOLDER] {
-        if let Some(folder) = value[key].as_str() {
-            value[key] = relative(target, &dir.join(folder)).into();
-        }
+    let mut published = provenance(dir)?;
+    let folders = [&mut published.experiment_folder, &mut published.set_folder];
+    for folder in folders.into_iter().flatten() {
+        *folder = relative(target, &dir.join(&*folder));
     }
-    let text = format!("{value:#}\n");
+    let text = format!("{:#}\n", published.to_json());
     Ok(write_atomically(&target.join(PROVENANCE_FILE), |writer| {
         writer.write_all(text.as_bytes())
     })?)

@@ -1,4 +1,9 @@
 //! The columns of a run's tables. Axes and metrics have lists of their own.
+//!
+//! [`columns!`] declares the known columns of a table as a struct: the name of a field is the name
+//! of the column, and its doc comment is the meaning in docs/columns.md.
+
+use crate::base::csv::Cell;
 
 /// A column and its meaning, for docs/columns.md and the page.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -12,6 +17,48 @@ pub const fn column(name: &'static str, about: &'static str) -> Column {
     Column { name, about }
 }
 
+/// The known columns of a row.
+pub trait Columns {
+    const COLUMNS: &'static [Column];
+
+    /// The values, in the order of [`Columns::COLUMNS`].
+    fn fields(self) -> Vec<Cell>;
+
+    fn names() -> impl Iterator<Item = String> {
+        Self::COLUMNS.iter().map(|column| column.name.to_owned())
+    }
+}
+
+/// The text of a doc comment, without the space that follows its slashes.
+const fn doc_text(comment: &'static str) -> &'static str {
+    comment.split_at(1).1
+}
+
+macro_rules! columns {
+    (
+        $(#[$attribute:meta])*
+        pub struct $row:ident {
+            $($(#[doc = $line:literal])+ pub $field:ident: $of:ty,)+
+        }
+    ) => {
+        $(#[$attribute])*
+        #[derive(Clone, Debug, PartialEq)]
+        pub struct $row {
+            $($(#[doc = $line])+ pub $field: $of,)+
+        }
+
+        impl Columns for $row {
+            const COLUMNS: &'static [Column] = &[
+                $(column(stringify!($field), doc_text(concat!($($line),+))),)+
+            ];
+
+            fn fields(self) -> Vec<Cell> {
+                vec![$(self.$field.into(),)+]
+            }
+        }
+    };
+}
+
 /// The first column of most tables.
 pub const CELL: Column = column(
     "cell",
@@ -21,196 +68,192 @@ pub const CELL: Column = column(
 /// The verdict on a cell without scores.
 pub const FAILED: &str = "failed";
 
-/// `errors.csv`, besides the cell, its axes, the metrics and their noise floors.
-pub const ERRORS: &[Column] = &[
-    column(
-        "reference_samples",
-        "Samples per pixel and term at which the reference stopped; the fewest of its terms.",
-    ),
-    column(
-        "reference_relative_error",
-        "Relative standard error of the reference image; the largest of its terms.",
-    ),
-    column(
-        "reference_stopped_by",
-        "`samples`, or `relative-error` if every term reached the requested error.",
-    ),
-    column(
-        "verdict",
-        "The headline metric against its noise floor: `resolved`, `reference-limited` below ten \
-         standard errors, `equal-within-noise` \
-         below two, `no-noise-floor`, or `failed`.",
-    ),
-    column(
-        "lag_bias",
-        "Of sequences: `relmse` of the accumulated frames without noise: bias and, if moving, lag.",
-    ),
-    column(
-        "flicker",
-        "Of sequences: variance of the last eight results by the curve of `tone_mapped_mse`, no \
-         motion.",
-    ),
-];
+columns! {
+    /// `errors.csv`, besides the cell, its axes, the metrics and their noise floors.
+    pub struct ErrorColumns {
+        /// Samples per pixel and term at which the reference stopped; the fewest of its terms.
+        pub reference_samples: Option<u64>,
+        /// Relative standard error of the reference image; the largest of its terms.
+        pub reference_relative_error: Option<f64>,
+        /// `samples`, or `relative-error` if every term reached the requested error.
+        pub reference_stopped_by: Option<&'static str>,
+        /// The headline metric against its noise floor: `resolved`, `reference-limited` below ten
+        /// standard errors, `equal-within-noise` below two, `no-noise-floor`, or `failed`.
+        pub verdict: String,
+    }
+}
 
-/// The columns of sequences of frames, the last ones of [`ERRORS`].
-pub const STEADINESS: &[Column] = ERRORS.split_at(4).1;
+columns! {
+    /// `errors.csv` of an experiment with sequences of frames: its columns after [`ErrorColumns`].
+    pub struct SteadinessColumns {
+        /// Of sequences: `relmse` of the accumulated frames without noise: bias and, if moving, lag.
+        pub lag_bias: Option<f64>,
+        /// Of sequences: variance of the last eight results by the curve of `tone_mapped_mse`, no
+        /// motion.
+        pub flicker: Option<f64>,
+    }
+}
 
-/// `errors_by_n_dot_v.csv`, besides the cell, its axes and the metrics.
-pub const BINS: &[Column] = &[
-    column("n_dot_v_from", "Lower end of the bin of n·v, inclusive."),
-    column("n_dot_v_to", "Upper end of the bin of n·v, exclusive."),
-    column("pixel_count", "Pixels in the bin."),
-    column(
-        "reference_mean",
-        "Mean of the reference over the bin's pixels and channels.",
-    ),
-];
+columns! {
+    /// `errors_by_n_dot_v.csv`, besides the cell, its axes and the metrics.
+    pub struct BinColumns {
+        /// Lower end of the bin of n·v, inclusive.
+        pub n_dot_v_from: f64,
+        /// Upper end of the bin of n·v, exclusive.
+        pub n_dot_v_to: f64,
+        /// Pixels in the bin.
+        pub pixel_count: usize,
+        /// Mean of the reference over the bin's pixels and channels.
+        pub reference_mean: Option<f64>,
+    }
+}
 
-/// `steps.csv`, besides the cell.
-pub const STEPS: &[Column] = &[
-    BINS[0],
-    BINS[1],
-    column(
-        "step",
-        "The approximation: see docs/estimators.md, \"The ladder\".",
-    ),
-    column(
-        "share",
-        "Covariance share of the `relmse`, in the ladder's order; shares of a cell and band sum to \
-         1.",
-    ),
-    column(
-        "share_error",
-        "Standard error of the share, from scrambled point sets; 0 if nothing is sampled.",
-    ),
-    column("rung_error", "`relmse` after this step and all before it."),
-    column(
-        "first_in",
-        "`relmse` that the step adds if it comes first, after the steps that it needs.",
-    ),
-    column(
-        "last_out",
-        "`relmse` saved if this step and those that need it are exact; below 0 it hides other \
-         errors.",
-    ),
-    column(
-        "shapley",
-        "Mean of the step's added `relmse` over all legal orders; the steps' numbers sum to the \
-         error.",
-    ),
-    column(
-        "step_error",
-        "Relative standard error of the step, root mean square over pixels; 0 if nothing is \
-         sampled.",
-    ),
-    column(
-        "noise",
-        "`relmse` of an exact image, from the reference's standard error.",
-    ),
-];
+columns! {
+    /// `steps.csv`, besides the cell.
+    pub struct StepColumns {
+        /// Lower end of the bin of n·v, inclusive.
+        pub n_dot_v_from: f64,
+        /// Upper end of the bin of n·v, exclusive.
+        pub n_dot_v_to: f64,
+        /// The approximation: see docs/estimators.md, "The ladder".
+        pub step: String,
+        /// Covariance share of the `relmse`, in the ladder's order; shares of a cell and band sum to
+        /// 1.
+        pub share: f64,
+        /// Standard error of the share, from scrambled point sets; 0 if nothing is sampled.
+        pub share_error: f64,
+        /// `relmse` after this step and all before it.
+        pub rung_error: f64,
+        /// `relmse` that the step adds if it comes first, after the steps that it needs.
+        pub first_in: f64,
+        /// `relmse` saved if this step and those that need it are exact; below 0 it hides other
+        /// errors.
+        pub last_out: f64,
+        /// Mean of the step's added `relmse` over all legal orders; the steps' numbers sum to the
+        /// error.
+        pub shapley: f64,
+        /// Relative standard error of the step, root mean square over pixels; 0 if nothing is
+        /// sampled.
+        pub step_error: f64,
+        /// `relmse` of an exact image, from the reference's standard error.
+        pub noise: f64,
+    }
+}
 
-/// The numbers of `steps.csv`.
-pub const STEP_NUMBERS: &[Column] = STEPS.split_at(3).1;
+columns! {
+    /// `timings.csv`: the columns before the axes that change times.
+    pub struct TimedColumns {
+        /// `frame` for passes of every frame, `precompute` for tables that are computed once.
+        pub phase: String,
+        /// Width and height of the environment, texels.
+        pub environment_size: String,
+    }
+}
 
-/// `timings.csv`, besides the cell and the axes that change times.
-pub const TIMINGS: &[Column] = &[
-    column(
-        "phase",
-        "`frame` for passes of every frame, `precompute` for tables that are computed once.",
-    ),
-    column(
-        "environment_size",
-        "Width and height of the environment, texels.",
-    ),
-    column("pass", "Name of the device pass."),
-    column("n", "Rounds."),
-    column("median_ms", "Median time over the rounds, ms."),
-    column(
-        "median_lo_ms",
-        "Lower end of the 95 % interval of the median, ms; empty below six rounds.",
-    ),
-    column(
-        "median_hi_ms",
-        "Upper end of the 95 % interval of the median, ms.",
-    ),
-    column(
-        "wall_median_ms",
-        "Median time of the same submissions on the host's clock, ms.",
-    ),
-    column(
-        "passes_over_wall",
-        "Median sum of the passes over the median of the host's time.",
-    ),
-    column(
-        "wall_check",
-        "`ok`, `passes-exceed-wall`, `mostly-outside-passes` or `no-samples`.",
-    ),
-    column("device", "Name of the device."),
-    column(
-        "device_type",
-        "`cpu` for a software driver: its times say nothing about a GPU.",
-    ),
-];
+columns! {
+    /// `timings.csv`: the columns after the axes that change times.
+    pub struct PassColumns {
+        /// Name of the device pass.
+        pub pass: String,
+        /// Rounds.
+        pub n: usize,
+        /// Median time over the rounds, ms.
+        pub median_ms: f64,
+        /// Lower end of the 95 % interval of the median, ms; empty below six rounds.
+        pub median_lo_ms: Option<f64>,
+        /// Upper end of the 95 % interval of the median, ms.
+        pub median_hi_ms: Option<f64>,
+        /// Median time of the same submissions on the host's clock, ms.
+        pub wall_median_ms: f64,
+        /// Median sum of the passes over the median of the host's time.
+        pub passes_over_wall: f64,
+        /// `ok`, `passes-exceed-wall`, `mostly-outside-passes` or `no-samples`.
+        pub wall_check: &'static str,
+        /// Name of the device.
+        pub device: String,
+        /// `cpu` for a software driver: its times say nothing about a GPU.
+        pub device_type: String,
+    }
+}
 
-/// `environments.csv`, besides the two axes of the light.
-pub const ENVIRONMENTS: &[Column] = &[
-    column(
-        "mean_luminance",
-        "Mean luminance over the sphere, in the map's own unit.",
-    ),
-    column("peak_luminance", "Luminance of the brightest texel."),
-    column(
-        "dynamic_range_stops",
-        "log2 of peak over mean; empty for a black environment.",
-    ),
-];
+columns! {
+    /// `environments.csv`, besides the axis `environment`.
+    pub struct EnvironmentColumns {
+        /// Mean luminance over the sphere, in the map's own unit.
+        pub mean_luminance: f64,
+        /// Luminance of the brightest texel.
+        pub peak_luminance: f64,
+        /// log2 of peak over mean; empty for a black environment.
+        pub dynamic_range_stops: Option<f64>,
+    }
+}
 
-/// `images.csv`, besides the cell.
-pub const IMAGES: &[Column] = &[
-    column("radiance", "Linear EXR of the cell, in `images/`."),
-    column(
-        "reference",
-        "Linear EXR of its reference; a layer holds the standard error.",
-    ),
-    column("picture", "Tone-mapped PNG of the cell."),
-    column("reference_picture", "Tone-mapped PNG of its reference."),
-    column("error", "PNG of the relative error, in fixed colours."),
-];
+columns! {
+    /// `images.csv`, besides the cell. Each is the name of a file.
+    pub struct ImageColumns {
+        /// Linear EXR of the cell, in `images/`.
+        pub radiance: String,
+        /// Linear EXR of its reference; a layer holds the standard error.
+        pub reference: String,
+        /// Tone-mapped PNG of the cell.
+        pub picture: String,
+        /// Tone-mapped PNG of its reference.
+        pub reference_picture: String,
+        /// PNG of the relative error, in fixed colours.
+        pub error: String,
+    }
+}
 
-/// Every table of a run: file, columns, and its rows and further columns in words.
-pub const TABLES: &[(&str, &[Column], &str)] = &[
-    (
-        "errors.csv",
-        ERRORS,
-        "One row per cell. Further columns: every axis, every metric, and `METRIC_noise_floor`, \
-         the score of an exact image.",
-    ),
-    (
-        "errors_by_n_dot_v.csv",
-        BINS,
-        "One row per cell and bin of n·v. Further columns: every axis, every metric, and \
-         `METRIC_noise_floor` of metrics whose bins \
-         determine the whole.",
-    ),
-    (
-        "steps.csv",
-        STEPS,
-        "One row per cell, band of n·v and step, to four digits. Only with `[ladder]`. \
-         `errors.csv` has the axes.",
-    ),
-    (
-        "timings.csv",
-        TIMINGS,
-        "One row per timed configuration and pass. Further columns: the axes that change times.",
-    ),
-    (
-        "environments.csv",
-        ENVIRONMENTS,
-        "One row per environment and clip, by their two axes.",
-    ),
-    (
-        "images.csv",
-        IMAGES,
-        "One row per finished cell. The files are in `images/`.",
-    ),
+/// A table of a run, for docs/columns.md.
+#[derive(Clone, Copy, Debug)]
+pub struct TableEntry {
+    pub file: &'static str,
+    /// The known columns, in parts that need not be neighbours.
+    parts: &'static [&'static [Column]],
+    /// Its rows and further columns, in words.
+    pub about: &'static str,
+}
+
+impl TableEntry {
+    pub fn columns(&self) -> impl Iterator<Item = &'static Column> {
+        self.parts.iter().copied().flatten()
+    }
+}
+
+/// Every table of a run.
+pub const TABLES: &[TableEntry] = &[
+    TableEntry {
+        file: "errors.csv",
+        parts: &[ErrorColumns::COLUMNS, SteadinessColumns::COLUMNS],
+        about: "One row per cell. Further columns: every axis, every metric, and \
+                `METRIC_noise_floor`, the score of an exact image.",
+    },
+    TableEntry {
+        file: "errors_by_n_dot_v.csv",
+        parts: &[BinColumns::COLUMNS],
+        about: "One row per cell and bin of n·v. Further columns: every axis, every metric, and \
+                `METRIC_noise_floor` of metrics whose bins determine the whole.",
+    },
+    TableEntry {
+        file: "steps.csv",
+        parts: &[StepColumns::COLUMNS],
+        about: "One row per cell, band of n·v and step, to four digits. Only with `[ladder]`. \
+                `errors.csv` has the axes.",
+    },
+    TableEntry {
+        file: "timings.csv",
+        parts: &[TimedColumns::COLUMNS, PassColumns::COLUMNS],
+        about: "One row per timed configuration and pass. Further columns: the axes that change \
+                times.",
+    },
+    TableEntry {
+        file: "environments.csv",
+        parts: &[EnvironmentColumns::COLUMNS],
+        about: "One row per environment. Further column: `environment`.",
+    },
+    TableEntry {
+        file: "images.csv",
+        parts: &[ImageColumns::COLUMNS],
+        about: "One row per finished cell. The files are in `images/`.",
+    },
 ];

@@ -5,33 +5,89 @@
 //! run corrects them.
 
 use super::timing::{FRAME, TimingJob};
-use crate::experiment::axis::{AXES, DFG, IRRADIANCE, MIPS, PREFILTER, Point, SH9};
+use crate::experiment::axis::{AXES, Point, PrecomputedTable};
 use crate::experiment::plan::{Cell, Plan};
 use crate::experiment::value::Value;
 use crate::instrument::pipeline::frames::CONVERGED_SAMPLES;
 use crate::instrument::precompute::PrefilterBy;
 use crate::instrument::shade::frames::Motion;
+use crate::instrument::shade::{NONE, REFERENCE};
 use std::collections::{BTreeSet, HashMap, HashSet};
 
-/// Kind, ns per pixel, ns per sample. A kind of one word covers all other kinds that begin with it.
-const STATED_NS: [(&str, f64, f64); 14] = [
-    ("reference", 1500.0, 20.0),
-    ("reference none", 1500.0, 28.0),
-    ("image", 120.0, 15.0),
-    ("image split-sum", 250.0, 15.0),
-    ("image none", 250.0, 15.0),
-    ("image reference", 120.0, 42.0),
-    ("ladder", 0.0, 400.0),
-    ("table mips", 0.0, 10.0),
-    ("table sh9", 0.0, 10.0),
-    ("table prefilter", 0.0, 2.5),
-    ("table dfg", 0.0, 9.0),
-    ("table irradiance", 0.0, 11.0),
-    // Tone curve, scores and pictures of a cell.
-    ("scores", 300.0, 0.0),
-    // A cell in the tables, contact sheets, answers and report, after the last step.
-    ("end", 150.0, 0.0),
-];
+/// An item of work. Methods are named.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Work {
+    /// A reference image.
+    Reference {
+        method: &'static str,
+    },
+    /// The image of a cell.
+    Image {
+        method: &'static str,
+    },
+    /// The steps of an error.
+    Ladder,
+    Table(PrecomputedTable),
+    /// Tone curve, scores and pictures of a cell.
+    Scores,
+    /// A cell in the tables, contact sheets, answers and report, after the last step.
+    End,
+}
+
+/// Nanoseconds per pixel and per sample.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct Price {
+    pixel_ns: f64,
+    sample_ns: f64,
+}
+
+const fn price(pixel_ns: f64, sample_ns: f64) -> Price {
+    Price {
+        pixel_ns,
+        sample_ns,
+    }
+}
+
+impl Work {
+    fn price(self) -> Price {
+        match self {
+            Self::Reference { method: NONE } => price(1500.0, 28.0),
+            Self::Reference { .. } => price(1500.0, 20.0),
+            Self::Image {
+                method: "split-sum" | NONE,
+            } => price(250.0, 15.0),
+            Self::Image { method: REFERENCE } => price(120.0, 42.0),
+            Self::Image { .. } => price(120.0, 15.0),
+            Self::Ladder => price(0.0, 400.0),
+            Self::Table(PrecomputedTable::Mips | PrecomputedTable::Sh9) => price(0.0, 10.0),
+            Self::Table(PrecomputedTable::Prefilter) => price(0.0, 2.5),
+            Self::Table(PrecomputedTable::Dfg) => price(0.0, 9.0),
+            Self::Table(PrecomputedTable::Irradiance) => price(0.0, 11.0),
+            Self::Scores => price(300.0, 0.0),
+            Self::End => price(150.0, 0.0),
+        }
+    }
+
+    /// Stated seconds.
+    fn seconds(self, amount: Amount) -> f64 {
+        let price = self.price();
+        1e-9 * (price.pixel_ns * amount.pixels + price.sample_ns * amount.samples)
+    }
+
+    /// A reference image of a point.
+    fn reference(point: &Point) -> Self {
+        Self::Reference {
+            method: point.method().name,
+        }
+    }
+
+    /// The image of a point.
+    fn image(point: &Point) -> Self {
+        Self::Image {
+            method: point.method().name,
+        }
+    }
+}
 
 /// Time of a map by harmonics over its part on the device, which alone is timed.
 const HARMONIC_HOST: f64 = 90.0;
@@ -43,16 +99,6 @@ const TRUSTED_SHARE: f64 = 0.1;
 struct Amount {
     pixels: f64,
     samples: f64,
-}
-
-/// The seconds of `what` with this method or table.
-fn stated(what: &str, of: &str, amount: Amount) -> f64 {
-    let special = format!("{what} {of}");
-    let known = |kind: &str| STATED_NS.iter().find(|(known, ..)| *known == kind);
-    let (_, pixel, sample) = known(&special)
-        .or_else(|| known(what))
-        .expect("a listed kind");
-    1e-9 * (pixel * amount.pixels + sample * amount.samples)
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -80,16 +126,16 @@ impl Forecast {
         jobs: &[TimingJob],
         kept: impl IntoIterator<Item = String>,
     ) -> Self {
-        let mut of = Steps::new(plan, jobs, kept);
+        let mut stated = Steps::new(plan, jobs, kept);
         let mut left: f64 = cells
             .iter()
-            .map(|cell| stated("end", "", amount(plan, &cell.point)))
+            .map(|cell| Work::End.seconds(amount(plan, &cell.point)))
             .sum();
         let mut steps: HashMap<_, _> = cells
             .iter()
-            .map(|cell| (cell.id.clone(), of.cell(cell)))
+            .map(|cell| (cell.id.clone(), stated.cell(cell)))
             .collect();
-        steps.extend(jobs.iter().map(|job| (job.id.clone(), of.timing(job))));
+        steps.extend(jobs.iter().map(|job| (job.id.clone(), stated.timing(job))));
         left += steps.values().sum::<f64>();
         Self {
             steps,
@@ -101,26 +147,24 @@ impl Forecast {
     /// Notes a cell or timed configuration that was tried.
     pub fn finish(&mut self, id: &str) {
         let seconds = self.steps.remove(id).unwrap_or(0.0);
-        (self.done, self.left) = (self.done + seconds, self.left - seconds);
+        self.done += seconds;
+        self.left -= seconds;
     }
 
     /// Predicts the rest after `elapsed` seconds of work.
     pub fn ahead(&self, elapsed: f64) -> Ahead {
         let &Self { left, done, .. } = self;
-        let share = if done > 0.0 {
-            done / (done + left)
-        } else {
-            0.0
-        };
+        if done <= 0.0 {
+            return Ahead {
+                share: 0.0,
+                seconds: left,
+            };
+        }
+        let share = done / (done + left);
         let trust = (share / TRUSTED_SHARE).min(1.0);
         Ahead {
             share,
-            seconds: left
-                * if done > 0.0 {
-                    (elapsed / done).powf(trust)
-                } else {
-                    1.0
-                },
+            seconds: left * (elapsed / done).powf(trust),
         }
     }
 }
@@ -130,7 +174,7 @@ impl Forecast {
 pub struct Steps<'p> {
     plan: &'p Plan,
     /// References, images and tables of earlier steps.
-    seen: HashSet<String>,
+    begun: HashSet<String>,
     /// Blocks with more than one configuration.
     compared: BTreeSet<String>,
 }
@@ -144,160 +188,161 @@ impl<'p> Steps<'p> {
         let compared = blocks.map(|block| block[0].block.clone()).collect();
         Self {
             plan,
-            seen: kept.into_iter().collect(),
+            begun: kept.into_iter().collect(),
             compared,
         }
     }
 
     pub fn cell(&mut self, cell: &Cell) -> f64 {
-        let (plan, point) = (self.plan, &cell.point);
+        let plan = self.plan;
+        let point = &cell.point;
         let reference = plan.reference_point(point);
-        let own = amount(plan, point);
-        let mut seconds = stated("scores", "", own);
-        if self.seen.insert(cell.reference.clone()) {
-            seconds += stated("reference", method(&reference), amount(plan, &reference));
+        let image = amount(plan, point);
+        let mut seconds = Work::Scores.seconds(image);
+        if self.begun.insert(cell.reference.clone()) {
+            seconds += Work::reference(&reference).seconds(amount(plan, &reference));
         }
-        if self.seen.insert(cell.radiance.clone()) {
-            seconds += stated("image", method(point), own);
+        if self.begun.insert(cell.radiance.clone()) {
+            seconds += Work::image(point).seconds(image);
             let samples = plan.ladder_of(point).map_or(0.0, f64::from);
-            seconds += stated(
-                "ladder",
-                "",
-                Amount {
-                    samples: own.pixels * samples,
-                    ..own
-                },
-            );
+            seconds += Work::Ladder.seconds(Amount {
+                samples: image.pixels * samples,
+                ..image
+            });
         }
-        for Table {
+        let by = point.settings().shading.precompute.prefilter;
+        let all = tables(plan, point)
+            .into_iter()
+            .chain(tables(plan, &reference));
+        for TableWork {
             key,
             table,
             mut amount,
-        } in tables(plan, point)
-            .into_iter()
-            .chain(tables(plan, &reference))
+        } in all
         {
-            let by = point.settings().shading.precompute.prefilter;
-            if table == PREFILTER && by == PrefilterBy::Harmonic {
+            if table == PrecomputedTable::Prefilter && by == PrefilterBy::Harmonic {
                 amount.samples *= HARMONIC_HOST;
             }
-            if self.seen.insert(key) {
-                seconds += stated("table", table, amount);
+            if self.begun.insert(key) {
+                seconds += Work::Table(table).seconds(amount);
             }
         }
         seconds
     }
 
     pub fn timing(&self, job: &TimingJob) -> f64 {
-        let (plan, point) = (self.plan, &job.cell.point);
+        let plan = self.plan;
+        let point = &job.cell.point;
         let Some(timing) = plan.config.timing else {
             return 0.0;
         };
         // A frame that does not count follows each change of configuration.
-        let counted = timing.rounds
-            * if self.compared.contains(&job.block) {
-                2
-            } else {
-                1
-            };
-        let once: f64 = match job.phase {
-            FRAME => stated("image", method(point), amount(plan, point)),
-            _ => tables(plan, point)
+        let frames_per_round = if self.compared.contains(&job.block) {
+            2
+        } else {
+            1
+        };
+        let counted = timing.rounds * frames_per_round;
+        let once: f64 = if job.phase == FRAME {
+            Work::image(point).seconds(amount(plan, point))
+        } else {
+            tables(plan, point)
                 .iter()
-                .map(|own| stated("table", own.table, own.amount))
-                .sum(),
+                .map(|work| Work::Table(work.table).seconds(work.amount))
+                .sum()
         };
         f64::from(counted + timing.warmup) * once
     }
 }
 
-/// Pixels of a point's image, and the most samples of its terms.
+/// The pixels and samples of the image of a point.
 fn amount(plan: &Plan, point: &Point) -> Amount {
     let settings = point.settings();
+    let shading = settings.shading;
     let [width, height] = settings.size.map(f64::from);
-    let specular = if settings.shading.method.uses_samples {
-        settings.shading.samples
+    let specular = if shading.method.uses_samples {
+        shading.samples
     } else {
         1
     };
-    let diffuse = if settings.shading.diffuse.is_integrated() {
+    let diffuse = if shading.diffuse.is_integrated() {
         plan.config.reference.samples
     } else {
         0
     };
     let samples = f64::from(specular) + f64::from(diffuse);
+    let frames = shading.frames;
     // A moving frame is rendered without noise, too.
-    let frames = settings.shading.frames;
-    let more = if frames.motion == Motion::Still {
-        0.0
-    } else {
+    let without_noise = if frames.count > 1 && frames.motion != Motion::Still {
         f64::from(CONVERGED_SAMPLES)
+    } else {
+        0.0
     };
-    let (pixels, more) = (
-        width * height * f64::from(frames.count),
-        if frames.count > 1 { more } else { 0.0 },
-    );
+    let pixels = width * height * f64::from(frames.count);
     Amount {
         pixels,
-        samples: pixels * (samples + more),
+        samples: pixels * (samples + without_noise),
     }
 }
 
-fn method(point: &Point) -> &'static str {
-    point.settings().shading.method.name
-}
-
-struct Table {
+struct TableWork {
     /// Differs between tables.
     key: String,
-    table: &'static str,
+    table: PrecomputedTable,
     /// Samples, or texels if it draws none.
     amount: Amount,
 }
 
 /// The tables that the image of a point reads.
-fn tables(plan: &Plan, point: &Point) -> Vec<Table> {
+fn tables(plan: &Plan, point: &Point) -> Vec<TableWork> {
     let settings = point.settings();
-    let (shading, image) = (
-        settings.shading,
-        &plan.inputs.environment(&settings.environment).image,
-    );
+    let shading = settings.shading;
+    let image = &plan.inputs.environment(&settings.environment).image;
     let texels = f64::from(image.width) * f64::from(image.height);
-    let reads = [
-        (PREFILTER, shading.method.uses_prefiltered()),
-        (
-            DFG,
-            shading
-                .method
-                .needs_dfg(shading.compensation, shading.diffuse),
-        ),
-        (IRRADIANCE, shading.diffuse.uses_irradiance_map),
-        (MIPS, true),
-        (SH9, shading.diffuse.uses_sh9),
-    ];
-    let table = |(table, _): (&'static str, bool)| {
-        let axes = AXES
-            .iter()
-            .zip(&point.0)
-            .filter(|(axis, _)| axis.feeds.contains(&table));
-        // An unset axis has its default: a reference shares the mips of the images.
-        let key = axes.fold(table.to_owned(), |key, (axis, value)| match value {
-            Value::Unset => format!("{key} {}={}", axis.name, (axis.default)()),
-            value => format!("{key} {}={value}", axis.name),
-        });
-        let samples = shading.precompute.samples_of(table).unwrap_or(texels);
-        Table {
-            key,
-            table,
-            amount: Amount {
-                pixels: 0.0,
-                samples,
-            },
-        }
+    let is_read = |table: &PrecomputedTable| match table {
+        PrecomputedTable::Prefilter => shading.method.uses_prefiltered(),
+        PrecomputedTable::Dfg => shading
+            .method
+            .needs_dfg(shading.compensation, shading.diffuse),
+        PrecomputedTable::Irradiance => shading.diffuse.uses_irradiance_map,
+        PrecomputedTable::Mips => true,
+        PrecomputedTable::Sh9 => shading.diffuse.uses_sh9,
     };
-    reads
-        .into_iter()
-        .filter(|(_, is_read)| *is_read)
-        .map(table)
-        .collect()
+    [
+        PrecomputedTable::Prefilter,
+        PrecomputedTable::Dfg,
+        PrecomputedTable::Irradiance,
+        PrecomputedTable::Mips,
+        PrecomputedTable::Sh9,
+    ]
+    .into_iter()
+    .filter(is_read)
+    .map(|table| TableWork {
+        key: table_key(point, table),
+        table,
+        amount: Amount {
+            pixels: 0.0,
+            samples: shading
+                .precompute
+                .samples_of(table.name())
+                .unwrap_or(texels),
+        },
+    })
+    .collect()
+}
+
+/// The values that determine a table's texels. An unset axis has its default: a reference shares
+/// the mips of the images.
+fn table_key(point: &Point, table: PrecomputedTable) -> String {
+    let mut key = table.name().to_owned();
+    for (axis, value) in AXES.iter().zip(&point.0) {
+        if axis.feeds.contains(&table) {
+            let value = match value {
+                Value::Unset => (axis.default)(),
+                value => value.clone(),
+            };
+            key += &format!(" {}={value}", axis.name);
+        }
+    }
+    key
 }

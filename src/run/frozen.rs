@@ -6,7 +6,6 @@ use crate::base::files::read_given;
 use crate::experiment::fault::{ConfigError, Faults, Place};
 use crate::experiment::plan::{Check, Plan, Source};
 use crate::instrument::environment::LoadOptions;
-use serde_json::Value;
 use std::path::{Path, PathBuf};
 
 const FILE_BYTES_MAX: u64 = 1 << 22;
@@ -32,29 +31,62 @@ impl Frozen {
         }
         let dir = path.parent()?;
         // Without a valid provenance it is an ordinary file.
-        let value = provenance::read(dir).ok()??;
-        let folder = |key: &str| value[key].as_str().map(|folder| dir.join(folder));
+        let provenance = provenance::read(dir).ok()??;
+        let folder = |folder: Option<String>| folder.map(|folder| dir.join(folder));
         Some(Self {
-            file_dir: folder(provenance::EXPERIMENT_FOLDER),
-            set_dir: folder(provenance::SET_FOLDER),
-            overrides: texts(&value["overrides"]),
-            is_unchanged: value["experiment_hash"] == experiment_hash(text),
+            file_dir: folder(provenance.experiment_folder),
+            set_dir: folder(provenance.set_folder),
+            overrides: provenance.overrides,
+            is_unchanged: provenance.experiment_hash == experiment_hash(text),
         })
     }
-}
 
-fn texts(list: &Value) -> Vec<String> {
-    list.as_array()
-        .into_iter()
-        .flatten()
-        .filter_map(|text| Some(text.as_str()?.to_owned()))
-        .collect()
+    /// Fails if the copy was edited, or if both the run and the user give `--set` texts.
+    fn check(&self, path: &Path, text: &str, overrides: &[String]) -> Result<(), ConfigError> {
+        if !self.is_unchanged {
+            let what = "is the experiment of a finished run but was edited (its hash differs from \
+                        provenance.json); copy it to another folder to run it";
+            return Err(fault(path, text, what.to_owned()));
+        }
+        if !overrides.is_empty() && !self.overrides.is_empty() {
+            let what = format!(
+                "was run with --set {}; give no other --set, or run the experiment that it is a \
+                 copy of",
+                self.overrides.join(" --set ")
+            );
+            return Err(fault(path, text, what));
+        }
+        Ok(())
+    }
+
+    /// Says what a repetition takes from its run; `None` if nothing.
+    fn note(&self, path: &Path) -> Option<String> {
+        let mut parts: Vec<String> = Vec::new();
+        if let Some(dir) = &self.file_dir {
+            parts.push(format!("the files it names are in {}", dir.display()));
+        }
+        if !self.overrides.is_empty() {
+            parts.push(format!("with --set {}", self.overrides.join(" --set ")));
+        }
+        if let Some(dir) = &self.set_dir {
+            parts.push(format!("whose files are in {}", dir.display()));
+        }
+        let path = path.display();
+        (!parts.is_empty()).then(|| format!("{path}: repeats its run: {}", parts.join(", ")))
+    }
 }
 
 fn read_text(path: &Path) -> std::io::Result<String> {
     let bytes = read_given(path, FILE_BYTES_MAX)?;
     String::from_utf8(bytes)
         .map_err(|error| std::io::Error::new(std::io::ErrorKind::InvalidData, error))
+}
+
+/// A fault of a whole file.
+fn fault(path: &Path, text: &str, what: String) -> ConfigError {
+    let mut faults = Faults::new(path, text);
+    faults.add(&Place::Default, what);
+    faults.into_result().expect_err("one fault was added")
 }
 
 /// Reads, checks and expands the experiment at `path`; `overrides` are the texts of `--set`. The
@@ -66,13 +98,9 @@ pub fn load(
     options: &LoadOptions,
     check: Check,
 ) -> Result<(Plan, Option<String>), ConfigError> {
-    let fault = |text: &str, what: String| {
-        let mut faults = Faults::new(path, text);
-        faults.add(&Place::Default, what);
-        faults.into_result().expect_err("one fault was added")
-    };
     let text = read_text(path).map_err(|error| {
         fault(
+            path,
             "",
             format!("cannot be read: {error}; expected an experiment file (TOML)"),
         )
@@ -84,45 +112,19 @@ pub fn load(
         };
         return Ok((Plan::from_source(&source, options)?, None));
     };
-    if !frozen.is_unchanged {
-        let what = "is the experiment of a finished run but was edited (its hash differs from \
-                    provenance.json); copy it to another folder \
-                    to run it";
-        return Err(fault(&text, what.to_owned()));
-    }
-    if !overrides.is_empty() && !frozen.overrides.is_empty() {
-        let set = frozen.overrides.join(" --set ");
-        let what = format!(
-            "was run with --set {set}; give no other --set, or run the experiment that it is a \
-             copy of"
-        );
-        return Err(fault(&text, what));
-    }
-    let all = if frozen.overrides.is_empty() {
+    frozen.check(path, &text, overrides)?;
+    let all_overrides = if frozen.overrides.is_empty() {
         overrides
     } else {
         &frozen.overrides
     };
-    let (file_dir, set_dir) = (frozen.file_dir.as_deref(), frozen.set_dir.as_deref());
-    let own = Source::new(path, &text, all);
+    let source = Source::new(path, &text, all_overrides);
     let source = Source {
-        file_dir,
-        set_dir: set_dir.unwrap_or(own.set_dir),
+        file_dir: frozen.file_dir.as_deref(),
+        set_dir: frozen.set_dir.as_deref().unwrap_or(source.set_dir),
         check,
-        ..own
+        ..source
     };
     let plan = Plan::from_source(&source, options)?;
-    let mut words: Vec<String> = file_dir
-        .iter()
-        .map(|dir| format!("the files it names are in {}", dir.display()))
-        .collect();
-    words.extend(
-        (!frozen.overrides.is_empty())
-            .then(|| format!("with --set {}", frozen.overrides.join(" --set "))),
-    );
-    words.extend(set_dir.map(|dir| format!("whose files are in {}", dir.display())));
-    let path = path.display();
-    let note =
-        (!words.is_empty()).then(|| format!("{path}: repeats its run: {}", words.join(", ")));
-    Ok((plan, note))
+    Ok((plan, frozen.note(path)))
 }

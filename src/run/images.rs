@@ -1,8 +1,8 @@
 //! The images of a run (linear EXR, tone-mapped PNG, error maps) and their file names.
 
-use super::columns::{CELL, IMAGES};
+use super::columns::{CELL, Columns, ImageColumns};
 use super::store::Store;
-use super::tables::{CellResult, Results, Rows};
+use super::tables::{CellResult, Results, RunTable};
 use crate::base::csv::Cell as Field;
 use crate::base::files::content_hash;
 use crate::base::names::short_number;
@@ -133,8 +133,18 @@ pub(super) fn sweeps_display(plan: &Plan) -> bool {
 
 /// All files of a finished cell in `images/`.
 pub(super) fn files(plan: &Plan, cell: &Cell) -> Vec<String> {
-    let flip = sweeps_display(plan).then(|| flip_name(cell));
-    index_names(plan, cell).into_iter().chain(flip).collect()
+    let names = index_names(plan, cell);
+    let mut files = vec![
+        names.radiance,
+        names.reference,
+        names.picture,
+        names.reference_picture,
+        names.error,
+    ];
+    if sweeps_display(plan) {
+        files.push(flip_name(cell));
+    }
+    files
 }
 
 /// File names of the linear images of a cell and its reference.
@@ -146,16 +156,16 @@ pub fn linear_files(plan: &Plan, cell: &Cell) -> [String; 2] {
     ]
 }
 
-/// The names in `images.csv`, in the order of its columns.
-fn index_names(plan: &Plan, cell: &Cell) -> [String; 5] {
+/// The names in `images.csv`.
+fn index_names(plan: &Plan, cell: &Cell) -> ImageColumns {
     let [radiance, reference] = linear_files(plan, cell);
-    [
+    ImageColumns {
         radiance,
         reference,
-        picture_name(cell),
-        reference_picture_name(plan, cell),
-        error_name(cell),
-    ]
+        picture: picture_name(cell),
+        reference_picture: reference_picture_name(plan, cell),
+        error: error_name(cell),
+    }
 }
 
 /// The content hashes that the records of finished cells name for each file.
@@ -190,20 +200,16 @@ pub(super) fn damaged(store: &Store, recorded: Recorded) -> BTreeSet<String> {
 }
 
 /// `images.csv`: the files of each finished cell.
-pub fn index(plan: &Plan, results: &Results) -> Rows {
-    let columns = [CELL]
-        .iter()
-        .chain(IMAGES)
-        .map(|column| column.name.to_owned())
-        .collect();
+pub fn index(plan: &Plan, results: &Results) -> RunTable<Vec<Vec<Field>>> {
+    let columns = std::iter::once(CELL.name.to_owned());
     let is_done = |cell: &&Cell| matches!(results.get(&cell.id), Some(CellResult::Done(_)));
-    let row = |cell: &Cell| {
-        std::iter::once(Field::from(cell.id.as_str()))
-            .chain(index_names(plan, cell).map(Field::Text))
-            .collect()
-    };
-    (
-        columns,
-        plan.cells.iter().filter(is_done).map(row).collect(),
-    )
+    let rows = plan.cells.iter().filter(is_done).map(|cell| {
+        let mut row = vec![Field::from(cell.id.as_str())];
+        row.extend(index_names(plan, cell).fields());
+        row
+    });
+    RunTable {
+        columns: columns.chain(ImageColumns::names()).collect(),
+        rows: rows.collect(),
+    }
 }

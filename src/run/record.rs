@@ -1,6 +1,5 @@
 //! Records of cells and references.
 
-use super::columns::{Column, STEP_NUMBERS};
 use crate::base::csv::rounded;
 use crate::base::names::listed;
 use crate::instrument::ladder::{Attribution, StepNumbers};
@@ -82,9 +81,9 @@ pub struct CellRecord {
     pub scores: Scores,
     /// Expected scores of an exact image, if the reference's standard error is known.
     pub noise_floors: Scores,
-    /// Of a sequence of frames, by column of `columns::STEADINESS`.
-    #[serde(default, skip_serializing_if = "Scores::is_empty")]
-    pub steadiness: Scores,
+    /// Of a sequence of frames.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub steadiness: Option<SteadinessScores>,
     #[serde(default)]
     pub reference: Option<ReferenceStop>,
     pub verdict: String,
@@ -96,6 +95,14 @@ pub struct CellRecord {
     pub driver: String,
     /// Content hash by file of `images/`.
     pub files: BTreeMap<String, String>,
+}
+
+/// How steady a sequence of frames is ([`super::columns::SteadinessColumns`]). Fields in the order
+/// of the record's keys.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
+pub struct SteadinessScores {
+    pub flicker: Exact,
+    pub lag_bias: Exact,
 }
 
 /// Scores over the pixels with `n_dot_v` in [`lo`, `hi`).
@@ -115,60 +122,65 @@ pub struct BinRecord {
     pub noise_floors: Scores,
 }
 
-/// One step of a cell's error (`ladder::StepNumbers`) over the pixels with n·v in [`lo`, `hi`).
+/// One step of a cell's error over the pixels with n·v in [`lo`, `hi`).
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct StepRecord {
     pub lo: f64,
     pub hi: f64,
     pub pixel_count: usize,
     pub step: String,
-    /// By column of `steps.csv`.
-    pub numbers: Scores,
+    pub numbers: StepScores,
+}
+
+/// The numbers of a step ([`super::columns::StepColumns`]). Fields in the order of the record's
+/// keys.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
+pub struct StepScores {
+    pub first_in: Exact,
+    pub last_out: Exact,
+    pub noise: Exact,
+    pub rung_error: Exact,
+    pub shapley: Exact,
+    pub share: Exact,
+    pub share_error: Exact,
+    pub step_error: Exact,
 }
 
 /// Significant digits of the numbers of a step: more than the noise leaves.
 const STEP_DIGITS: usize = 4;
 
+impl StepScores {
+    /// Rounds the numbers of a step; `noise` is the `relmse` of an exact image.
+    fn new(numbers: &StepNumbers, noise: f64) -> Self {
+        let exact = |number: f64| Exact(rounded(number, STEP_DIGITS));
+        Self {
+            first_in: exact(numbers.first_in),
+            last_out: exact(numbers.last_out),
+            noise: exact(noise),
+            rung_error: exact(numbers.error),
+            shapley: exact(numbers.shapley),
+            share: exact(numbers.share),
+            share_error: exact(numbers.share_error),
+            step_error: exact(numbers.step_error),
+        }
+    }
+}
+
 impl StepRecord {
+    /// The steps of each band, in order.
     pub fn of(attributions: &[Attribution]) -> Vec<Self> {
-        let of_one = |one: &Attribution| {
-            let ([lo, hi], pixel_count, noise) = (one.seen_at, one.pixel_count, one.noise);
-            let record = move |own: &StepNumbers| {
-                let StepNumbers {
-                    step,
-                    share,
-                    error,
-                    first_in,
-                    last_out,
-                    shapley,
-                    step_error,
-                    share_error,
-                } = *own;
-                let numbers = [
-                    share,
-                    share_error,
-                    error,
-                    first_in,
-                    last_out,
-                    shapley,
-                    step_error,
-                    noise,
-                ];
-                let number = |(column, x): (&Column, f64)| {
-                    (column.name.to_owned(), Exact(rounded(x, STEP_DIGITS)))
-                };
-                let numbers = STEP_NUMBERS.iter().zip(numbers).map(number);
-                Self {
-                    lo,
-                    hi,
-                    pixel_count,
-                    step: step.to_owned(),
-                    numbers: numbers.collect(),
-                }
-            };
-            one.steps.iter().map(record).collect::<Vec<_>>()
-        };
-        attributions.iter().flat_map(of_one).collect()
+        let mut records = Vec::new();
+        for band in attributions {
+            let [lo, hi] = band.seen_at;
+            records.extend(band.steps.iter().map(|numbers| Self {
+                lo,
+                hi,
+                pixel_count: band.pixel_count,
+                step: numbers.step.to_owned(),
+                numbers: StepScores::new(numbers, band.noise),
+            }));
+        }
+        records
     }
 }
 
@@ -179,7 +191,7 @@ pub struct KeptCell {
     pub scores: Box<[Option<f64>]>,
     /// In the order of [`linear_metrics`].
     pub noise_floors: Box<[Option<f64>]>,
-    pub steadiness: Scores,
+    pub steadiness: Option<SteadinessScores>,
     pub reference: Option<ReferenceStop>,
     pub verdict: Box<str>,
 }
@@ -195,7 +207,7 @@ impl KeptCell {
         Self {
             scores: all(&record.scores, METRICS),
             noise_floors: all(&record.noise_floors, &linear_metrics()),
-            steadiness: record.steadiness.clone(),
+            steadiness: record.steadiness,
             reference: record.reference.clone(),
             verdict: record.verdict.as_str().into(),
         }

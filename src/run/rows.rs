@@ -1,10 +1,9 @@
 //! Groups items that agree on some axes.
 //!
 //! An item whose method ignores an axis has no value there. It belongs to every group that it does
-//! not contradict: the one `sampled` cell is beside `split-sum` at each map size.
+//! not contradict: the one `sampled` cell is in the group of `split-sum` at each map size.
 
-use crate::experiment::axis::AxisId;
-use crate::experiment::axis::Point;
+use crate::experiment::axis::{AxisId, Point};
 use crate::experiment::value::Value;
 use indexmap::IndexMap;
 use std::collections::{HashMap, HashSet};
@@ -16,59 +15,81 @@ pub type Key = Vec<Value>;
 /// the items.
 pub fn rows<T: Copy>(items: &[T], key: impl Fn(T) -> Key) -> Vec<(Key, Vec<T>)> {
     let mut groups: IndexMap<Key, Vec<usize>> = IndexMap::new();
-    (0..items.len()).for_each(|item| groups.entry(key(items[item])).or_default().push(item));
-    // Keys by their set axes and values, to look up the keys within a key: there may be a key per
-    // item.
-    let mut partial: HashMap<Vec<bool>, HashMap<Vec<&Value>, usize>> = HashMap::new();
-    for (place, key) in groups.keys().enumerate() {
-        let is_set: Vec<bool> = key.iter().map(|value| *value != Value::Unset).collect();
-        let values = key.iter().filter(|value| **value != Value::Unset).collect();
-        partial.entry(is_set).or_default().insert(values, place);
+    for (index, item) in items.iter().enumerate() {
+        groups.entry(key(*item)).or_default().push(index);
     }
-    partial.retain(|is_set, _| is_set.contains(&false));
-    let within = |(of, key): (usize, &Key)| -> Vec<usize> {
-        let own = partial.iter().filter_map(|(is_set, places)| {
-            let values: Vec<&Value> = key
-                .iter()
-                .zip(is_set)
-                .filter(|(_, is)| **is)
-                .map(|(value, _)| value)
-                .collect();
-            places.get(&values).copied()
-        });
-        own.filter(|&place| place != of).collect()
-    };
-    let within: Vec<Vec<usize>> = groups.keys().enumerate().map(within).collect();
-    let is_part: HashSet<usize> = within.iter().flatten().copied().collect();
-    let group = |(of, (key, own)): (usize, (&Key, &Vec<usize>))| {
-        let mut all: Vec<usize> = within[of]
-            .iter()
-            .flat_map(|part| &groups[*part])
-            .chain(own)
-            .copied()
-            .collect();
-        all.sort_unstable();
-        all.dedup();
-        (
-            key.clone(),
-            all.into_iter().map(|item| items[item]).collect(),
-        )
-    };
-    groups
-        .iter()
+    let partial_keys = PartialKeys::new(groups.keys());
+    // The groups whose keys each group's key extends.
+    let extended: Vec<Vec<usize>> = groups
+        .keys()
         .enumerate()
-        .filter(|(place, _)| !is_part.contains(place))
-        .map(group)
+        .map(|(group, key)| {
+            let mut found = partial_keys.extended_by(key);
+            found.retain(|other| *other != group);
+            found
+        })
+        .collect();
+    let is_extended: HashSet<usize> = extended.iter().flatten().copied().collect();
+    let mut rows = Vec::new();
+    for (group, (key, members)) in groups.iter().enumerate() {
+        if is_extended.contains(&group) {
+            continue;
+        }
+        let mut indices = members.clone();
+        for other in &extended[group] {
+            indices.extend(&groups[*other]);
+        }
+        indices.sort_unstable();
+        indices.dedup();
+        let row = indices.into_iter().map(|index| items[index]).collect();
+        rows.push((key.clone(), row));
+    }
+    rows
+}
+
+/// The keys that lack a value, by which axes are set and then by the values: there may be a key for
+/// each item, so that a search among all is slow.
+struct PartialKeys<'k> {
+    groups: HashMap<Vec<bool>, HashMap<Vec<&'k Value>, usize>>,
+}
+
+impl<'k> PartialKeys<'k> {
+    fn new(keys: impl Iterator<Item = &'k Key>) -> Self {
+        let mut groups: HashMap<Vec<bool>, HashMap<Vec<&Value>, usize>> = HashMap::new();
+        for (group, key) in keys.enumerate() {
+            let is_set: Vec<bool> = key.iter().map(|value| *value != Value::Unset).collect();
+            if is_set.contains(&false) {
+                let values = set_values(key, &is_set);
+                groups.entry(is_set).or_default().insert(values, group);
+            }
+        }
+        Self { groups }
+    }
+
+    /// The groups whose set values `key` has, too.
+    fn extended_by(&self, key: &Key) -> Vec<usize> {
+        self.groups
+            .iter()
+            .filter_map(|(is_set, by_values)| by_values.get(&set_values(key, is_set)).copied())
+            .collect()
+    }
+}
+
+/// The values of a key on the axes that are set.
+fn set_values<'k>(key: &'k Key, is_set: &[bool]) -> Vec<&'k Value> {
+    key.iter()
+        .zip(is_set)
+        .filter(|(_, is_set)| **is_set)
+        .map(|(value, _)| value)
         .collect()
 }
 
 /// The first point of a row with a value on an axis, else its first point.
-pub fn teller<'p>(row: impl IntoIterator<Item = &'p Point>, axis: AxisId) -> &'p Point {
+pub fn representative<'p>(row: impl IntoIterator<Item = &'p Point>, axis: AxisId) -> &'p Point {
     let mut points = row.into_iter();
     let first = points.next().expect("a row has at least one cell");
-    let is_set = |point: &&Point| point[axis] != Value::Unset;
     std::iter::once(first)
         .chain(points)
-        .find(is_set)
+        .find(|point| point[axis] != Value::Unset)
         .unwrap_or(first)
 }

@@ -1,10 +1,10 @@
 //! Scores images into the record of a cell, on the host, several cells at a time.
 
-use super::columns::STEADINESS;
 use super::images::{self, STANDARD_ERROR_LAYER};
 use super::renderer::RenderFault;
 use super::store::{
-    BinRecord, CellRecord, Exact, ReferenceStop, Scores, StepRecord, Store, StoreError,
+    BinRecord, CellRecord, Exact, ReferenceStop, Scores, SteadinessScores, StepRecord, Store,
+    StoreError,
 };
 use super::tables::HEADLINE;
 use crate::base::files::content_hash;
@@ -13,8 +13,8 @@ use crate::base::pixels::{GrayImage, PixelsError, Rgb8Image, RgbImage, exr, png}
 use crate::draw::colormap::{FLIP_ERROR, RELATIVE_ERROR};
 use crate::experiment::plan::{Cell, Plan};
 use crate::instrument::metrics::{
-    BinRow, Comparison, Displayed, Epsilon, METRICS, Metric, MetricsError, N_DOT_V_BIN_EDGES,
-    Pooling, ReferenceNoise, Space, linear_metrics, noise_floor, verdict,
+    Comparison, Displayed, Epsilon, METRICS, Metric, MetricsError, N_DOT_V_BIN_EDGES, Pooling,
+    ReferenceNoise, Space, linear_metrics, noise_floor, verdict,
 };
 use crate::instrument::pipeline::{DeviceInfo, Frame, RenderRequest};
 use crate::instrument::tonemap::ToneCurve;
@@ -56,7 +56,7 @@ impl ReferenceImage {
     pub fn of_frame(frame: Arc<Frame>, request: &RenderRequest) -> Self {
         let stop = ReferenceStop::of(&frame.convergences, request.reference_error);
         let mask = GrayImage::clone(&frame.mask);
-        let own = Self::new(
+        let image = Self::new(
             frame.radiance.clone(),
             frame.standard_error.clone(),
             mask,
@@ -65,7 +65,7 @@ impl ReferenceImage {
         );
         Self {
             rendered: Some(frame),
-            ..own
+            ..image
         }
     }
 
@@ -73,10 +73,12 @@ impl ReferenceImage {
     /// incomplete.
     pub fn read(path: &Path, request: &RenderRequest, stop: Option<ReferenceStop>) -> Option<Self> {
         let image = exr::read(path).ok()?;
-        let standard_error = match request.has_reference_term() {
-            true if stop.is_none() => return None,
-            true => Some(exr::read_layer(path, Some(STANDARD_ERROR_LAYER)).ok()?.rgb),
-            false => None,
+        let standard_error = if request.has_reference_term() {
+            stop.as_ref()?;
+            let layer = exr::read_layer(path, Some(STANDARD_ERROR_LAYER)).ok()?;
+            Some(layer.rgb)
+        } else {
+            None
         };
         let has_size = [image.rgb.width, image.rgb.height] == request.size;
         let mask = image.alpha.filter(|_| has_size)?;
@@ -241,110 +243,40 @@ impl Rendered<'_> {
         store: &Store,
         device: &DeviceInfo,
     ) -> Result<CellRecord, CellFault> {
-        let (cell, reference) = (self.cell, &self.reference);
-        let mask = &reference.mask;
+        let cell = self.cell;
+        let reference = &self.reference;
         let curve = cell.point.settings().curve;
         let [radiance_name, reference_name] = images::linear_files(plan, cell);
         let mut files = BTreeMap::from([reference.file(store, reference_name)?]);
         let comparison = reference.comparison(&self.frame.radiance, curve)?;
-        let bins_of = |metrics: &[&Metric]| -> Result<Vec<BinRecord>, CellFault> {
-            let bins = comparison.evaluate_bins(&self.frame.n_dot_v, &N_DOT_V_BIN_EDGES, metrics);
-            let bins = bins?.into_iter();
-            let record = |b: BinRow| BinRecord {
-                lo: b.lo,
-                hi: b.hi,
-                pixel_count: b.pixel_count,
-                reference_mean: (b.pixel_count > 0).then_some(Exact(b.reference_mean)),
-                scores: by_name(b.values),
-                noise_floors: Scores::default(),
-            };
-            Ok(bins.map(record).collect())
-        };
-        let linear = {
-            let mut linear = self.linear.lock().unwrap_or_else(PoisonError::into_inner);
-            if linear.is_none() {
-                let metrics = linear_metrics();
-                let radiance = keep(store, radiance_name, |path| {
-                    images::write_radiance(path, &self.frame)
-                })?;
-                let errors = RELATIVE_ERROR.image(&comparison.relative_error_map(), mask);
-                let errors = keep(store, images::error_name(cell), |path| {
-                    png::write_rgb8(path, &errors)
-                })?;
-                let scores = by_name(comparison.evaluate(&metrics));
-                *linear = Some(Linear {
-                    files: [radiance, errors],
-                    scores,
-                    bins: bins_of(&metrics)?,
-                });
-            }
-            linear.clone().expect("it was made")
-        };
+        let linear = self.linear(store, radiance_name, &comparison)?;
         files.extend(linear.files);
-        let display_metrics: Vec<&Metric> = METRICS
-            .iter()
-            .copied()
-            .filter(|metric| metric.space == Space::Display)
-            .collect();
-        let (mut scores, mut bins) = (linear.scores, linear.bins);
+        let mut scores = linear.scores;
+        let mut bins = linear.bins;
+        let display_metrics = display_metrics();
         scores.extend(by_name(comparison.evaluate(&display_metrics)));
-        let of_display = bins_of(&display_metrics)?.into_iter();
-        bins.iter_mut()
-            .zip(of_display)
-            .for_each(|(bin, display)| bin.scores.extend(display.scores));
+        let display_bins = self.bins(&comparison, &display_metrics)?;
+        for (bin, display) in bins.iter_mut().zip(display_bins) {
+            bin.scores.extend(display.scores);
+        }
         let bin_pixels = comparison.bin_pixels(&self.frame.n_dot_v, &N_DOT_V_BIN_EDGES)?;
         let floors = reference
             .noise_floors(&bin_pixels)
             .map_err(CellFault::Cell)?;
-        bins.iter_mut()
-            .zip(floors.bins)
-            .for_each(|(bin, own)| bin.noise_floors = own);
-        let noise_floors = floors.whole;
-        let [test, of_reference] = &self.pictures;
-        files.extend([keep(store, images::picture_name(cell), |path| {
-            png::write_rgb8(path, test)
-        })?]);
-        // Shared by cells and written once.
-        files.extend([keep(
-            store,
-            images::reference_picture_name(plan, cell),
-            |path| match path.exists() {
-                true => Ok(()),
-                false => png::write_rgb8(path, of_reference),
-            },
-        )?]);
-        if images::sweeps_display(plan) {
-            let flip = FLIP_ERROR.image(&comparison.flip_map(), mask);
-            files.extend([keep(store, images::flip_name(cell), |path| {
-                png::write_rgb8(path, &flip)
-            })?]);
+        for (bin, noise_floors) in bins.iter_mut().zip(floors.bins) {
+            bin.noise_floors = noise_floors;
         }
-        let steadiness = self
-            .frame
-            .steadiness
-            .as_ref()
-            .map(|own| -> Result<_, CellFault> {
-                let lagging = reference.comparison(&own.without_noise, curve)?;
-                let numbers = [
-                    lagging.evaluate(&[Metric::listed(HEADLINE)])[0].1,
-                    own.flicker,
-                ];
-                Ok(STEADINESS
-                    .iter()
-                    .map(|column| column.name.to_owned())
-                    .zip(numbers.map(Exact))
-                    .collect())
-            });
+        files.extend(self.write_pictures(plan, store, &comparison)?);
+        let axes = plan.columns_of(cell);
         Ok(CellRecord {
             cell: cell.id.clone(),
-            axes: plan
-                .columns_of(cell)
+            axes: axes
                 .iter()
-                .map(|(n, v)| (n.to_string(), v.to_string()))
+                .map(|(name, value)| (name.to_string(), value.to_string()))
                 .collect(),
-            verdict: verdict_name(&scores, &noise_floors),
-            noise_floors,
-            steadiness: steadiness.transpose()?.unwrap_or_default(),
+            verdict: verdict_name(&scores, &floors.whole),
+            noise_floors: floors.whole,
+            steadiness: self.steadiness(curve)?,
             reference: reference.stop.clone(),
             scores,
             bins,
@@ -354,6 +286,106 @@ impl Rendered<'_> {
             files,
         })
     }
+
+    /// The results that do not depend on the tone curve, with their files; made by the first cell
+    /// that needs them.
+    fn linear(
+        &self,
+        store: &Store,
+        radiance_name: String,
+        comparison: &Comparison,
+    ) -> Result<Linear, CellFault> {
+        let mut shared = self.linear.lock().unwrap_or_else(PoisonError::into_inner);
+        if let Some(linear) = &*shared {
+            return Ok(linear.clone());
+        }
+        let metrics = linear_metrics();
+        let radiance = keep(store, radiance_name, |path| {
+            images::write_radiance(path, &self.frame)
+        })?;
+        let errors = RELATIVE_ERROR.image(&comparison.relative_error_map(), &self.reference.mask);
+        let errors = keep(store, images::error_name(self.cell), |path| {
+            png::write_rgb8(path, &errors)
+        })?;
+        let linear = Linear {
+            files: [radiance, errors],
+            scores: by_name(comparison.evaluate(&metrics)),
+            bins: self.bins(comparison, &metrics)?,
+        };
+        *shared = Some(linear.clone());
+        Ok(linear)
+    }
+
+    /// Scores by bin of n·v, without noise floors.
+    fn bins(
+        &self,
+        comparison: &Comparison,
+        metrics: &[&Metric],
+    ) -> Result<Vec<BinRecord>, CellFault> {
+        let bins = comparison.evaluate_bins(&self.frame.n_dot_v, &N_DOT_V_BIN_EDGES, metrics)?;
+        let records = bins.into_iter().map(|bin| BinRecord {
+            lo: bin.lo,
+            hi: bin.hi,
+            pixel_count: bin.pixel_count,
+            reference_mean: (bin.pixel_count > 0).then_some(Exact(bin.reference_mean)),
+            scores: by_name(bin.values),
+            noise_floors: Scores::default(),
+        });
+        Ok(records.collect())
+    }
+
+    /// Writes the display images of the cell and its reference, and the map of visible differences
+    /// if the tone curve is swept.
+    fn write_pictures(
+        &self,
+        plan: &Plan,
+        store: &Store,
+        comparison: &Comparison,
+    ) -> Result<Vec<Kept>, CellFault> {
+        let [picture, reference_picture] = &self.pictures;
+        let mut files = vec![keep(store, images::picture_name(self.cell), |path| {
+            png::write_rgb8(path, picture)
+        })?];
+        // Shared by cells and written once.
+        let reference_name = images::reference_picture_name(plan, self.cell);
+        files.push(keep(store, reference_name, |path| {
+            if path.exists() {
+                Ok(())
+            } else {
+                png::write_rgb8(path, reference_picture)
+            }
+        })?);
+        if images::sweeps_display(plan) {
+            let flip = FLIP_ERROR.image(&comparison.flip_map(), &self.reference.mask);
+            files.push(keep(store, images::flip_name(self.cell), |path| {
+                png::write_rgb8(path, &flip)
+            })?);
+        }
+        Ok(files)
+    }
+
+    /// Of a sequence of frames: its bias without noise, and its flicker.
+    fn steadiness(&self, curve: ToneCurve) -> Result<Option<SteadinessScores>, CellFault> {
+        let Some(steadiness) = &self.frame.steadiness else {
+            return Ok(None);
+        };
+        let comparison = self
+            .reference
+            .comparison(&steadiness.without_noise, curve)?;
+        let (_, lag_bias) = comparison.evaluate(&[Metric::listed(HEADLINE)])[0];
+        Ok(Some(SteadinessScores {
+            flicker: Exact(steadiness.flicker),
+            lag_bias: Exact(lag_bias),
+        }))
+    }
+}
+
+fn display_metrics() -> Vec<&'static Metric> {
+    METRICS
+        .iter()
+        .copied()
+        .filter(|metric| metric.space == Space::Display)
+        .collect()
 }
 
 /// Writes a file of `images/`. If its path is not a file, only this cell fails.

@@ -187,7 +187,7 @@ impl Maker<'_> {
             let displays = in_rows(&shared, &row_axes);
             for row in &displays {
                 let line = |&axis: &AxisId| {
-                    let point = rows::teller(row.iter().map(|cell| &cell.point), axis);
+                    let point = rows::representative(row.iter().map(|cell| &cell.point), axis);
                     let named = self.plan.config.named(axis);
                     // An unset axis changes nothing in the row.
                     Some(short_text(named, point))

@@ -6,7 +6,7 @@
 use super::estimate::Steps;
 use super::shard::Shard;
 use super::timing;
-use crate::experiment::axis::{AxisId, BRDF, ENVIRONMENT};
+use crate::experiment::axis::{BRDF, ENVIRONMENT};
 use crate::experiment::plan::{Cell, Plan};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 

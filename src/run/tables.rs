@@ -3,19 +3,20 @@
 pub use crate::instrument::metrics::{DISPLAY_HEADLINE, HEADLINE};
 
 use super::columns::{
-    BINS, CELL, Column, ERRORS, FAILED, STEADINESS, STEP_NUMBERS, STEPS, TIMINGS,
+    BinColumns, CELL, Columns, ErrorColumns, FAILED, PassColumns, SteadinessColumns, StepColumns,
+    TimedColumns,
 };
 use super::statistics::{median, median_interval};
 use super::store::{
     BinRecord, CellRecord, FailureRecord, KeptCell, Scores, StepRecord, Store, StoreError,
 };
-use super::timing::TimingRecord;
+use super::timing::{PassSamples, TimingRecord};
 use crate::base::csv::Cell as Field;
 use crate::base::names::Listed;
 use crate::experiment::axis::named::{columns, fields};
 use crate::experiment::axis::{AXES, AxisId, FRAMES, SIZE};
 use crate::experiment::plan::{Cell, Plan};
-use crate::instrument::metrics::{METRICS, Pooling, linear_metrics};
+use crate::instrument::metrics::{METRICS, Metric, Pooling, linear_metrics};
 use std::collections::BTreeMap;
 
 #[derive(Clone, Debug)]
@@ -27,17 +28,34 @@ pub enum CellResult {
 /// Results by cell id. Cells that were not tried are missing.
 pub type Results = BTreeMap<String, CellResult>;
 
-pub type Rows = (Vec<String>, Vec<Vec<Field>>);
-
-fn names_of(columns: &[Column]) -> impl Iterator<Item = String> + '_ {
-    columns.iter().map(|column| column.name.to_owned())
+/// A table to write.
+#[derive(Clone, Debug)]
+pub struct RunTable<R> {
+    pub columns: Vec<String>,
+    pub rows: R,
 }
 
-fn metric_names() -> Vec<&'static str> {
-    METRICS.iter().map(|metric| metric.name).collect()
+impl RunTable<Vec<Vec<Field>>> {
+    /// As a table whose rows might fail, for [`Store::write_table`].
+    pub fn into_results(self) -> RunTable<impl Iterator<Item = Result<Vec<Field>, StoreError>>> {
+        RunTable {
+            columns: self.columns,
+            rows: self.rows.into_iter().map(Ok),
+        }
+    }
 }
 
-/// The columns of a table of cells: id and swept axes first, axes with one value last.
+/// The column of a metric's score of an exact image.
+fn noise_floor_column(metric: &Metric) -> String {
+    format!("{}_noise_floor", metric.name)
+}
+
+fn metric_columns() -> impl Iterator<Item = String> {
+    METRICS.iter().map(|metric| metric.name.to_owned())
+}
+
+/// The columns of a table of cells: id and swept axes first, axes with one value last, and the
+/// table's own between them.
 struct CellColumns<'p> {
     plan: &'p Plan,
     first: Vec<AxisId>,
@@ -51,76 +69,91 @@ impl<'p> CellColumns<'p> {
         Self { plan, first, last }
     }
 
-    fn names(&self, own: impl Iterator<Item = String>) -> Vec<String> {
-        let [first, last] =
-            [&self.first, &self.last].map(|axes| axes.iter().flat_map(|&axis| columns(axis)));
-        let head = std::iter::once(CELL.name).chain(first).map(str::to_owned);
-        head.chain(own).chain(last.map(str::to_owned)).collect()
+    fn names(&self, between: impl Iterator<Item = String>) -> Vec<String> {
+        let mut names = vec![CELL.name.to_owned()];
+        names.extend(axis_columns(&self.first));
+        names.extend(between);
+        names.extend(axis_columns(&self.last));
+        names
     }
 
-    fn row(&self, cell: &Cell, own: impl Iterator<Item = Field>) -> Vec<Field> {
-        let fields = |axes: &[AxisId]| -> Vec<Field> {
-            let texts = axes
-                .iter()
-                .flat_map(|&axis| fields(axis, &self.plan.shown(cell, axis)));
-            texts.map(|text| text_field(&text)).collect()
-        };
-        let head = std::iter::once(Field::from(cell.id.as_str())).chain(fields(&self.first));
-        head.chain(own).chain(fields(&self.last)).collect()
+    fn row(&self, cell: &Cell, between: Vec<Field>) -> Vec<Field> {
+        let mut row = vec![Field::from(cell.id.as_str())];
+        row.extend(self.axis_fields(cell, &self.first));
+        row.extend(between);
+        row.extend(self.axis_fields(cell, &self.last));
+        row
     }
+
+    fn axis_fields(&self, cell: &Cell, axes: &[AxisId]) -> impl Iterator<Item = Field> {
+        axes.iter()
+            .flat_map(|&axis| fields(axis, &self.plan.shown(cell, axis)))
+            .map(|text| text_field(&text))
+    }
+}
+
+fn axis_columns(axes: &[AxisId]) -> impl Iterator<Item = String> {
+    axes.iter()
+        .flat_map(|&axis| columns(axis))
+        .map(str::to_owned)
 }
 
 /// `errors.csv`: one row per tried cell.
 pub fn errors(
     plan: &Plan,
     results: &Results,
-) -> (
-    Vec<String>,
-    impl Iterator<Item = Result<Vec<Field>, StoreError>>,
-) {
-    let columns = CellColumns::new(plan);
-    let floors = linear_metrics()
-        .into_iter()
-        .map(|metric| format!("{}_noise_floor", metric.name));
-    let numbers = metric_names().into_iter().map(str::to_owned).chain(floors);
-    let numbers: Vec<String> = numbers.collect();
-    let number_count = numbers.len();
-    let steadiness = if plan.columns.contains(&FRAMES) {
-        STEADINESS
-    } else {
-        &[]
-    };
-    let others = &ERRORS[..ERRORS.len() - STEADINESS.len() + steadiness.len()];
-    let names = columns.names(numbers.into_iter().chain(names_of(others)));
-    let row = move |cell: &Cell| {
-        let mut own: Vec<Field> = Vec::new();
-        let mut steady = vec![Field::Missing; steadiness.len()];
-        let (stop, verdict) = match results.get(&cell.id)? {
-            CellResult::Done(kept) => {
-                let number = |column: &Column| {
-                    kept.steadiness
-                        .get(column.name)
-                        .map(|number| number.0)
-                        .into()
-                };
-                steady = steadiness.iter().map(number).collect();
-                let numbers = kept.scores.iter().chain(&kept.noise_floors);
-                own.extend(numbers.map(|number| Field::from(*number)));
-                (kept.reference.as_ref(), &*kept.verdict)
-            }
-            CellResult::Failed(_) => (None, FAILED),
+) -> RunTable<impl Iterator<Item = Result<Vec<Field>, StoreError>>> {
+    let layout = CellColumns::new(plan);
+    let has_sequences = plan.columns.contains(&FRAMES);
+    let mut names: Vec<String> = metric_columns().collect();
+    names.extend(linear_metrics().into_iter().map(noise_floor_column));
+    names.extend(ErrorColumns::names());
+    if has_sequences {
+        names.extend(SteadinessColumns::names());
+    }
+    let columns = layout.names(names.into_iter());
+    let rows = plan.cells.iter().filter_map(move |cell| {
+        let kept = match results.get(&cell.id)? {
+            CellResult::Done(kept) => Some(&**kept),
+            CellResult::Failed(_) => None,
         };
-        own.resize(number_count, Field::Missing);
-        own.extend([
-            stop.map_or(Field::Missing, |stop| Field::Integer(stop.samples)),
-            stop.map(|stop| stop.relative_error.0).into(),
-            stop.map(|stop| stop.stopped_by.name()).into(),
-            verdict.into(),
-        ]);
-        own.extend(steady);
-        Some(Ok(columns.row(cell, own.into_iter())))
-    };
-    (names, plan.cells.iter().filter_map(row))
+        let mut between = score_and_floor_fields(kept);
+        between.extend(error_columns(kept).fields());
+        if has_sequences {
+            between.extend(steadiness_columns(kept).fields());
+        }
+        Some(Ok(layout.row(cell, between)))
+    });
+    RunTable { columns, rows }
+}
+
+/// Every score, then every noise floor; missing ones of a failed cell.
+fn score_and_floor_fields(kept: Option<&KeptCell>) -> Vec<Field> {
+    match kept {
+        Some(kept) => {
+            let numbers = kept.scores.iter().chain(&kept.noise_floors);
+            numbers.map(|number| Field::from(*number)).collect()
+        }
+        None => vec![Field::Missing; METRICS.len() + linear_metrics().len()],
+    }
+}
+
+fn error_columns(kept: Option<&KeptCell>) -> ErrorColumns {
+    let stop = kept.and_then(|kept| kept.reference.as_ref());
+    ErrorColumns {
+        reference_samples: stop.map(|stop| stop.samples),
+        reference_relative_error: stop.map(|stop| stop.relative_error.0),
+        reference_stopped_by: stop.map(|stop| stop.stopped_by.name()),
+        verdict: kept.map_or(FAILED, |kept| &kept.verdict).to_owned(),
+    }
+}
+
+fn steadiness_columns(kept: Option<&KeptCell>) -> SteadinessColumns {
+    let steadiness = kept.and_then(|kept| kept.steadiness);
+    SteadinessColumns {
+        lag_bias: steadiness.map(|scores| scores.lag_bias.0),
+        flicker: steadiness.map(|scores| scores.flicker.0),
+    }
 }
 
 /// Rows from the records of finished cells.
@@ -149,42 +182,33 @@ pub fn errors_by_n_dot_v(
     plan: &Plan,
     results: &Results,
     store: &Store,
-) -> (
-    Vec<String>,
-    impl Iterator<Item = Result<Vec<Field>, StoreError>>,
-) {
-    let (names, columns) = (metric_names(), CellColumns::new(plan));
-    let pooled: Vec<&str> = METRICS
+) -> RunTable<impl Iterator<Item = Result<Vec<Field>, StoreError>>> {
+    let layout = CellColumns::new(plan);
+    let pooled: Vec<&Metric> = METRICS
         .iter()
+        .copied()
         .filter(|metric| metric.pooling != Pooling::None)
-        .map(|metric| metric.name)
         .collect();
-    let own = names
-        .iter()
-        .map(|name| name.to_string())
-        .chain(pooled.iter().map(|name| format!("{name}_noise_floor")));
-    let heads = columns.names(names_of(BINS).chain(own));
-    let rows = move |cell: &Cell, record: CellRecord| {
-        let row = |bin: &BinRecord| {
-            let reference_mean = bin.reference_mean.map(|mean| mean.0).into();
-            let head = [
-                bin.lo.into(),
-                bin.hi.into(),
-                Field::from(bin.pixel_count),
-                reference_mean,
-            ];
-            let scores =
-                score_fields(&bin.scores, &names).chain(score_fields(&bin.noise_floors, &pooled));
-            columns.row(cell, head.into_iter().chain(scores))
-        };
-        record
-            .bins
-            .iter()
-            .filter(|bin| bin.pixel_count > 0)
-            .map(row)
-            .collect()
+    let floors = pooled.iter().copied().map(noise_floor_column);
+    let names = BinColumns::names().chain(metric_columns()).chain(floors);
+    let columns = layout.names(names);
+    let bin_fields = move |bin: &BinRecord| -> Vec<Field> {
+        let mut row = BinColumns {
+            n_dot_v_from: bin.lo,
+            n_dot_v_to: bin.hi,
+            pixel_count: bin.pixel_count,
+            reference_mean: bin.reference_mean.map(|mean| mean.0),
+        }
+        .fields();
+        row.extend(score_fields(&bin.scores, METRICS));
+        row.extend(score_fields(&bin.noise_floors, &pooled));
+        row
     };
-    (heads, of_records(plan, results, store, rows))
+    let rows = of_records(plan, results, store, move |cell, record| {
+        let bins = record.bins.iter().filter(|bin| bin.pixel_count > 0);
+        bins.map(|bin| layout.row(cell, bin_fields(bin))).collect()
+    });
+    RunTable { columns, rows }
 }
 
 /// `steps.csv`: one row per finished cell, band of n·v and step. The axes are in `errors.csv`.
@@ -192,68 +216,91 @@ pub fn steps(
     plan: &Plan,
     results: &Results,
     store: &Store,
-) -> (
-    Vec<String>,
-    impl Iterator<Item = Result<Vec<Field>, StoreError>>,
-) {
-    let names: Vec<&str> = STEP_NUMBERS.iter().map(|column| column.name).collect();
-    let rows = move |cell: &Cell, record: CellRecord| {
-        let row = |step: &StepRecord| {
-            let head = [
-                cell.id.as_str().into(),
-                step.lo.into(),
-                step.hi.into(),
-                step.step.as_str().into(),
-            ];
-            head.into_iter()
-                .chain(score_fields(&step.numbers, &names))
-                .collect()
-        };
-        record.steps.iter().map(row).collect()
-    };
-    let heads = std::iter::once(CELL.name.to_owned())
-        .chain(names_of(STEPS))
-        .collect();
-    (heads, of_records(plan, results, store, rows))
+) -> RunTable<impl Iterator<Item = Result<Vec<Field>, StoreError>>> {
+    let columns = std::iter::once(CELL.name.to_owned()).chain(StepColumns::names());
+    let rows = of_records(plan, results, store, |cell, record| {
+        let steps = record.steps.into_iter();
+        steps
+            .map(|step| {
+                let mut row = vec![Field::from(cell.id.as_str())];
+                row.extend(step_columns(step).fields());
+                row
+            })
+            .collect()
+    });
+    RunTable {
+        columns: columns.collect(),
+        rows,
+    }
 }
 
-/// `timings.csv`: one row per timed configuration and pass.
-pub fn timings(records: &[TimingRecord]) -> Rows {
+fn step_columns(record: StepRecord) -> StepColumns {
+    let numbers = record.numbers;
+    StepColumns {
+        n_dot_v_from: record.lo,
+        n_dot_v_to: record.hi,
+        step: record.step,
+        share: numbers.share.0,
+        share_error: numbers.share_error.0,
+        rung_error: numbers.rung_error.0,
+        first_in: numbers.first_in.0,
+        last_out: numbers.last_out.0,
+        shapley: numbers.shapley.0,
+        step_error: numbers.step_error.0,
+        noise: numbers.noise.0,
+    }
+}
+
+/// `timings.csv`: one row per timed configuration and pass. All records have the same axes.
+pub fn timings(records: &[TimingRecord]) -> RunTable<Vec<Vec<Field>>> {
     let axes: Vec<&String> = records
         .first()
         .map(|record| record.axes.keys().collect())
         .unwrap_or_default();
-    let (before, after) = TIMINGS.split_at(2);
-    let mut columns: Vec<String> = std::iter::once(CELL.name.to_owned())
-        .chain(names_of(before))
-        .collect();
-    columns.extend(
-        std::iter::once(AXES[SIZE].name.to_owned()).chain(axes.iter().map(|name| name.to_string())),
-    );
-    columns.extend(names_of(after));
+    let mut columns = vec![CELL.name.to_owned()];
+    columns.extend(TimedColumns::names());
+    columns.push(AXES[SIZE].name.to_owned());
+    columns.extend(axes.iter().map(|name| name.to_string()));
+    columns.extend(PassColumns::names());
     let mut rows = Vec::new();
     for record in records {
-        let wall_ms = median(&record.wall_ms);
+        let mut head = vec![Field::from(record.cell.as_str())];
+        head.extend(
+            TimedColumns {
+                phase: record.phase.clone(),
+                environment_size: size_text(record.environment_size),
+            }
+            .fields(),
+        );
+        head.push(Field::Text(size_text(record.size)));
+        head.extend(axes.iter().map(|name| text_field(&record.axes[*name])));
         for pass in &record.passes {
-            let mut row: Vec<Field> =
-                vec![record.cell.as_str().into(), record.phase.as_str().into()];
-            let sizes = [record.environment_size, record.size];
-            row.extend(sizes.map(|[w, h]| Field::Text(format!("{w}x{h}"))));
-            row.extend(axes.iter().map(|name| text_field(&record.axes[*name])));
-            row.extend([
-                Field::from(pass.pass.as_str()),
-                pass.ms.len().into(),
-                median(&pass.ms).into(),
-            ]);
-            row.extend(
-                median_interval(&pass.ms).map(|end| Some(end).filter(|end| end.is_finite()).into()),
-            );
-            row.extend([wall_ms, record.passes_over_wall()].map(Field::Number));
-            row.extend([record.wall_check(), &record.device, &record.device_type].map(Field::from));
+            let mut row = head.clone();
+            row.extend(pass_columns(record, pass).fields());
             rows.push(row);
         }
     }
-    (columns, rows)
+    RunTable { columns, rows }
+}
+
+fn pass_columns(record: &TimingRecord, pass: &PassSamples) -> PassColumns {
+    let [lo, hi] = median_interval(&pass.ms);
+    PassColumns {
+        pass: pass.pass.clone(),
+        n: pass.ms.len(),
+        median_ms: median(&pass.ms),
+        median_lo_ms: Some(lo).filter(|ms| ms.is_finite()),
+        median_hi_ms: Some(hi).filter(|ms| ms.is_finite()),
+        wall_median_ms: median(&record.wall_ms),
+        passes_over_wall: record.passes_over_wall(),
+        wall_check: record.wall_check(),
+        device: record.device.clone(),
+        device_type: record.device_type.clone(),
+    }
+}
+
+fn size_text([width, height]: [u32; 2]) -> String {
+    format!("{width}x{height}")
 }
 
 fn text_field(text: &str) -> Field {
@@ -264,8 +311,9 @@ fn text_field(text: &str) -> Field {
     }
 }
 
-fn score_fields(scores: &Scores, names: &[&str]) -> impl Iterator<Item = Field> {
-    names
+fn score_fields(scores: &Scores, metrics: &[&Metric]) -> Vec<Field> {
+    metrics
         .iter()
-        .map(|name| scores.get(*name).map(|score| score.0).into())
+        .map(|metric| scores.get(metric.name).map(|score| score.0).into())
+        .collect()
 }

@@ -5,7 +5,7 @@
 
 use super::statistics::median;
 use crate::base::names::Listed;
-use crate::experiment::axis::{AXES, Axis, AxisId, ENVIRONMENT, METHOD, SAMPLES, SCENE, SIZE};
+use crate::experiment::axis::{AXES, AxisId, ENVIRONMENT, METHOD, SAMPLES, SCENE, SIZE};
 use crate::experiment::plan::{Cell, Plan};
 use crate::instrument::shade::Method;
 use indexmap::IndexSet;
@@ -71,91 +71,94 @@ pub const PRECOMPUTE: &str = "precompute";
 /// Phase of passes that run for every frame.
 pub const FRAME: &str = "frame";
 
-/// Configurations to time, block by block in plan order. The scene `design` is timed only if there
-/// is no other.
+/// Configurations to time, block by block in plan order.
 pub fn jobs(plan: &Plan) -> Vec<TimingJob<'_>> {
     let Some(timing) = plan.config.timing else {
         return Vec::new();
     };
-    let mut seen = BTreeSet::new();
+    let cells = timed_cells(plan);
+    let mut ids = BTreeSet::new();
     let mut jobs = Vec::new();
-    /// Whether an axis changes the times of a phase.
-    type Costs = fn(&Axis) -> bool;
-    let is_picture = |cell: &&Cell| !plan.inputs.scene(cell.point[SCENE].text()).is_design;
-    let pictures: Vec<&Cell> = plan.cells.iter().filter(is_picture).collect();
-    let timed = if pictures.is_empty() {
-        plan.cells.iter().collect()
-    } else {
-        pictures
-    };
-    let phases: [(&str, Costs); 2] = [
-        (PRECOMPUTE, |axis| axis.tables_cost),
-        (FRAME, |axis| axis.frames_cost),
-    ];
-    for (phase, matters) in phases {
-        for &cell in &timed {
-            let image = &plan
-                .inputs
-                .environment(cell.point[ENVIRONMENT].text())
-                .image;
-            let environment_size = [image.width, image.height];
-            // Every record has all axes, so that the table has one header; irrelevant ones are
-            // empty.
-            let all = AXES
-                .iter()
-                .zip(&cell.point.0)
-                .filter(|(axis, _)| axis.tables_cost || axis.frames_cost);
-            let axes: BTreeMap<String, String> = all
-                .map(|(axis, value)| {
-                    (
-                        axis.name.to_owned(),
-                        if matters(axis) {
-                            value.to_string()
-                        } else {
-                            String::new()
-                        },
-                    )
-                })
-                .collect();
-            let key = format!(
-                "{phase} {environment_size:?} {:?} {axes:?} {timing:?}",
-                plan.size_of(cell)
-            );
+    for phase in [PRECOMPUTE, FRAME] {
+        for &cell in &cells {
+            let input = plan.inputs.environment(cell.point[ENVIRONMENT].text());
+            let environment_size = [input.image.width, input.image.height];
+            let size = plan.size_of(cell);
+            let axes = timed_axes(cell, phase);
+            let key = format!("{phase} {environment_size:?} {size:?} {axes:?} {timing:?}");
             let id = blake3::hash(key.as_bytes()).to_hex()[..16].to_owned();
-            if seen.insert(id.clone()) {
-                // Tables are not compared: each configuration is a block.
-                let is_compared = |name: &str| {
-                    AXES.iter()
-                        .any(|axis| axis.is_compared && axis.name == name)
-                };
-                let shared = axes.iter().filter(|(name, _)| !is_compared(name));
-                let words: Vec<String> = shared
-                    .map(|(name, value)| format!("{name}={value}"))
-                    .collect();
-                let block = match phase {
-                    FRAME => format!(
-                        "{environment_size:?} {:?} {}",
-                        plan.size_of(cell),
-                        words.join(" ")
-                    ),
-                    _ => id.clone(),
-                };
-                jobs.push(TimingJob {
-                    id,
-                    phase,
-                    block,
-                    cell,
-                    axes,
-                    environment_size,
-                    size: plan.size_of(cell),
-                });
+            if !ids.insert(id.clone()) {
+                continue;
             }
+            // Tables are not compared: each configuration is a block.
+            let block = if phase == FRAME {
+                format!("{environment_size:?} {size:?} {}", shared_values(&axes))
+            } else {
+                id.clone()
+            };
+            jobs.push(TimingJob {
+                id,
+                phase,
+                block,
+                cell,
+                axes,
+                environment_size,
+                size,
+            });
         }
     }
     // Blocks in the order of their first member.
     let blocks: IndexSet<String> = jobs.iter().map(|job| job.block.clone()).collect();
     jobs.sort_by_key(|job| blocks.get_index_of(&job.block));
     jobs
+}
+
+/// The cells to time: the scene `design` only if there is no other.
+fn timed_cells(plan: &Plan) -> Vec<&Cell> {
+    let is_picture = |cell: &&Cell| !plan.inputs.scene(cell.point[SCENE].text()).is_design;
+    let pictures: Vec<&Cell> = plan.cells.iter().filter(is_picture).collect();
+    if pictures.is_empty() {
+        plan.cells.iter().collect()
+    } else {
+        pictures
+    }
+}
+
+/// The values that change the times of a phase. Every record has the axes of both phases, so that
+/// the table has one header; values that do not matter are empty.
+fn timed_axes(cell: &Cell, phase: &str) -> Key {
+    let mut values = Key::new();
+    for (axis, value) in AXES.iter().zip(&cell.point.0) {
+        if !axis.tables_cost && !axis.frames_cost {
+            continue;
+        }
+        let matters = if phase == PRECOMPUTE {
+            axis.tables_cost
+        } else {
+            axis.frames_cost
+        };
+        let text = if matters {
+            value.to_string()
+        } else {
+            String::new()
+        };
+        values.insert(axis.name.to_owned(), text);
+    }
+    values
+}
+
+/// The values that frames of one block share.
+fn shared_values(axes: &Key) -> String {
+    let is_compared = |name: &str| {
+        AXES.iter()
+            .any(|axis| axis.is_compared && axis.name == name)
+    };
+    let words: Vec<String> = axes
+        .iter()
+        .filter(|(name, _)| !is_compared(name))
+        .map(|(name, value)| format!("{name}={value}"))
+        .collect();
+    words.join(" ")
 }
 
 /// Values by axis name; empty if the axis is irrelevant.

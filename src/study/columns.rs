@@ -38,9 +38,9 @@ pub fn page() -> String {
     };
     text += &table(METRICS.iter().map(|known| (known.name, metric(known))));
     text += "\n## Tables of a run\n";
-    for (file, columns, about) in TABLES {
-        let _ = write!(text, "\n### {file}\n\n{about}\n\n");
-        text += &of_columns(*columns);
+    for entry in TABLES {
+        let _ = write!(text, "\n### {}\n\n{}\n\n", entry.file, entry.about);
+        text += &of_columns(entry.columns());
     }
     text += "\n## Tables of answers\n\nEach answered question has a table in `answers/`. Its first \
              columns are the axes that distinguish its \

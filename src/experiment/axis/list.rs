@@ -4,7 +4,7 @@
 use super::frames::FRAME_AXES;
 use super::layers::LAYER_AXES;
 use super::plain::{ALPHA_KIND, LEVELS, PLAIN, ROUGHNESS, one_of, valued};
-use super::tables::{DFG, IRRADIANCE, MIPS, PREFILTER, SH9, TABLE_AXES};
+use super::tables::{PrecomputedTable, TABLE_AXES};
 use super::{Axes, Axis, AxisId, Part, Sheet, Symbol};
 use crate::base::math::sequence::{FramePoints, PixelPoints, Sequence};
 use crate::base::names::Listed;
@@ -47,7 +47,12 @@ const IMAGE_AXES: &[Axis] = &[
         plural: "environments",
         sheet: Sheet::Page,
         needs_memory: true,
-        feeds: &[MIPS, SH9, PREFILTER, IRRADIANCE],
+        feeds: &[
+            PrecomputedTable::Mips,
+            PrecomputedTable::Sh9,
+            PrecomputedTable::Prefilter,
+            PrecomputedTable::Irradiance,
+        ],
         default: || Value::from("builtin:sky"),
         apply: |s, v| s.environment = v.text().to_owned(),
         ..PLAIN
@@ -71,7 +76,7 @@ const IMAGE_AXES: &[Axis] = &[
         sheet: Sheet::Page,
         frames_cost: true,
         tables_cost: true,
-        feeds: &[PREFILTER, DFG],
+        feeds: &[PrecomputedTable::Prefilter, PrecomputedTable::Dfg],
         apply: |s, v| s.shading.brdf = <dyn brdf::Brdf>::listed(v.text()),
         ..valued(
             Kind::one_of::<dyn brdf::Brdf>(),
@@ -299,7 +304,7 @@ const IMAGE_AXES: &[Axis] = &[
         plural: "masking-shadowing functions",
         frames_cost: true,
         tables_cost: true,
-        feeds: &[PREFILTER, DFG],
+        feeds: &[PrecomputedTable::Prefilter, PrecomputedTable::Dfg],
         apply: |s, v| s.shading.masking_shadowing = *MaskingShadowing::listed(v.text()),
         ..valued(
             Kind::one_of::<MaskingShadowing>(),

@@ -119,8 +119,8 @@ pub struct Axis {
     /// Whether frames that differ in it are timed in the same rounds.
     pub is_compared: bool,
     pub needs_memory: bool,
-    /// Names of the tables whose texels depend on it.
-    pub feeds: &'static [&'static str],
+    /// Tables whose texels depend on it.
+    pub feeds: &'static [PrecomputedTable],
     /// Whether it may be set outside `[axes]` in an experiment file.
     pub is_key: bool,
     /// Whether it describes a layer over the base. Tables have it only if the experiment names it.

@@ -14,12 +14,28 @@ const PRECOMPUTE_SAMPLES_MAX: u32 = 1 << 20;
 /// Largest side of a precomputed table: every Vulkan device supports it.
 const SIDE_MAX: u32 = 4096;
 
-/// Names of tables: the first word of their passes.
-pub const MIPS: &str = "mips";
-pub const SH9: &str = "sh9";
-pub const PREFILTER: &str = "prefilter";
-pub const DFG: &str = "dfg";
-pub const IRRADIANCE: &str = "irradiance";
+/// A table that is computed before the frames.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum PrecomputedTable {
+    Mips,
+    Sh9,
+    Prefilter,
+    Dfg,
+    Irradiance,
+}
+
+impl PrecomputedTable {
+    /// The first word of its passes.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Mips => "mips",
+            Self::Sh9 => "sh9",
+            Self::Prefilter => "prefilter",
+            Self::Dfg => "dfg",
+            Self::Irradiance => "irradiance",
+        }
+    }
+}
 
 const TABLE_FILE: Kind = Kind::NameOrFile {
     what: "table",
@@ -40,7 +56,11 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         frames_cost: true,
         is_compared: true,
         needs_memory: true,
-        feeds: &[MIPS, PREFILTER, IRRADIANCE],
+        feeds: &[
+            PrecomputedTable::Mips,
+            PrecomputedTable::Prefilter,
+            PrecomputedTable::Irradiance,
+        ],
         used: |u| u.method.uses_lod_bias || u.method.uses_prefiltered() || u.uses_irradiance_map(),
         apply: |s, v| s.shading.precompute.layout = MapLayout::listed(v.text()),
         ..one_of::<MapLayout>(TABLE)
@@ -52,7 +72,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         plural: "prefiltered maps",
         symbol: Symbol::Before("map"),
         needs_memory: true,
-        feeds: &[PREFILTER],
+        feeds: &[PrecomputedTable::Prefilter],
         used: |u| u.method.uses_prefiltered(),
         apply: |s, v| s.prefiltered = v.text().to_owned(),
         ..valued(TABLE_FILE, || Value::from(OWN), TABLE)
@@ -65,7 +85,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         plural: "DFG tables",
         symbol: Symbol::Before("table"),
         needs_memory: true,
-        feeds: &[DFG],
+        feeds: &[PrecomputedTable::Dfg],
         used: Used::needs_dfg,
         apply: |s, v| s.dfg = v.text().to_owned(),
         ..valued(
@@ -83,7 +103,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         about: "face size of the first prefiltered level [default: 128x128 by layout cube, 320x320 \
                 octahedral, 448x224 equirect]",
         needs_memory: true,
-        feeds: &[PREFILTER],
+        feeds: &[PrecomputedTable::Prefilter],
         used: Used::makes_prefiltered,
         kind: Kind::Pair {
             min: 8,
@@ -98,7 +118,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         label: "Map levels",
         about: "levels of the prefiltered map",
         symbol: Symbol::After("lv", "levels"),
-        feeds: &[PREFILTER],
+        feeds: &[PrecomputedTable::Prefilter],
         used: |u| u.makes_prefiltered() || u.method.uses_levels,
         kind: Kind::Count { min: 2, max: 11 },
         default: || Value::Count(PrecomputeSettings::default().prefilter_level_count),
@@ -111,7 +131,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         about: "how to filter maps: exactly in spherical harmonics, or by samples on the device",
         plural: "ways to prefilter",
         symbol: Symbol::After("prefilter", "prefilter"),
-        feeds: &[PREFILTER, IRRADIANCE],
+        feeds: &[PrecomputedTable::Prefilter, PrecomputedTable::Irradiance],
         used: |u| {
             u.method.prefilter.is_none() && (u.makes_prefiltered() || u.uses_irradiance_map())
         },
@@ -123,7 +143,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         label: "Map samples",
         about: "samples per texel of a sampled prefiltered map",
         symbol: Symbol::After("spp", "samples"),
-        feeds: &[PREFILTER],
+        feeds: &[PrecomputedTable::Prefilter],
         used: |u| u.makes_prefiltered() && u.has_sampled_tables,
         kind: Kind::Count {
             min: 1,
@@ -137,7 +157,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         name: "level_mapping",
         about: "perceptual roughness of each level; `splitsum list level-mappings`",
         symbol: Symbol::After("mapping", "mapping"),
-        feeds: &[PREFILTER],
+        feeds: &[PrecomputedTable::Prefilter],
         used: |u| u.makes_prefiltered() || u.method.uses_levels,
         apply: |s, v| {
             s.shading.precompute.level_mapping = LevelMapping::listed(v.text());
@@ -150,7 +170,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         part: Part::Parameter,
         about: "weight of a direction in a prefiltered texel; `splitsum list prefilter-weights`",
         symbol: Symbol::Before("weight"),
-        feeds: &[PREFILTER],
+        feeds: &[PrecomputedTable::Prefilter],
         used: |u| u.makes_prefiltered() || u.method.uses_weight,
         apply: |s, v| {
             s.shading.precompute.prefilter_weight = Weight::listed(v.text());
@@ -164,7 +184,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
                 level-biases`",
         plural: "prefilter level biases",
         symbol: Symbol::Before("prefilter bias"),
-        feeds: &[PREFILTER],
+        feeds: &[PrecomputedTable::Prefilter],
         used: |u| u.makes_prefiltered() && u.has_sampled_tables,
         kind: Kind::NumberOrName {
             range: LEVELS,
@@ -187,7 +207,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         plural: "DFG sizes",
         symbol: Symbol::Before("DFG"),
         needs_memory: true,
-        feeds: &[DFG],
+        feeds: &[PrecomputedTable::Dfg],
         used: Used::makes_dfg,
         apply: |s, v| s.shading.precompute.dfg_size = v.count(),
         ..valued(
@@ -205,7 +225,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         about: "samples per texel of the DFG table",
         plural: "DFG sample counts",
         symbol: Symbol::After("DFG spp", "DFG samples"),
-        feeds: &[DFG],
+        feeds: &[PrecomputedTable::Dfg],
         used: Used::makes_dfg,
         kind: Kind::Count {
             min: 1,
@@ -222,7 +242,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
                 64x32 equirect]",
         symbol: Symbol::Before("irradiance"),
         needs_memory: true,
-        feeds: &[IRRADIANCE],
+        feeds: &[PrecomputedTable::Irradiance],
         used: Used::uses_irradiance_map,
         kind: Kind::Pair {
             min: 2,
@@ -237,7 +257,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         label: "Irr. samples",
         about: "azimuth and polar samples per texel of a sampled irradiance map",
         symbol: Symbol::After("irradiance spp", "irradiance samples"),
-        feeds: &[IRRADIANCE],
+        feeds: &[PrecomputedTable::Irradiance],
         used: |u| u.uses_irradiance_map() && u.has_sampled_tables,
         kind: Kind::Pair {
             min: 1,
@@ -254,7 +274,11 @@ pub(super) const TABLE_AXES: &[Axis] = &[
                 65504",
         frames_cost: true,
         is_compared: true,
-        feeds: &[PREFILTER, DFG, IRRADIANCE],
+        feeds: &[
+            PrecomputedTable::Prefilter,
+            PrecomputedTable::Dfg,
+            PrecomputedTable::Irradiance,
+        ],
         used: |u| {
             u.method.storage.is_none()
                 && (u.method.uses_prefiltered() || u.needs_dfg() || u.uses_irradiance_map())

@@ -39,7 +39,12 @@ struct Made {
     steps: Arc<Vec<StepRecord>>,
 }
 
-type ReferencePictures = Vec<(ToneCurve, Arc<Rgb8Image>)>;
+/// The reference of a group of cells.
+struct GroupReference {
+    image: Arc<ReferenceImage>,
+    /// Its display images by tone curve.
+    pictures: Vec<(ToneCurve, Arc<Rgb8Image>)>,
+}
 
 impl<'p> Run<'p> {
     pub(super) fn cells(
@@ -47,7 +52,9 @@ impl<'p> Run<'p> {
         renderer: &mut dyn Renderer,
         progress: &mut dyn Progress,
     ) -> Result<(), RunError> {
-        let (plan, store, device) = (self.plan, self.store.clone(), renderer.device());
+        let plan = self.plan;
+        let store = self.store.clone();
+        let device = renderer.device();
         let is_over = AtomicBool::new(false);
         let (jobs, queue) = sync_channel(queue_length(plan));
         let queue = Mutex::new(queue);
@@ -94,73 +101,91 @@ impl<'p> Run<'p> {
         desk: &mut Desk<'p>,
         progress: &mut dyn Progress,
     ) -> Result<(), RunError> {
-        let todo = group
+        let cells: Vec<&Cell> = group
             .radiances
             .iter()
             .flat_map(|(_, cells)| cells)
-            .find(|cell| !self.is_done(cell));
-        let (Some(first), false) = (todo.copied(), self.is_stopped()) else {
+            .copied()
+            .collect();
+        let Some(first) = self.open_cells(&cells).first().copied() else {
             return Ok(());
         };
+        if self.is_stopped() {
+            return Ok(());
+        }
         let point = self.plan.reference_point(&first.point);
-        let reference = match of_cell(self.reference(group.id, &point, renderer))? {
-            Ok(reference) => Arc::new(reference),
+        let mut reference = match of_cell(self.reference(group.id, &point, renderer))? {
+            Ok(image) => GroupReference {
+                image: Arc::new(image),
+                pictures: Vec::new(),
+            },
             Err(reason) => {
-                let cells: Vec<&Cell> = group
-                    .radiances
-                    .iter()
-                    .flat_map(|(_, cells)| cells)
-                    .copied()
-                    .collect();
                 return self.fail(&cells, &format!("its reference: {reason}"), progress);
             }
         };
-        let mut reference_pictures = ReferencePictures::new();
         for (id, cells) in &group.radiances {
-            let todo: Vec<&Cell> = cells
-                .iter()
-                .copied()
-                .filter(|cell| !self.is_done(cell))
-                .collect();
-            let (Some(first), false) = (todo.first(), self.is_stopped()) else {
+            let open = self.open_cells(cells);
+            let Some(first) = open.first() else {
                 continue;
             };
-            let rendered = match reference.rendered.as_ref().filter(|_| *id == group.id) {
+            if self.is_stopped() {
+                return Ok(());
+            }
+            let of_group = reference.image.rendered.as_ref();
+            let rendered = match of_group.filter(|_| *id == group.id) {
                 Some(frame) => Ok(Made {
                     frame: frame.clone(),
                     steps: Arc::default(),
                 }),
                 None => of_cell(self.radiance(&first.point, renderer))?,
             };
-            let linear = Arc::default();
-            for cell in todo {
-                if self.is_stopped() {
-                    return Ok(());
-                }
-                let Made { frame, steps } = match &rendered {
-                    Ok(rendered) => rendered,
-                    Err(reason) => {
-                        self.fail(&[cell], reason, progress)?;
-                        continue;
-                    }
-                };
-                let pictures =
-                    self.displays(cell, frame, &reference, &mut reference_pictures, renderer);
-                match of_cell(pictures)? {
-                    Ok(pictures) => desk.hand_in(Rendered {
-                        cell,
-                        frame: frame.clone(),
-                        reference: reference.clone(),
-                        pictures,
-                        steps: steps.clone(),
-                        linear: Arc::clone(&linear),
-                    }),
-                    Err(reason) => self.fail(&[cell], &reason, progress)?,
-                }
-                self.collect(desk, false, progress)?;
-            }
+            self.image(&open, &rendered, &mut reference, renderer, desk, progress)?;
         }
         Ok(())
+    }
+
+    /// Hands in the cells that share an image, or notes that they failed.
+    fn image(
+        &mut self,
+        cells: &[&'p Cell],
+        rendered: &Result<Made, String>,
+        reference: &mut GroupReference,
+        renderer: &mut dyn Renderer,
+        desk: &mut Desk<'p>,
+        progress: &mut dyn Progress,
+    ) -> Result<(), RunError> {
+        let linear = Arc::default();
+        for &cell in cells {
+            if self.is_stopped() {
+                return Ok(());
+            }
+            let Made { frame, steps } = match rendered {
+                Ok(made) => made,
+                Err(reason) => {
+                    self.fail(&[cell], reason, progress)?;
+                    continue;
+                }
+            };
+            let pictures = self.displays(cell, frame, reference, renderer);
+            match of_cell(pictures)? {
+                Ok(pictures) => desk.hand_in(Rendered {
+                    cell,
+                    frame: frame.clone(),
+                    reference: reference.image.clone(),
+                    pictures,
+                    steps: steps.clone(),
+                    linear: Arc::clone(&linear),
+                }),
+                Err(reason) => self.fail(&[cell], &reason, progress)?,
+            }
+            self.collect(desk, false, progress)?;
+        }
+        Ok(())
+    }
+
+    fn open_cells(&self, cells: &[&'p Cell]) -> Vec<&'p Cell> {
+        let open = cells.iter().copied().filter(|cell| !self.is_done(cell));
+        open.collect()
     }
 
     /// Renders a point, with its ladder if the experiment asks for it.
@@ -222,22 +247,23 @@ impl<'p> Run<'p> {
         Ok(reference)
     }
 
+    /// The display images of a cell and its reference.
     fn displays(
         &mut self,
         cell: &Cell,
         frame: &Frame,
-        reference: &ReferenceImage,
-        reference_pictures: &mut ReferencePictures,
+        reference: &mut GroupReference,
         renderer: &mut dyn Renderer,
     ) -> Result<[Arc<Rgb8Image>; 2], CellFault> {
         let curve = cell.point.settings().curve;
-        let test = Arc::new(renderer.tonemap(&frame.radiance, curve)?);
-        if let Some((_, picture)) = reference_pictures.iter().find(|(known, _)| *known == curve) {
-            return Ok([test, picture.clone()]);
+        let picture = Arc::new(renderer.tonemap(&frame.radiance, curve)?);
+        let mut known = reference.pictures.iter();
+        if let Some((_, reference_picture)) = known.find(|(known, _)| *known == curve) {
+            return Ok([picture, reference_picture.clone()]);
         }
-        let of_reference = Arc::new(renderer.tonemap(&reference.radiance, curve)?);
-        reference_pictures.push((curve, of_reference.clone()));
-        Ok([test, of_reference])
+        let reference_picture = Arc::new(renderer.tonemap(&reference.image.radiance, curve)?);
+        reference.pictures.push((curve, reference_picture.clone()));
+        Ok([picture, reference_picture])
     }
 
     /// Stores scored cells; `to_the_end` waits until the workers end.

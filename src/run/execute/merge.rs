@@ -3,8 +3,7 @@
 use super::{Outcome, Run, RunError, RunOptions};
 use crate::experiment::plan::{Cell, Plan};
 use crate::run::images;
-use crate::run::provenance;
-use crate::run::provenance::device_words;
+use crate::run::provenance::{self, Provenance, device_words};
 use crate::run::shard::Shard;
 use crate::run::split::split;
 use crate::run::store::{REFERENCES_FOLDER, SHARDS_FOLDER, Store, StoreError, TIMINGS_FOLDER};
@@ -86,7 +85,8 @@ fn mixed(what: &str, counts: &BTreeMap<String, usize>) -> Option<String> {
 impl Run<'_> {
     /// One sentence for each unusable record and image.
     fn damage(&mut self) -> Result<Vec<String>, StoreError> {
-        let (plan, store) = (self.plan, &self.store);
+        let plan = self.plan;
+        let store = &self.store;
         let mut damage: Vec<String> = std::mem::take(&mut self.unusable);
         let references: BTreeSet<&str> = plan
             .cells
@@ -169,27 +169,19 @@ impl Run<'_> {
 
     /// How the last process of a shard ended, in words.
     fn end_of(&self, shard: Shard) -> Result<String, StoreError> {
-        let value = provenance::read_file(&self.store.shard_path(shard))?;
-        let sessions = value
-            .as_ref()
-            .and_then(|value| value["sessions"].as_array());
-        let Some(last) = sessions.and_then(|sessions| sessions.last()) else {
+        let provenance = provenance::read_file(&self.store.shard_path(shard))?;
+        let Some(last) = provenance.as_ref().and_then(Provenance::last_session) else {
             return Ok("never started".to_owned());
         };
-        let text = |pointer: &str| {
-            last.pointer(pointer)
-                .and_then(Value::as_str)
-                .unwrap_or_default()
-        };
-        let ended = if last["wall_s"].is_number() {
+        let ended = if last.wall_s.is_some() {
             "ended early"
         } else {
             "killed"
         };
         Ok(format!(
             "started on {} at {}, {ended}",
-            text("/host/name"),
-            text("/date_utc")
+            last.host.name.as_deref().unwrap_or_default(),
+            last.date_utc
         ))
     }
 }

@@ -56,7 +56,8 @@ pub fn run(
     let mut run = Run::load(plan, store, options)?;
     let is_adopted = run.adopt(progress)?;
     run.forget_changed(progress)?;
-    let (steps, left) = (run.own_cells().count() + run.jobs.len(), run.steps_left());
+    let steps = run.own_cells().count() + run.jobs.len();
+    let left = run.steps_left();
     if left > 0 {
         let mut renderer = match renderer.take() {
             Some(renderer) => renderer,
@@ -194,19 +195,17 @@ impl<'p> Run<'p> {
              first: images/{name}",
             damaged.len()
         ));
-        // A folder in place of a file stays: only its cells fail.
-        let is_file = |name: &&String| !self.store.image_path(name).is_dir();
-        damaged
-            .iter()
-            .filter(is_file)
-            .try_for_each(|name| self.store.remove("images", name))?;
-        let is_hit = |cell: &&Cell| {
-            images::files(plan, cell)
-                .iter()
-                .any(|name| damaged.contains(name))
-        };
-        for cell in plan.cells.iter().filter(is_hit) {
-            self.results.remove(&cell.id);
+        for name in &damaged {
+            // A folder in place of a file stays: only its cells fail.
+            if !self.store.image_path(name).is_dir() {
+                self.store.remove("images", name)?;
+            }
+        }
+        for cell in &plan.cells {
+            let files = images::files(plan, cell);
+            if files.iter().any(|name| damaged.contains(name)) {
+                self.results.remove(&cell.id);
+            }
         }
         Ok(())
     }
@@ -281,14 +280,13 @@ impl<'p> Run<'p> {
         renderer: &mut dyn Renderer,
         progress: &mut dyn Progress,
     ) -> Result<(), RunError> {
-        let result = self.live(renderer, progress);
-        let result = result
+        let result = self
+            .live(renderer, progress)
             .and_then(|()| self.cells(renderer, progress))
             .and_then(|()| self.time(renderer, progress));
-        renderer
-            .take_warnings()
-            .iter()
-            .for_each(|warning| progress.note(&format!("warning: {warning}")));
+        for warning in renderer.take_warnings() {
+            progress.note(&format!("warning: {warning}"));
+        }
         result
     }
 
@@ -330,12 +328,10 @@ impl<'p> Run<'p> {
         reason: &str,
         progress: &mut dyn Progress,
     ) -> Result<(), RunError> {
-        for cell in cells
-            .iter()
-            .filter(|cell| !self.is_done(cell))
-            .copied()
-            .collect::<Vec<_>>()
-        {
+        for cell in cells {
+            if self.is_done(cell) {
+                continue;
+            }
             let label = self.plan.label(cell);
             let record = FailureRecord {
                 cell: cell.id.clone(),
@@ -362,15 +358,15 @@ impl<'p> Run<'p> {
         self.plan.cells.iter().filter_map(failure).collect()
     }
 
+    /// Writes the tables that are too long for memory.
     fn write_tables(&self) -> Result<(), RunError> {
-        let (columns, rows) = tables::errors(self.plan, &self.results);
-        self.store.write_table("errors.csv", &columns, rows)?;
-        let (columns, rows) = tables::errors_by_n_dot_v(self.plan, &self.results, &self.store);
-        self.store
-            .write_table("errors_by_n_dot_v.csv", &columns, rows)?;
+        let errors = tables::errors(self.plan, &self.results);
+        self.store.write_table("errors.csv", errors)?;
+        let bins = tables::errors_by_n_dot_v(self.plan, &self.results, &self.store);
+        self.store.write_table("errors_by_n_dot_v.csv", bins)?;
         if self.plan.config.ladder.is_some() {
-            let (columns, rows) = tables::steps(self.plan, &self.results, &self.store);
-            self.store.write_table("steps.csv", &columns, rows)?;
+            let steps = tables::steps(self.plan, &self.results, &self.store);
+            self.store.write_table("steps.csv", steps)?;
         }
         Ok(())
     }
@@ -395,15 +391,15 @@ impl<'p> Run<'p> {
         }
         self.write_tables()?;
         if self.plan.config.timing.is_some() {
-            let (columns, rows) = tables::timings(&self.timings);
+            let timings = tables::timings(&self.timings);
             self.store
-                .write_table("timings.csv", &columns, rows.into_iter().map(Ok))?;
+                .write_table("timings.csv", timings.into_results())?;
         }
-        let (columns, rows) = environments::environments(self.plan);
+        let environments = environments::environments(self.plan);
         self.store
-            .write_table("environments.csv", &columns, rows.into_iter().map(Ok))?;
-        let (columns, rows) = images::index(self.plan, &self.results);
-        let index = csv::to_text(&columns, rows.iter().map(Vec::as_slice));
+            .write_table("environments.csv", environments.into_results())?;
+        let index = images::index(self.plan, &self.results);
+        let index = csv::to_text(&index.columns, index.rows.iter().map(Vec::as_slice));
         let path = self.store.dir().join("images.csv");
         // Written last: if it is up to date, so are the sheets.
         if has_worked || !holds(&path, &index) {

@@ -5,14 +5,11 @@ use crate::base::files::holds;
 use crate::instrument::pipeline::DeviceInfo;
 use crate::run::frozen::EXPERIMENT_FILE;
 use crate::run::live::LIVE_FILE;
-use crate::run::provenance;
+use crate::run::provenance::{self, Provenance, Session};
 use crate::run::shard::Shard;
 use crate::run::store::{FAILED_FOLDER, SHARDS_FOLDER};
-use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::time::Instant;
-
-const SHARD: &str = "shard";
 
 impl Run<'_> {
     /// Makes the folder one of this plan and text: for a new run, a larger plan, a changed comment,
@@ -21,9 +18,10 @@ impl Run<'_> {
         let found = provenance::read(self.store.dir())?;
         let is_other = found
             .as_ref()
-            .is_some_and(|found| found["plan_hash"] != self.plan.hash);
+            .is_some_and(|found| found.plan_hash != self.plan.hash);
         if is_other {
-            let (all, done) = (self.own_cells().count(), self.results.len());
+            let all = self.own_cells().count();
+            let done = self.results.len();
             progress.note(&format!(
                 "continues a run of another plan: {done} of {all} cells are done"
             ));
@@ -60,14 +58,15 @@ impl Run<'_> {
 
     /// Writes the copy of the experiment and the provenance, unless they are up to date.
     pub(super) fn write_own(&self) -> Result<(), RunError> {
-        let (plan, dir) = (self.plan, self.store.dir());
-        let value = match provenance::read(dir)? {
-            Some(found) => provenance::of_now(&found, plan, dir),
-            None => Some(provenance::provenance(plan, dir)),
+        let plan = self.plan;
+        let dir = self.store.dir();
+        let changed = match provenance::read(dir)? {
+            Some(found) => found.updated(plan, dir),
+            None => Some(Provenance::new(plan, dir)),
         };
-        if let Some(value) = value {
+        if let Some(provenance) = changed {
             self.store
-                .write_json(&self.store.provenance_path(), &value)?;
+                .write_provenance(&self.store.provenance_path(), &provenance)?;
         }
         Ok(self
             .store
@@ -77,59 +76,47 @@ impl Run<'_> {
     /// Adds this invocation to the provenance, or to the sessions of its shard.
     pub(super) fn begin_session(&self, device: &DeviceInfo) -> Result<(), RunError> {
         let path = self.store.sessions_path();
-        let mut value = provenance::read_file(&path)?
-            .unwrap_or_else(|| provenance::provenance(self.plan, self.store.dir()));
-        if let Some(sessions) = value["sessions"].as_array_mut() {
-            let mut session = provenance::session(device, &self.options.command_line);
-            session["plan_hash"] = json!(self.plan.hash);
-            if let Some(shard) = self.options.shard {
-                session[SHARD] = json!(shard.to_string());
-                session["host"]["name"] = json!(provenance::host_name());
-            }
-            sessions.push(session);
+        let mut provenance = provenance::read_file(&path)?
+            .unwrap_or_else(|| Provenance::new(self.plan, self.store.dir()));
+        let mut session = Session::new(device, &self.options.command_line, &self.plan.hash);
+        if let Some(shard) = self.options.shard {
+            session.shard = Some(shard.to_string());
+            session.host.name = Some(provenance::host_name());
         }
-        Ok(self.store.write_json(&path, &value)?)
+        provenance.sessions.push(session);
+        Ok(self.store.write_provenance(&path, &provenance)?)
     }
 
     /// Copies the sessions of shards into the provenance of the run, ordered by date.
     pub(super) fn gather_sessions(&self) -> Result<(), RunError> {
-        let shards = self
-            .store
-            .ids(SHARDS_FOLDER)
-            .into_iter()
-            .filter_map(|stem| Shard::by_stem(&stem));
-        let Some(mut value) = provenance::read(self.store.dir())? else {
+        let Some(mut provenance) = provenance::read(self.store.dir())? else {
             return Ok(());
         };
-        let list = |value: &Value| value["sessions"].as_array().cloned().unwrap_or_default();
-        let mut sessions = list(&value);
-        sessions.retain(|session| session[SHARD].is_null());
-        for shard in shards {
-            sessions.extend(
-                provenance::read_file(&self.store.shard_path(shard))?
-                    .iter()
-                    .flat_map(list),
-            );
+        let sessions = &mut provenance.sessions;
+        sessions.retain(|session| session.shard.is_none());
+        for stem in self.store.ids(SHARDS_FOLDER) {
+            let Some(shard) = Shard::by_stem(&stem) else {
+                continue;
+            };
+            if let Some(of_shard) = provenance::read_file(&self.store.shard_path(shard))? {
+                sessions.extend(of_shard.sessions);
+            }
         }
-        sessions.sort_by_cached_key(|session| session["date_utc"].to_string());
-        value["sessions"] = sessions.into();
+        sessions.sort_by(|a, b| a.date_utc.cmp(&b.date_utc));
         Ok(self
             .store
-            .write_json(&self.store.provenance_path(), &value)?)
+            .write_provenance(&self.store.provenance_path(), &provenance)?)
     }
 
     /// Completes this invocation's entry in the provenance.
     pub(super) fn end_session(&self, started: Instant) -> Result<(), RunError> {
         let path = self.store.sessions_path();
-        let Some(mut value) = provenance::read_file(&path)? else {
+        let Some(mut provenance) = provenance::read_file(&path)? else {
             return Ok(());
         };
-        if let Some(session) = value["sessions"]
-            .as_array_mut()
-            .and_then(|sessions| sessions.last_mut())
-        {
-            session["wall_s"] = json!(started.elapsed().as_secs_f64());
+        if let Some(session) = provenance.sessions.last_mut() {
+            session.wall_s = Some(started.elapsed().as_secs_f64());
         }
-        Ok(self.store.write_json(&path, &value)?)
+        Ok(self.store.write_provenance(&path, &provenance)?)
     }
 }

@@ -56,10 +56,8 @@ impl<'p> Run<'p> {
                         .iter()
                         .try_for_each(|job| self.store.remove_record(TIMINGS_FOLDER, &job.id))?;
                     for configuration in timed {
-                        let (job, label) = (
-                            configuration.job.clone(),
-                            format!("timing {}", configuration.words()),
-                        );
+                        let job = configuration.job.clone();
+                        let label = format!("timing {}", configuration.words());
                         let record = configuration.into_record(timing.warmup, &device);
                         self.store.write_timing(&job.id, &record)?;
                         self.forecast
@@ -110,7 +108,8 @@ impl<'p> Run<'p> {
             }
             frames.push(if is_cpu { 0 } else { lasting(KEEP_MS) });
         }
-        let (started, mut random) = (Instant::now(), Rng::with_seed(self.plan.config.seed.into()));
+        let started = Instant::now();
+        let mut random = Rng::with_seed(self.plan.config.seed.into());
         let mut indices: Vec<usize> = (0..timed.len()).collect();
         for _ in 0..timing.rounds {
             random.shuffle(&mut indices);
@@ -144,16 +143,13 @@ impl Timed<'_> {
 
     /// Phase and axes, for people.
     fn words(&self) -> String {
-        let values = self
-            .job
-            .axes
-            .values()
-            .filter(|value| !value.is_empty())
-            .map(|value| short_number(value));
-        std::iter::once(self.job.phase.into())
-            .chain(values)
-            .collect::<Vec<_>>()
-            .join(" ")
+        let values = self.job.axes.values().filter(|value| !value.is_empty());
+        let mut words = self.job.phase.to_owned();
+        for value in values {
+            words.push(' ');
+            words += &short_number(value);
+        }
+        words
     }
 
     fn into_record(self, warmup: u32, device: &DeviceInfo) -> TimingRecord {

@@ -10,9 +10,8 @@ use crate::base::files::names_in;
 use crate::experiment::plan::Plan;
 use crate::instrument::metrics::METRICS;
 use crate::run::columns::FAILED;
-use crate::run::provenance;
+use crate::run::provenance::{self, Provenance};
 use crate::run::timing;
-use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
 impl Store {
@@ -30,7 +29,7 @@ impl Store {
                 "contains scores of another version of the metric {metric}; choose another --out"
             )));
         }
-        if found["plan_hash"] == plan.hash {
+        if found.plan_hash == plan.hash {
             return Ok(true);
         }
         self.check_nothing_is_lost(&found, plan).map(|()| false)
@@ -46,29 +45,31 @@ impl Store {
     /// Fails if a folder without provenance holds files. A run stopped before its first file leaves
     /// only empty folders.
     fn check_empty(&self) -> Result<(), StoreError> {
-        let is_own = |name: &str, is_dir: bool| match is_dir {
-            true => name == SHARDS_FOLDER || SUBFOLDERS.contains(&name),
-            false => name == LOCK_FILE || is_part(name),
+        let is_written_by_a_run = |name: &String| {
+            if self.dir.join(name).is_dir() {
+                name == SHARDS_FOLDER || SUBFOLDERS.contains(&name.as_str())
+            } else {
+                name == LOCK_FILE || is_part(name)
+            }
         };
-        let is_own = |name: &String| is_own(name, self.dir.join(name).is_dir());
-        match names_in(&self.dir).iter().all(is_own) {
-            true => Ok(()),
-            false => Err(self.refused(
-                "is not empty and not a run (it has no provenance.json); choose another --out",
-            )),
+        if names_in(&self.dir).iter().all(is_written_by_a_run) {
+            return Ok(());
         }
+        Err(self.refused(
+            "is not empty and not a run (it has no provenance.json); choose another --out",
+        ))
     }
 
     /// Fails if the folder holds finished work that `plan` lacks; `found` is the folder's
     /// provenance.
     pub(in crate::run) fn check_nothing_is_lost(
         &self,
-        found: &Value,
+        found: &Provenance,
         plan: &Plan,
     ) -> Result<(), StoreError> {
         let lost = self.lost_cells(plan)?.len();
         if lost > 0 {
-            let cause = cause(found, &provenance::provenance(plan, &self.dir));
+            let cause = cause(found, &Provenance::new(plan, &self.dir));
             let path = plan.config.path.display();
             return Err(self.refused(format!(
                 "holds another run; choose another --out ({lost} finished cells are not in \
@@ -134,40 +135,45 @@ impl Store {
 }
 
 /// The first metric with another version than in this program.
-fn other_metric(provenance: &Value) -> Option<String> {
-    let then = provenance["metrics"].as_array().into_iter().flatten();
-    let then: BTreeMap<&str, u64> = then
-        .filter_map(|metric| Some((metric["name"].as_str()?, metric["version"].as_u64()?)))
+fn other_metric(provenance: &Provenance) -> Option<String> {
+    let versions: BTreeMap<&str, u64> = provenance
+        .metrics
+        .iter()
+        .map(|metric| (metric.name.as_str(), metric.version))
         .collect();
-    let differs = |name: &str, version: u32| {
-        then.get(name)
-            .is_some_and(|then| *then != u64::from(version))
-    };
     METRICS
         .iter()
-        .find(|metric| differs(metric.name, metric.version))
+        .find(|metric| {
+            versions
+                .get(metric.name)
+                .is_some_and(|version| *version != u64::from(metric.version))
+        })
         .map(|metric| metric.name.to_owned())
 }
 
 /// The reason why all cells differ, by both provenances: " (seed is 1 there and 2 here)"; else
 /// empty.
-fn cause(there: &Value, here: &Value) -> String {
-    if there["shader_hash"] != here["shader_hash"] {
+fn cause(there: &Provenance, here: &Provenance) -> String {
+    if there.shader_hash != here.shader_hash {
         return ": they were rendered by other shaders".to_owned();
     }
-    let inputs = there["inputs"].as_object().into_iter().flatten();
-    let changed = |(name, hash): &(&String, &Value)| {
-        here["inputs"]
-            .get(name.as_str())
-            .is_some_and(|now| now != *hash)
-    };
-    if let Some((name, _)) = { inputs }.find(changed) {
+    let changed = there
+        .inputs
+        .iter()
+        .find(|(name, hash)| here.inputs.get(*name).is_some_and(|now| now != *hash));
+    if let Some((name, _)) = changed {
         return format!(": {name} has changed since");
     }
-    let key = ["seed", "reference"]
-        .into_iter()
-        .find(|key| there[key] != here[key]);
-    key.map_or_else(String::new, |key| {
-        format!(": {key} is {} there and {} here", there[key], here[key])
-    })
+    if there.seed != here.seed {
+        return format!(": seed is {} there and {} here", there.seed, here.seed);
+    }
+    if there.reference != here.reference {
+        let json = |reference| serde_json::to_string(reference).unwrap_or_default();
+        return format!(
+            ": reference is {} there and {} here",
+            json(&there.reference),
+            json(&here.reference)
+        );
+    }
+    String::new()
 }

@@ -6,14 +6,15 @@ mod identity;
 mod lock;
 
 pub use super::record::{
-    BinRecord, CellRecord, Exact, FailureRecord, KeptCell, ReferenceStop, Scores, StepRecord,
-    StopReason,
+    BinRecord, CellRecord, Exact, FailureRecord, KeptCell, ReferenceStop, Scores, SteadinessScores,
+    StepRecord, StopReason,
 };
 pub use fault::StoreError;
 
-use super::provenance::PROVENANCE_FILE;
+use super::provenance::{PROVENANCE_FILE, Provenance};
 use super::seal;
 use super::shard::Shard;
+use super::tables::RunTable;
 use crate::base::csv;
 use crate::base::files::{PLAN_BYTES_MAX, RECORD_BYTES_MAX, holds, names_in, read_regular};
 use crate::base::pixels::{PART_PREFIX, write_atomically};
@@ -187,11 +188,11 @@ impl Store {
     pub fn write_table(
         &self,
         name: &str,
-        columns: &[String],
-        rows: impl IntoIterator<Item = Result<Vec<csv::Cell>, StoreError>>,
+        table: RunTable<impl IntoIterator<Item = Result<Vec<csv::Cell>, StoreError>>>,
     ) -> Result<(), StoreError> {
-        let (path, part) = (self.dir.join(name), self.dir.join(format!("{name}.part")));
-        csv::write(&part, columns, rows)?;
+        let path = self.dir.join(name);
+        let part = self.dir.join(format!("{name}.part"));
+        csv::write(&part, &table.columns, table.rows)?;
         std::fs::rename(&part, &path).map_err(|error| StoreError::Io { path, error })
     }
 
@@ -208,6 +209,15 @@ impl Store {
     /// Writes indented JSON.
     pub fn write_json<T: Serialize>(&self, path: &Path, value: &T) -> Result<(), StoreError> {
         self.write_text(path, &pretty(path, value)?)
+    }
+
+    /// Writes a provenance file.
+    pub(super) fn write_provenance(
+        &self,
+        path: &Path,
+        provenance: &Provenance,
+    ) -> Result<(), StoreError> {
+        self.write_json(path, &provenance.to_json())
     }
 
     /// Writes indented JSON with a checksum.
@@ -256,7 +266,8 @@ impl Store {
         let Some(bytes) = read_bytes(&path, RECORD_BYTES_MAX)? else {
             return Ok(None);
         };
-        let (record, name) = (parsed(&path, &bytes)?, parsed::<Name>(&path, &bytes)?);
+        let record = parsed(&path, &bytes)?;
+        let name: Name = parsed(&path, &bytes)?;
         if seal::is_broken(&String::from_utf8_lossy(&bytes)) {
             return Err(StoreError::Damaged { path });
         }

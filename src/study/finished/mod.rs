@@ -53,7 +53,7 @@ pub struct Bin {
     pub noise_floors: MetricValues,
 }
 
-/// One step of an error over the pixels with n·v in `seen` (`run::columns::STEP_NUMBERS`).
+/// One step of an error over the pixels with n·v in `seen` (`run::columns::StepColumns`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepRow {
     pub seen: [f64; 2],
@@ -84,7 +84,7 @@ pub struct FinishedCell {
     pub scores: Option<MetricValues>,
     /// Expected scores of an exact image, from the reference's noise.
     pub noise_floors: MetricValues,
-    /// Of a sequence of frames: lag bias and flicker (`run::columns::STEADINESS`).
+    /// Of a sequence of frames: lag bias and flicker (`run::columns::SteadinessColumns`).
     pub steadiness: Option<[f64; 2]>,
     pub reference: Option<ReferenceStop>,
     pub bins: Arc<Vec<Bin>>,

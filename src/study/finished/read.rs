@@ -9,10 +9,10 @@ use crate::experiment::fault::Faults;
 use crate::experiment::inputs::load_methods;
 use crate::experiment::value::Value;
 use crate::instrument::metrics::Weight;
-use crate::run::columns::{FAILED, STEADINESS};
+use crate::run::columns::FAILED;
 use crate::run::frozen::EXPERIMENT_FILE;
 use crate::run::provenance::{
-    self, EXPERIMENT_FOLDER, PROVENANCE_FILE, ProvenanceError, SET_FOLDER,
+    self, EXPERIMENT_FOLDER, PROVENANCE_FILE, Provenance, ProvenanceError, SET_FOLDER,
 };
 use crate::run::store::{
     CELLS_FOLDER, Exact, FAILED_FOLDER, ReferenceStop, StopReason, Store, StoreError,
@@ -53,7 +53,7 @@ impl Finished {
     /// Reads everything but the images. Empty or truncated tables are refused: their answers would
     /// be wrong.
     pub fn read(dir: &Path) -> Result<Self, FinishedError> {
-        let provenance = provenance(dir)?;
+        let provenance = provenance(dir)?.to_json();
         if Store::at(dir).is_under_way() {
             return Err(FinishedError::UnderWay {
                 dir: dir.to_owned(),
@@ -141,8 +141,8 @@ fn cells(
             scores: (!is_failed).then(|| metrics(&row, "")),
             noise_floors: metrics(&row, "_noise_floor"),
             steadiness: row
-                .number(STEADINESS[0].name)
-                .zip(row.number(STEADINESS[1].name))
+                .number("lag_bias")
+                .zip(row.number("flicker"))
                 .map(Into::into),
             reference: stop(&row),
             bins: Arc::default(),
@@ -299,7 +299,7 @@ fn unfinished(dir: &Path, provenance: &Json) -> FinishedError {
     }
 }
 
-pub fn provenance(dir: &Path) -> Result<Json, FinishedError> {
+pub fn provenance(dir: &Path) -> Result<Provenance, FinishedError> {
     if dir.is_file() {
         return Err(FinishedError::NotAFolder {
             dir: dir.to_owned(),

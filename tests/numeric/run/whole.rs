@@ -259,3 +259,19 @@ fn the_provenance_names_inputs_and_sessions() {
     );
     assert!(second["wall_s"].as_f64().unwrap() > 0.0);
 }
+
+#[test]
+fn the_provenance_of_published_runs_is_written_as_it_was_read() {
+    let results = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("results");
+    let mut count = 0;
+    for entry in std::fs::read_dir(results).unwrap() {
+        let dir = entry.unwrap().path();
+        if let Some(provenance) = splitsum::run::provenance::read(&dir).unwrap() {
+            let text = read(dir.join("provenance.json"));
+            let written = format!("{:#}\n", provenance.to_json());
+            assert_eq!(String::from_utf8(text).unwrap(), written);
+            count += 1;
+        }
+    }
+    assert!(count > 10, "{count} published runs");
+}

@@ -4,7 +4,7 @@ use crate::run::runs::{finished, invoke, log, plan, read};
 use crate::run::whole::EXPERIMENT;
 use splitsum::experiment::axis::FRAMES;
 use splitsum::experiment::value::Value;
-use splitsum::run::columns::STEPS;
+use splitsum::run::columns::{Columns, StepColumns};
 use splitsum::run::store::Store;
 use splitsum::study::finished::{Finished, StepRow};
 use std::path::{Path, PathBuf};
@@ -112,9 +112,9 @@ fn damaged_tables_are_refused_by_name() {
         std::fs::write(path("errors.csv"), &errors).unwrap();
         std::fs::write(path("errors_by_n_dot_v.csv"), &bins).unwrap();
     }
-    let head = ["cell"]
+    let head = ["cell".to_owned()]
         .into_iter()
-        .chain(STEPS.iter().map(|column| column.name))
+        .chain(StepColumns::names())
         .collect::<Vec<_>>()
         .join(",");
     std::fs::write(
