@@ -1,7 +1,9 @@
-//! Figures, contact sheets, colours, Markdown.
+//! Figures, contact sheets, colours, Markdown, words.
 
 #[cfg(feature = "cli")]
 pub mod colormap;
 #[cfg(feature = "cli")]
 pub mod figure;
 pub mod markdown;
+#[cfg(feature = "cli")]
+pub mod words;

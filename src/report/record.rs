@@ -38,7 +38,7 @@ impl AnswerSentence {
         Self {
             question: answer.question.name.to_owned(),
             asks: answer.question.asks.to_owned(),
-            sentence: answer.finding.sentence.clone(),
+            sentence: answer.finding.sentences.markdown(),
         }
     }
 }

@@ -22,7 +22,11 @@ pub fn markdown(run: &Finished, answers: &[Answer], record: &AnswerRecord) -> St
     }
     let _ = writeln!(text, "{}\n", bold(record.headline()));
     for answer in answers.iter().skip(1) {
-        let _ = writeln!(text, "- {}", paragraph(&answer.finding.sentence));
+        let _ = writeln!(
+            text,
+            "- {}",
+            paragraph(&answer.finding.sentences.markdown())
+        );
     }
     if answers.len() > 1 {
         text.push('\n');

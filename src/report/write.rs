@@ -3,11 +3,10 @@
 use super::record::{ANSWER_FILE, AnswerRecord, AnswerSentence, WriteError};
 use super::summary;
 use crate::base::files::holds;
-use crate::base::names::Listed;
 use crate::base::pixels::Staged;
 use crate::draw::figure::svg::{FILE_WIDTH, svg};
 use crate::draw::figure::{Figure, ScaleKind};
-use crate::instrument::shade::{Method, words_in};
+use crate::instrument::shade::words_in;
 use crate::run::store::ANSWERS_FOLDER;
 use crate::study::finished::Finished;
 use crate::study::questions::Answer;
@@ -15,38 +14,12 @@ use std::path::{Path, PathBuf};
 
 pub const SUMMARY_FILE: &str = "summary.md";
 
-/// Methods in the order of [`SERIES`](crate::draw::figure::ink::SERIES): each has one colour in all
-/// figures.
-const INKED: [&str; 10] = [
-    "split-sum",
-    "split-sum-two",
-    "sampled",
-    "sampled-vndf",
-    "split-sum-cap",
-    "split-sum-one",
-    "split-sum-unity",
-    "split-sum-frostbite",
-    "split-sum-four",
-    "sampled-unfiltered",
-];
-
-/// The colour of the method whose title a series begins with, or whose name it is.
-fn ink(series: &str) -> Option<usize> {
-    let title = |name: &str| Method::listed(name).title;
-    let found = INKED
-        .iter()
-        .filter(|name| series.starts_with(title(name)) || series == **name);
-    let method = found.max_by_key(|name| title(name).len())?;
-    INKED.iter().position(|name| name == method)
-}
-
-/// The SVG of a figure, with methods in words and in their colours.
+/// The SVG of a figure, with methods in words.
 pub fn drawing(figure: &Figure, width: u32) -> String {
     let mut figure = figure.clone();
     figure.note = words_in(&figure.note);
     for series in &mut figure.series {
         series.name = words_in(&series.name);
-        series.ink = ink(&series.name);
     }
     for panel in &mut figure.panels {
         panel.title = words_in(&panel.title);

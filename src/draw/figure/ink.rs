@@ -2,67 +2,62 @@
 
 use super::Figure;
 
-/// A CSS rule that colours the elements of some classes.
-struct Rule {
-    selector: String,
-    property: &'static str,
-    /// The custom property that a page may set.
-    variable: String,
-    on_light: &'static str,
-    on_dark: &'static str,
-}
-
 /// A colour on a light and a dark ground.
-type Pair = [&'static str; 2];
+pub type Pair = [&'static str; 2];
 
 const GROUND: Pair = ["#fafaf8", "#101214"];
 const MUTED: Pair = ["#575b62", "#a6acb3"];
 
-impl Rule {
-    fn new(
-        selector: impl Into<String>,
-        property: &'static str,
-        variable: impl Into<String>,
-        [on_light, on_dark]: Pair,
-    ) -> Self {
-        Self {
-            selector: selector.into(),
-            property,
-            variable: variable.into(),
-            on_light,
-            on_dark,
-        }
-    }
+/// A CSS rule that colours the elements of some classes.
+pub struct Ink {
+    pub selector: &'static str,
+    property: &'static str,
+    /// The custom property that a page may set.
+    variable: &'static str,
+    pub colors: Pair,
+}
 
-    /// The rule with one of its colours. The colour is written twice, for programs without custom
-    /// properties.
-    fn css(&self, color: &str) -> String {
-        let Self {
-            selector,
-            property,
-            variable,
-            ..
-        } = self;
-        format!("{selector}{{{property}:{color};{property}:var({variable},{color})}}")
+const fn ink(
+    selector: &'static str,
+    property: &'static str,
+    variable: &'static str,
+    colors: Pair,
+) -> Ink {
+    Ink {
+        selector,
+        property,
+        variable,
+        colors,
     }
 }
 
-/// All rules, in the order of the style sheet.
-fn rules() -> Vec<Rule> {
-    let mut rules = vec![
-        Rule::new(".fig-ground", "fill", "--fig-ground", GROUND),
-        Rule::new(".fig-ink", "fill", "--fig-ink", ["#15171a", "#edeeee"]),
-        Rule::new(".fig-muted", "fill", "--fig-muted", MUTED),
-        Rule::new(".fig-grid", "stroke", "--fig-grid", ["#dcdcd7", "#31363b"]),
-        Rule::new(".fig-axis", "stroke", "--fig-axis", ["#85888d", "#7d848b"]),
-        Rule::new(".fig-plain", "color", "--fig-muted", MUTED),
-        Rule::new(".fig-d,.fig-o", "stroke", "--fig-ground", GROUND),
-        Rule::new(".fig-b", "fill", "--fig-ground", GROUND),
-    ];
+pub const INKS: [Ink; 8] = [
+    ink(".fig-ground", "fill", "--fig-ground", GROUND),
+    ink(".fig-ink", "fill", "--fig-ink", ["#15171a", "#edeeee"]),
+    ink(".fig-muted", "fill", "--fig-muted", MUTED),
+    ink(".fig-grid", "stroke", "--fig-grid", ["#dcdcd7", "#31363b"]),
+    ink(".fig-axis", "stroke", "--fig-axis", ["#85888d", "#7d848b"]),
+    ink(".fig-plain", "color", "--fig-muted", MUTED),
+    ink(".fig-d,.fig-o", "stroke", "--fig-ground", GROUND),
+    ink(".fig-b", "fill", "--fig-ground", GROUND),
+];
+
+/// A CSS rule. The colour is written twice, for programs without custom properties.
+fn rule(selector: &str, property: &str, variable: &str, color: &str) -> String {
+    format!("{selector}{{{property}:{color};{property}:var({variable},{color})}}")
+}
+
+/// The rules of all inks and series on one ground: 0 is light, 1 dark.
+fn rules(ground: usize) -> String {
+    let mut rules = String::new();
+    for ink in &INKS {
+        let color = ink.colors[ground];
+        rules += &rule(ink.selector, ink.property, ink.variable, color);
+    }
     for (i, colors) in SERIES.iter().enumerate() {
         let selector = format!(".fig-s{i}");
         let variable = format!("--fig-s{i}");
-        rules.push(Rule::new(selector, "color", variable, *colors));
+        rules += &rule(&selector, "color", &variable, colors[ground]);
     }
     rules
 }
@@ -82,6 +77,25 @@ pub const SERIES: [Pair; 10] = [
     ["#56700c", "#b5d24a"],
     ["#7a4f2a", "#d9b48c"],
 ];
+/// Methods in the order of [`SERIES`]: each has one colour in all figures.
+const METHODS: [&str; 10] = [
+    "split-sum",
+    "split-sum-two",
+    "sampled",
+    "sampled-vndf",
+    "split-sum-cap",
+    "split-sum-one",
+    "split-sum-unity",
+    "split-sum-frostbite",
+    "split-sum-four",
+    "sampled-unfiltered",
+];
+
+/// The colour of a method by its name, an index of [`SERIES`]; `None` for methods without one.
+pub fn method_ink(name: &str) -> Option<usize> {
+    METHODS.iter().position(|method| *method == name)
+}
+
 /// Colours of series without a preference, in their order.
 const OTHERS: [usize; 10] = [3, 4, 5, 6, 7, 8, 9, 1, 2, 0];
 
@@ -114,9 +128,8 @@ const SHAPES: &str = include_str!("../../../assets/report/figure.css");
 
 /// The style sheet of a figure.
 pub fn style() -> String {
-    let rules = rules();
-    let light: String = rules.iter().map(|rule| rule.css(rule.on_light)).collect();
-    let dark: String = rules.iter().map(|rule| rule.css(rule.on_dark)).collect();
     let shapes = SHAPES.replace('\n', "");
+    let light = rules(0);
+    let dark = rules(1);
     format!("{shapes}{light}@media(prefers-color-scheme:dark){{{dark}}}")
 }

@@ -137,7 +137,7 @@ struct RunContent<'a> {
     /// Index of the answer on the first screen.
     lead: Option<usize>,
     pictures: Option<Pictures>,
-    sections: Vec<Section<'a>>,
+    sections: Vec<Section>,
     provenance: Vec<(&'static str, Vec<(String, String)>)>,
     failures: &'a [FailureRecord],
     excluded: &'a [ExclusionRecord],

@@ -6,9 +6,8 @@
 
 use super::live::{Light, page_name};
 use crate::base::glsl::source::{Choice, Language, PAGE_FOLDER};
-use crate::base::names::Listed;
 use crate::instrument::gpu::shader_sources;
-use crate::instrument::shade::{Method, words_in};
+use crate::instrument::shade::Method;
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
 use minijinja::value::{Serde, Value};
@@ -106,7 +105,6 @@ pub fn render(
     let mut environment = Environment::new();
     environment.set_auto_escape_callback(|_| AutoEscape::Html);
     environment.add_filter("whole_units", whole_units);
-    environment.add_filter("pieces", pieces);
     for (name, text) in [("before", before), ("behind", behind), ("stage", STAGE)] {
         environment.add_template(name, text).map_err(Error::other)?;
     }
@@ -180,34 +178,6 @@ pub fn shaders(light: &Light) -> BTreeMap<String, String> {
 /// The style of all pages, with its fonts.
 pub fn style() -> String {
     FONTS.iter().map(Font::css).collect::<String>() + STYLE
-}
-
-/// Splits a sentence into parts: strong between `**`, code between backticks. Methods are in words,
-/// with their code.
-fn pieces(text: String) -> Vec<Value> {
-    let strong = text.split("**").enumerate();
-    let parts = strong.flat_map(|(i, part)| {
-        part.split('`')
-            .enumerate()
-            .map(move |(j, text)| (text, i % 2, j % 2))
-    });
-    let piece = |(place, (text, strong, code)): (usize, (&str, usize, usize))| {
-        let words =
-            Method::by_name(text).map_or_else(|| words_in(text), |method| method.title.to_owned());
-        let is_method = code == 1 && words != text;
-        let words = if is_method && place > 0 {
-            words[..1].to_lowercase() + &words[1..]
-        } else {
-            words
-        };
-        let code = (code == 1).then_some(text);
-        context! { text => if is_method { &words } else { text }, is_strong => strong == 1, is_method, code }
-    };
-    parts
-        .filter(|(text, ..)| !text.is_empty())
-        .enumerate()
-        .map(piece)
-        .collect()
 }
 
 /// Prevents line breaks between a number and its sign.

@@ -3,6 +3,7 @@
 use super::model::field;
 use super::page_run::{PageRun, link};
 use crate::draw::figure::svg::WIDTHS;
+use crate::draw::words::{Span, spans};
 use crate::instrument::shade::words_in;
 use crate::report::write::drawing;
 use crate::run::store::ANSWERS_FOLDER;
@@ -19,18 +20,19 @@ const COLUMNS_BESIDE_FIGURE: usize = 6;
 
 /// An answer, for the template.
 #[derive(Serialize)]
-pub struct Section<'a> {
+pub struct Section {
     id: String,
     /// Of the section among those of all runs.
     index: usize,
     /// Name of the question.
     key: &'static str,
     question: &'static str,
-    sentence: &'a str,
-    /// The first sentence, without its full stop.
-    headline: &'a str,
+    /// All sentences.
+    sentence: Vec<Span>,
+    /// The first sentence.
+    headline: Vec<Span>,
     /// The other sentences.
-    scope: &'a str,
+    scope: Vec<Span>,
     row_count: usize,
     /// Link to the table.
     csv: String,
@@ -45,25 +47,20 @@ pub struct Section<'a> {
 
 /// The answers of a run as sections for the template; `first` is the index of the first among all
 /// runs.
-pub fn sections<'a>(
-    page_run: &PageRun<'a>,
-    run: usize,
-    first: usize,
-    link_base: &Path,
-) -> Vec<Section<'a>> {
+pub fn sections(page_run: &PageRun, run: usize, first: usize, link_base: &Path) -> Vec<Section> {
     let sections = page_run.answers.iter().enumerate();
     sections
         .map(|(i, answer)| section(page_run, answer, run, first + i, link_base))
         .collect()
 }
 
-fn section<'a>(
-    page_run: &PageRun<'a>,
-    answer: &'a Answer,
+fn section(
+    page_run: &PageRun,
+    answer: &Answer,
     run: usize,
     index: usize,
     link_base: &Path,
-) -> Section<'a> {
+) -> Section {
     let key = answer.question.name;
     let finding = &answer.finding;
     let figure = finding
@@ -75,10 +72,6 @@ fn section<'a>(
     let is_narrow = digest
         .as_ref()
         .is_some_and(|digest| digest.columns.len() <= COLUMNS_BESIDE_FIGURE);
-    let (headline, scope) = finding
-        .sentence
-        .split_once(". ")
-        .unwrap_or((&finding.sentence, ""));
     let csv = page_run
         .finished
         .dir
@@ -94,9 +87,9 @@ fn section<'a>(
         index,
         key,
         question: answer.question.asks,
-        sentence: &finding.sentence,
-        headline: headline.trim_end_matches('.'),
-        scope,
+        sentence: spans(finding.sentences.all()),
+        headline: spans([&finding.sentences.headline]),
+        scope: spans(finding.sentences.after_headline()),
         row_count: finding.table.rows.len(),
         csv: link(link_base, &csv),
         is_cpu: answer.question.rests_on_cpu_times(page_run.finished),

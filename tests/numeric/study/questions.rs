@@ -186,12 +186,13 @@ fn every_question_has_a_table_of_its_columns() {
 #[test]
 fn sentences_are_short() {
     each(|_, question, finding| {
-        let said = sentences(&finding.sentence);
+        let text = finding.sentences.markdown();
+        let said = sentences(&text);
         assert!(
             (1..=3).contains(&said.len()),
             "{}: {}",
             question.name,
-            finding.sentence
+            finding.sentences.markdown()
         );
         for sentence in said {
             // A formula in backticks is one word.
@@ -232,7 +233,7 @@ fn every_number_of_a_sentence_is_one_of_its_tables() {
             missing.is_empty(),
             "{} of {name}: {missing:?} in: {}\n{digest}",
             question.name,
-            finding.sentence
+            finding.sentences.markdown()
         );
     });
 }
@@ -309,11 +310,11 @@ fn a_failed_cell_does_not_prevent_an_answer() {
                     Vec::<String>::new(),
                     "{}: {}",
                     question.name,
-                    after.sentence
+                    after.sentences.markdown()
                 );
                 let is_sound = |text: &str| !text.contains("NaN") && !text.contains("inf");
                 assert!(
-                    is_sound(&after.sentence) && is_sound(&after.table.csv()),
+                    is_sound(&after.sentences.markdown()) && is_sound(&after.table.csv()),
                     "{}",
                     question.name
                 );
@@ -412,7 +413,8 @@ fn said(run: &Finished) -> Vec<(&'static str, String)> {
             .as_ref()
             .map(|digest| digest.markdown())
             .unwrap_or_default();
-        let mut lines: Vec<&str> = digest.lines().chain([finding.sentence.as_str()]).collect();
+        let text = finding.sentences.markdown();
+        let mut lines: Vec<&str> = digest.lines().chain([text.as_str()]).collect();
         lines.sort_unstable();
         Some((question.name, lines.join("\n")))
     };
