@@ -350,7 +350,7 @@ fn values_in_words(plan: &Plan, axes: &[AxisId], cell: &Cell, separator: &str) -
         if value.is_empty() {
             continue;
         }
-        // A number beside a method means samples.
+        // A bare number after a method would mean samples.
         words.push(if axis == FRAMES {
             named.symbol().label(&value)
         } else {

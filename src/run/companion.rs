@@ -24,7 +24,7 @@ pub trait PlanFile: Debug + Sync {
 
 /// Files made from the finished cells, after the tables.
 pub trait ResultFiles: Debug + Sync {
-    /// Writes the files and removes those of an earlier invocation.
+    /// Writes the files, and removes files of an earlier invocation that are not written again.
     fn write(&self, store: &Store, plan: &Plan, results: &Results) -> Result<(), StoreError>;
 }
 

@@ -13,9 +13,11 @@ mod panel;
 mod picture;
 mod save;
 mod screen;
+mod shown;
 mod state;
 mod test_report;
 mod theme;
+mod values;
 mod window;
 mod worker;
 

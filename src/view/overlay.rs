@@ -1,8 +1,8 @@
 //! The picture of both halves with its captions, legend, wipe and probe.
 
 use super::picture::pixel;
+use super::shown::{Shot, Shown};
 use super::theme;
-use super::worker::{Shot, Shown};
 use crate::base::pixels::{Rgb8Image, RgbImage};
 use crate::draw::colormap::{ColorScale, Range as ColorRange};
 use crate::draw::markdown::significant;

@@ -3,8 +3,8 @@
 
 use super::file::quoted;
 use super::overlay::composed;
+use super::shown::Shown;
 use super::state::{Side, State};
-use super::worker::Shown;
 use crate::base::pixels::png;
 use crate::run::write_radiance;
 use std::fmt::Display;

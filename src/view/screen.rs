@@ -1,8 +1,8 @@
 //! The surface of the window: input of a frame in, painted pixels out.
 
 use super::overlay::Canvas;
+use super::shown::Shown;
 use super::theme;
-use super::worker::Shown;
 use egui::ViewportId;
 use egui_software_backend::{BufferMutRef, ColorFieldOrder, EguiSoftwareRender};
 use softbuffer::SoftBufferError;

@@ -1,8 +1,8 @@
 //! A file that describes the window for tests: rectangles of the controls, and the shown state.
 
 use super::panel::Panel;
+use super::shown::{Shown, Status};
 use super::state::{Side, State};
-use super::worker::{Shown, Status};
 use crate::base::names::Listed;
 use crate::experiment::axis::AXES;
 use serde_json::{Value as Json, json};

@@ -3,10 +3,11 @@
 use super::panel::Panel;
 use super::save::save;
 use super::screen::{Painting, Screen};
+use super::shown::{Shown, Status};
 use super::state::{Side, State};
 use super::test_report::{Counts, Snapshot, TestReport};
 use super::theme;
-use super::worker::{Shown, Status, Worker};
+use super::worker::Worker;
 use crate::experiment::axis::{ENVIRONMENT, SCENE};
 use crate::experiment::value::Value;
 use crate::instrument::environment::LoadOptions;

@@ -2,6 +2,7 @@
 //! then whole, then refines the reference until the state changes.
 
 use super::picture::{Picture, painted};
+use super::shown::{Shot, Shown, Status};
 use super::state::{Image, Inputs, Side, State};
 use crate::base::names::Listed;
 use crate::base::pixels::Rgb8Image;
@@ -9,7 +10,7 @@ use crate::experiment::axis::motion_fault;
 use crate::instrument::environment::{Environment, LoadOptions};
 use crate::instrument::gpu::lock;
 use crate::instrument::metrics::{Comparison, HEADLINE, Metric};
-use crate::instrument::pipeline::{DeviceInfo, Frame, Options, Pipeline, PipelineError, Recent};
+use crate::instrument::pipeline::{Frame, Options, Pipeline, PipelineError, Recent};
 use crate::instrument::scene::{Camera, CameraKind, MaterialOverride, Scene};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -26,54 +27,6 @@ const PATIENCE: Duration = Duration::from_secs(5);
 const COARSEST: u32 = 8;
 /// Frames that are kept in memory.
 const KEPT: usize = 8;
-
-#[derive(Clone, Debug)]
-pub struct Shot {
-    pub image: Image,
-    pub frame: Arc<Frame>,
-    pub picture: Arc<Rgb8Image>,
-    pub kind: Picture,
-    /// The state that it belongs to.
-    pub generation: u64,
-    /// Divisor of the state's resolution.
-    pub scale: u32,
-    /// The headline metric, once there is a reference.
-    pub score: Option<f64>,
-}
-
-#[derive(Clone, Debug, Default, PartialEq)]
-pub enum Status {
-    #[default]
-    Busy,
-    Done,
-    /// The state cannot be shown; the previous picture stays.
-    Refused(String),
-    /// The renderer ended, but a new process may work.
-    Lost(String),
-    Failed(String),
-}
-
-#[derive(Clone, Debug, Default)]
-pub struct Shown {
-    pub generation: u64,
-    pub halves: [Option<Shot>; 2],
-    pub truth: Option<Shot>,
-    pub status: Status,
-    pub device: Option<DeviceInfo>,
-    pub messages: Vec<String>,
-}
-
-impl Shown {
-    pub fn side(&self, side: Side) -> Option<&Shot> {
-        self.halves[side as usize].as_ref()
-    }
-
-    /// Returns the size of the picture: the finer half's; `None` before the first one.
-    pub fn size(&self) -> Option<[u32; 2]> {
-        let finest = self.halves.iter().flatten().min_by_key(|shot| shot.scale)?;
-        Some([finest.picture.width, finest.picture.height])
-    }
-}
 
 #[derive(Default)]
 struct Post {

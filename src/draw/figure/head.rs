@@ -1,6 +1,7 @@
 //! The head of a figure: title, note, legend.
 
-use super::layout::{Layout, LegendEntry, PAD, ends_room};
+use super::ends::ends_room;
+use super::frame::{Layout, LegendEntry, PAD};
 use super::text::{AXIS, Anchor, Font, MIDDLE, NOTE, TITLE, stack};
 use super::{Figure, Shape};
 

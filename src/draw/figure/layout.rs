@@ -1,14 +1,13 @@
 //! Lays a figure out at a width: panels in columns, axes, labels, words.
 
 use super::dodge::{Dodge, PITCH};
-use super::ink::class;
+use super::ends::{end_names, ends_room};
+use super::frame::{Frame, HEIGHT_MIN, Layout, PAD};
 use super::labels::{Labels, OFF};
 use super::scale::Axis;
-use super::text::{AXIS, Anchor, LABEL, MIDDLE, NAME, Words, stack};
-use super::{Figure, Mark, Panel, Scale, ScaleKind, Shape};
+use super::text::{AXIS, Anchor, LABEL, NAME, Words, stack};
+use super::{Figure, Panel, Scale, ScaleKind, Shape};
 
-/// Margin, pixels.
-pub const PAD: f64 = 12.0;
 const COLUMNS: usize = 5;
 const COLUMN_GAP: f64 = 18.0;
 const ROW_GAP: f64 = 14.0;
@@ -18,9 +17,8 @@ const STEP_LEAST: f64 = 14.0;
 /// Largest share of a column, and most pixels, of names of steps.
 const NAMES_SHARE: f64 = 0.44;
 const NAMES_MOST: f64 = 300.0;
-/// Height of a panel of numbers over its width, and its limits in pixels.
+/// Height of a panel of numbers over its width, and the most in pixels.
 const ASPECT: f64 = 0.68;
-const HEIGHT_MIN: f64 = 140.0;
 const HEIGHT_MAX: f64 = 320.0;
 /// Least height and margin of a row, pixels.
 const ROW: f64 = 20.0;
@@ -28,45 +26,6 @@ const ROW_MARGIN: f64 = 7.0;
 const LINES: usize = 3;
 /// With more rows of panels, each has its own labels.
 const ROWS_AT_ONCE: usize = 3;
-
-/// Largest share of the width that names at the ends of lines take.
-const ENDS_SHARE: f64 = 0.27;
-
-/// A panel in pixels.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Frame {
-    pub x: Axis,
-    pub y: Axis,
-    pub left: f64,
-    pub top: f64,
-    pub right: f64,
-    pub bottom: f64,
-    /// The x of vertical grid lines, and the y of horizontal ones.
-    pub grid_x: Vec<f64>,
-    pub grid_y: Vec<f64>,
-    pub dodge: Dodge,
-}
-
-/// A figure in pixels.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct Layout {
-    pub width: f64,
-    /// So far.
-    pub height: f64,
-    pub words: Vec<Words>,
-    pub entries: Vec<LegendEntry>,
-    /// Width of the samples of marks in the legend.
-    pub swatch: f64,
-    pub frames: Vec<Frame>,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct LegendEntry {
-    /// Index of the series.
-    pub series: usize,
-    /// Left middle of its sample.
-    pub position: [f64; 2],
-}
 
 pub fn layout(figure: &Figure, width: f64) -> Layout {
     let mut layout = Layout {
@@ -109,31 +68,6 @@ impl<'f> SharedScale<'f> {
             is_shared: scales.len() > 1 && scales.iter().all(|scale| scale == first),
             title: has_one_title.then_some(first.label.as_str()),
         }
-    }
-}
-
-/// The room for names at the ends of lines, pixels; `None` if some panel has no line of some
-/// series, or the names are too many or too long.
-pub fn ends_room(figure: &Figure, width: f64) -> Option<f64> {
-    let has_end = |panel: &Panel, series: usize| {
-        panel
-            .marks
-            .iter()
-            .any(|mark| mark.series == Some(series) && end(mark).is_some())
-    };
-    let series_count = figure.series.len();
-    let has_all_ends = |panel: &Panel| (0..series_count).all(|series| has_end(panel, series));
-    let room = OFF + NAME.widest(figure.series.iter().map(|series| &series.name));
-    let has_room = room < ENDS_SHARE * width && series_count as f64 * NAME.line() <= HEIGHT_MIN;
-    (series_count > 0 && has_room && figure.panels.iter().all(has_all_ends)).then_some(room)
-}
-
-/// The last point of a line, or the y of a rule.
-fn end(mark: &Mark) -> Option<[f64; 2]> {
-    match &mark.shape {
-        Shape::Line(points) => points.last().copied(),
-        Shape::HorizontalRule(y) => Some([f64::NAN, *y]),
-        _ => None,
     }
 }
 
@@ -423,56 +357,10 @@ impl Grid<'_> {
         let has_ends = layout.width > self.width;
         let is_rightmost = (index + 1).is_multiple_of(columns.count) || index + 1 == panel_count;
         if has_ends && is_rightmost {
-            layout.words.extend(self.end_names(panel, &frame));
+            layout.words.extend(end_names(self.figure, panel, &frame));
         }
         layout.frames.push(frame);
         end
-    }
-
-    /// The names of the series at the ends of their lines, apart from each other.
-    fn end_names(&self, panel: &Panel, frame: &Frame) -> Vec<Words> {
-        let mut ends: Vec<LineEnd> = (0..self.figure.series.len())
-            .filter(|series| !self.figure.series[*series].name.is_empty())
-            .filter_map(|series| LineEnd::find(panel, frame, series))
-            .collect();
-        ends.sort_by(|a, b| a.y.total_cmp(&b.y));
-        // Each name leaves room for the names below it.
-        let mut lowest = frame.bottom - ends.len() as f64 * NAME.line();
-        let mut highest = frame.top;
-        let mut names = Vec::new();
-        for LineEnd { series, y } in ends {
-            let y = y.min(lowest + NAME.line()).max(highest);
-            lowest += NAME.line();
-            highest = y + NAME.line();
-            names.push(Words {
-                text: self.figure.series[series].name.clone(),
-                full: None,
-                position: [frame.right + OFF, y + NAME.size * MIDDLE],
-                anchor: Anchor::Start,
-                is_upright: false,
-                class: format!("fig-n {}", class(self.figure.ink(Some(series)))).into(),
-            });
-        }
-        names
-    }
-}
-
-/// The end of the last line or rule of a series.
-struct LineEnd {
-    series: usize,
-    y: f64,
-}
-
-impl LineEnd {
-    fn find(panel: &Panel, frame: &Frame, series: usize) -> Option<Self> {
-        let point = panel
-            .marks
-            .iter()
-            .filter(|mark| mark.series == Some(series))
-            .filter_map(end)
-            .next_back()?;
-        let y = frame.y.pixel(point[1]) + frame.dodge.shift(Some(series), point);
-        Some(Self { series, y })
     }
 }
 

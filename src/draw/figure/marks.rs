@@ -2,8 +2,8 @@
 //! drawn.
 
 use super::element::{dash, line, path, rectangle};
+use super::frame::Frame;
 use super::ink::class;
-use super::layout::Frame;
 use super::scale::Axis;
 use super::text::escape;
 use super::{Figure, Mark, Shape};

@@ -2,6 +2,8 @@
 
 mod dodge;
 mod element;
+mod ends;
+mod frame;
 mod head;
 pub mod ink;
 mod labels;

@@ -9,8 +9,9 @@
 //! `data-series`.
 
 use super::element::{dash, line, path, rectangle, words};
+use super::frame::{Frame, Layout, LegendEntry};
 use super::ink::{class, style};
-use super::layout::{Frame, Layout, LegendEntry, layout};
+use super::layout::layout;
 use super::marks::{draw, marker};
 use super::text::{escape, px};
 use super::{Figure, Shape};

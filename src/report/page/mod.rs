@@ -228,7 +228,7 @@ pub fn write(options: &PageOptions, runs: &[PageRun]) -> Result<Written, PageErr
     })
 }
 
-/// The data of all runs for the template; `axes` are those of all runs.
+/// The data of all runs for the template; `axes` are the axes of all runs.
 fn run_contents<'a>(
     options: &PageOptions,
     runs: &'a [PageRun],

@@ -22,7 +22,7 @@ const COLUMNS_BESIDE_FIGURE: usize = 6;
 #[derive(Serialize)]
 pub struct Section {
     id: String,
-    /// Of the section among those of all runs.
+    /// Of the section among the sections of all runs.
     index: usize,
     /// Name of the question.
     key: &'static str,
