@@ -159,7 +159,7 @@ fn tables(pipeline: &mut Pipeline) -> Option<f64> {
             .expect("compiled pipelines");
         let (seconds, samples) = cost(|| pipeline.time_precompute(&request, 0, 2).expect("times"));
         // A pass for each level.
-        let of = |name: &str| {
+        let samples_of = |name: &str| {
             samples
                 .passes
                 .iter()
@@ -168,11 +168,11 @@ fn tables(pipeline: &mut Pipeline) -> Option<f64> {
         };
         let ms = |name: &str| {
             assert!(
-                !of(name).is_empty(),
+                !samples_of(name).is_empty(),
                 "no pass is called {name}: {:?}",
                 samples.passes
             );
-            of(name).iter().map(|(_, ms)| ms[1]).sum::<f64>()
+            samples_of(name).iter().map(|(_, ms)| ms[1]).sum::<f64>()
         };
         println!(
             "tables, {}, {prefilter:?}: {:.3} CPU-seconds (pass times: prefilter of 1024x512, 5 \
@@ -212,14 +212,14 @@ fn convergence(pipeline: &mut Pipeline) -> Option<f64> {
     for environment in ["builtin:studio", "builtin:sky", "builtin:checker"] {
         for alpha in [0.05, 0.2, 0.5] {
             let base = request(MODELS[0], "reference", alpha, 128, environment, [512, 256]);
-            let at = |samples, seed| RenderRequest {
+            let request_of = |samples, seed| RenderRequest {
                 reference_samples: samples,
                 seed,
                 ..base.clone()
             };
             let mut render =
                 |request: &RenderRequest| -> Frame { pipeline.render(request).expect("a frame") };
-            let truth = render(&at(4 * COUNT_MAX, 2));
+            let truth = render(&request_of(4 * COUNT_MAX, 2));
             let error = |frame: &Frame| relmse(frame, &truth, &base);
             let counts: Vec<u32> = (5..)
                 .map(|k| 1 << k)
@@ -227,7 +227,7 @@ fn convergence(pipeline: &mut Pipeline) -> Option<f64> {
                 .collect();
             let errors: Vec<f64> = counts
                 .iter()
-                .map(|&count| error(&render(&at(count, 1))))
+                .map(|&count| error(&render(&request_of(count, 1))))
                 .collect();
             let mut cells = Vec::new();
             for target in TARGETS {
@@ -244,13 +244,13 @@ fn convergence(pipeline: &mut Pipeline) -> Option<f64> {
                 };
                 // The reference draws whole scrambles.
                 let drawn = (count / 8.0).round().max(1.0) as u32 * 8;
-                let seconds = shading_seconds(pipeline, &at(drawn, 1));
+                let seconds = shading_seconds(pipeline, &request_of(drawn, 1));
                 let least = if next == 0 { "< " } else { "" };
                 cells.push(format!("{least}{seconds:.3} ({drawn})"));
             }
             let stopping = RenderRequest {
                 reference_error: Some(TARGETS[1].sqrt()),
-                ..at(1 << 16, 1)
+                ..request_of(1 << 16, 1)
             };
             let frame = pipeline.render(&stopping).expect("a frame");
             let found = relmse(&frame, &truth, &base);

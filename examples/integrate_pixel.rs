@@ -9,7 +9,8 @@ use std::error::Error;
 
 fn main() -> Result<(), Box<dyn Error>> {
     let light = exact_quadrature(&Environment::open("builtin:studio")?.image);
-    let (n, v) = (DVec3::Y, DVec3::new(0.6, 0.8, 0.0));
+    let n = DVec3::Y;
+    let v = DVec3::new(0.6, 0.8, 0.0);
     let f0 = DVec3::splat(0.04);
     let surface = Surface::new(&Ggx, MaskingShadowing::Separable, 0.3, f0, [n, v]);
     let pixel = integrate(&light, &surface, TOLERANCE);

@@ -14,7 +14,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let image = pipeline.render(&request)?;
     let method = Method::listed("reference");
     let reference = pipeline.render(&request.shaded(|shading| shading.method = method))?;
-    let [own, exact] = [&image, &reference].map(|frame| frame.radiance.get(16, 16)[1]);
-    println!("green at the centre: {own:.4} by the split sum, {exact:.4} by the reference");
+    let [split_sum, exact] = [&image, &reference].map(|frame| frame.radiance.get(16, 16)[1]);
+    println!("green at the centre: {split_sum:.4} by the split sum, {exact:.4} by the reference");
     Ok(())
 }

@@ -21,6 +21,12 @@ mod layout;
 #[path = "../src/base/glsl/source.rs"]
 #[allow(dead_code, reason = "methods in files need it, in the crate")]
 mod source;
+#[path = "../src/base/glsl/specialization.rs"]
+#[allow(
+    dead_code,
+    reason = "the struct is for the crate; only its description is read here"
+)]
+mod specialization;
 
 /// Folders of `src` that results of the device depend on. Tables and references on disk stay valid
 /// while nothing in them changes.
@@ -68,6 +74,7 @@ fn build() -> Result<(), String> {
     sources
         .0
         .insert("generated/layout.glsl".into(), layout_text());
+    sources.0.extend(specialization_texts());
 
     let mut table = String::from("pub static SHADERS: &[(&str, &[u8])] = &[\n");
     for entry in sources
@@ -166,14 +173,38 @@ fn constants_text() -> String {
 
 fn layout_text() -> String {
     let mut text = String::from("// Written by shaders/compile.rs from src/base/glsl/layout.rs.\n");
-    for (name, members) in layout::ALL {
+    for layout::Struct { name, members } in layout::ALL {
         writeln!(text, "struct {name} {{").expect("a String takes all");
-        for (ty, member) in *members {
-            writeln!(text, "    {ty} {member};").expect("a String takes all");
+        for layout::Member { ty, name } in *members {
+            writeln!(text, "    {ty} {name};").expect("a String takes all");
         }
         text.push_str("};\n");
     }
     text
+}
+
+/// Returns the path and the text of the declaration of each specialization constant.
+fn specialization_texts() -> impl Iterator<Item = (String, String)> {
+    specialization::ALL
+        .iter()
+        .enumerate()
+        .map(|(id, constant)| {
+            let path = format!("generated/specialization/{}.glsl", constant.name);
+            let name = constant.name.to_uppercase();
+            let (ty, default) = match constant.default {
+                constants::Value::Float(x) => ("float", format!("{x:e}")),
+                constants::Value::Uint(x) => ("uint", format!("{x}u")),
+            };
+            let text = format!(
+                "// Written by shaders/compile.rs from src/base/glsl/specialization.rs.\n\
+             #ifdef GL_ES\n\
+             uniform {ty} {name};\n\
+             #else\n\
+             layout(constant_id = {id}) const {ty} {name} = {default};\n\
+             #endif\n"
+            );
+            (path, text)
+        })
 }
 
 /// Reads every file below `root`, by relative path.

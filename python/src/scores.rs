@@ -3,19 +3,19 @@
 use crate::arrays::{Array, Source, file_error, image, shaped, value_error};
 use numpy::{PyReadonlyArray2, PyReadonlyArray3};
 use pyo3::prelude::*;
-use splitsum::bake::judge::{Judging, Limits, as_json};
 use splitsum::bake::convention::{PRESETS, Preset};
+use splitsum::bake::judge::{Judging, Limits, as_json};
 use splitsum::bake::source::{Reading, read};
+use splitsum::base::csv::Cell;
+use splitsum::base::math::quadrature::Tolerance;
+use splitsum::base::names::Listed;
+use splitsum::base::pixels::GrayImage;
 use splitsum::instrument::brdf::Brdf;
 use splitsum::instrument::environment::{Environment, LoadOptions};
-use splitsum::base::math::quadrature::Tolerance;
 use splitsum::instrument::metrics::{Comparison, Epsilon, HEADLINE, Metric};
-use splitsum::oracle::{Kind, Queries};
-use splitsum::base::pixels::GrayImage;
 use splitsum::instrument::shade::reference::TOLERANCE;
-use splitsum::base::names::Listed;
-use splitsum::base::csv::Cell;
 use splitsum::instrument::tonemap::ToneCurve;
+use splitsum::oracle::{Kind, Queries};
 use std::path::Path;
 
 /// Lists the columns of a kind of query: required ones first.
@@ -38,23 +38,48 @@ pub fn integrate<'py>(
     let kind = *Kind::parse(&kind).map_err(value_error)?;
     let environment = source.map(|source| source.environment(py)).transpose()?;
     let answers = py.detach(|| {
-        let mut queries = Queries::from_bytes(Path::new("queries"), table.as_bytes(), kind, &LoadOptions::default())
-            .map_err(|faults| faults.to_string())?;
+        let mut queries = Queries::from_bytes(
+            Path::new("queries"),
+            table.as_bytes(),
+            kind,
+            &LoadOptions::default(),
+        )
+        .map_err(|faults| faults.to_string())?;
         queries.environments.clear();
         queries.environments.extend(environment);
-        let answers = queries.answer(Tolerance { relative: tolerance, ..TOLERANCE }, || ());
+        let answers = queries.answer(
+            Tolerance {
+                relative: tolerance,
+                ..TOLERANCE
+            },
+            || (),
+        );
         match answers.not_finite.first() {
-            Some(row) => {
-                Err(format!("the answer to row {} is not finite: a cosine or width too small for \
-                             f64", row - 1))
-            }
+            Some(row) => Err(format!(
+                "the answer to row {} is not finite: a cosine or width too small for \
+                             f64",
+                row - 1
+            )),
             None => Ok(answers),
         }
     });
     let answers = answers.map_err(value_error)?;
-    let given = table.lines().next().map_or(0, |header| header.split(',').count());
-    let number = |cell: &Cell| if let Cell::Number(number) = cell { *number } else { f64::NAN };
-    let values = answers.rows.iter().flat_map(|row| row[given..].iter().map(number)).collect();
+    let given = table
+        .lines()
+        .next()
+        .map_or(0, |header| header.split(',').count());
+    let number = |cell: &Cell| {
+        if let Cell::Number(number) = cell {
+            *number
+        } else {
+            f64::NAN
+        }
+    };
+    let values = answers
+        .rows
+        .iter()
+        .flat_map(|row| row[given..].iter().map(number))
+        .collect();
     let names = answers.columns[given..].to_vec();
     let shape = vec![answers.rows.len(), names.len()];
     Ok((names, shaped(py, values, shape)?))
@@ -72,8 +97,13 @@ pub fn check_bake(
 ) -> PyResult<String> {
     let brdf = <dyn Brdf>::parse(&model).map_err(value_error)?;
     let limits: Limits = serde_json::from_str(&limits).map_err(value_error)?;
-    let reading = Reading { layout: None, brdf: brdf.name() };
-    let bake = py.detach(|| read(&files, reading)).map_err(|error| file_error(&error.path.clone(), error))?;
+    let reading = Reading {
+        layout: None,
+        brdf: brdf.name(),
+    };
+    let bake = py
+        .detach(|| read(&files, reading))
+        .map_err(|error| file_error(&error.path.clone(), error))?;
     let preset = match preset.as_deref().or(bake.stated.preset.as_deref()) {
         Some(text) if text.starts_with('{') => Preset::from_json(text.to_owned()),
         Some(name) => Preset::parse(name),
@@ -83,15 +113,19 @@ pub fn check_bake(
     let environment = match source {
         Some(source) => source.environment(py)?,
         None if bake.specular.is_some() || bake.irradiance.is_some() || bake.sh.is_some() => {
-            return Err(value_error("environment: maps and SH need the map that they were baked \
-                                    from"));
+            return Err(value_error(
+                "environment: maps and SH need the map that they were baked \
+                                    from",
+            ));
         }
         // The light does not reach a DFG table.
         None => Environment::open("builtin:constant").map_err(value_error)?,
     };
     let judging = Judging::by(preset, &bake.stated).map_err(value_error)?;
     let judging = Judging { brdf, ..judging };
-    let judged = py.detach(|| judging.judge(&environment, &bake, |_| ())).map_err(value_error)?;
+    let judged = py
+        .detach(|| judging.judge(&environment, &bake, |_| ()))
+        .map_err(value_error)?;
     Ok(as_json(&environment.name, preset.name, &limits, &judged).to_string())
 }
 
@@ -104,7 +138,9 @@ pub fn relmse(
     mask: PyReadonlyArray2<bool>,
     environment_mean: f64,
 ) -> PyResult<f64> {
-    let (test, reference, mask) = (image(&test), image(&reference), mask.as_array());
+    let test = image(&test);
+    let reference = image(&reference);
+    let mask = mask.as_array();
     let is_in = mask.iter().map(|is_in| f32::from(*is_in)).collect();
     let mask = GrayImage::new(mask.dim().1 as u32, mask.dim().0 as u32, is_in);
     py.detach(|| {

@@ -4,18 +4,20 @@ use crate::arrays::{Array, Source, from_image, shaped, value_error};
 use glam::DVec3;
 use numpy::{PyReadonlyArray1, PyReadonlyArray3};
 use pyo3::prelude::*;
-use splitsum::bake::judge::{Directions, exact, has_width};
 use splitsum::bake::container::TEXELS_MAX;
 use splitsum::bake::convention::{Axes, Preset};
+use splitsum::bake::judge::{Directions, exact, has_width};
 use splitsum::bake::{make, paste};
+use splitsum::base::names::Listed;
+use splitsum::base::pixels::{Pixels, RgbImage};
 use splitsum::instrument::brdf::{Brdf, MaskingShadowing};
 use splitsum::instrument::environment::layout::MapLayout;
-use splitsum::base::pixels::{Pixels, RgbImage};
 use splitsum::instrument::precompute::PrecomputeSettings;
 use splitsum::instrument::precompute::dfg::reference::dfg;
 use splitsum::instrument::precompute::prefilter::{Kernel, LevelMapping, harmonic};
-use splitsum::instrument::precompute::taps::{Chain, Fit, LEVEL_MIN, Lobe, Tap, TapCount, TapTable, dielectric_share, first_guess};
-use splitsum::base::names::Listed;
+use splitsum::instrument::precompute::taps::{
+    Chain, Fit, LEVEL_MIN, Lobe, Tap, TapCount, TapTable, dielectric_share, first_guess,
+};
 
 fn parse<T: Listed + ?Sized>(name: &str) -> PyResult<&'static T> {
     T::parse(name).map_err(value_error)
@@ -23,22 +25,32 @@ fn parse<T: Listed + ?Sized>(name: &str) -> PyResult<&'static T> {
 
 /// Parses model, weight and masking.
 fn kernel([model, weight, masking]: &[String; 3]) -> PyResult<Kernel> {
-    Ok(Kernel::new(parse::<dyn Brdf>(model)?, parse(weight)?, *parse::<MaskingShadowing>(masking)?))
+    Ok(Kernel::new(
+        parse::<dyn Brdf>(model)?,
+        parse(weight)?,
+        *parse::<MaskingShadowing>(masking)?,
+    ))
 }
 
 /// Parses model and masking.
 fn lobe_of([model, masking]: &[String; 2]) -> PyResult<(&'static dyn Brdf, MaskingShadowing)> {
-    Ok((parse::<dyn Brdf>(model)?, *parse::<MaskingShadowing>(masking)?))
+    Ok((
+        parse::<dyn Brdf>(model)?,
+        *parse::<MaskingShadowing>(masking)?,
+    ))
 }
 
 fn tap_count(count: i64) -> PyResult<TapCount> {
-    let found = TapCount::ALL.into_iter().find(|known| *known as i64 == count);
+    let found = TapCount::ALL
+        .into_iter()
+        .find(|known| *known as i64 == count);
     found.ok_or_else(|| value_error(format!("count: {count}; expected 1, 2 or 4 taps")))
 }
 
 /// Parses a mapping and checks a number of levels by the rules of experiments.
 fn chain(mapping: &str, levels: i64) -> PyResult<(&'static LevelMapping, u32)> {
-    let levels = u32::try_from(levels).map_err(|_| value_error(format!("levels: {levels}; expected at least 2")))?;
+    let levels = u32::try_from(levels)
+        .map_err(|_| value_error(format!("levels: {levels}; expected at least 2")))?;
     let settings = PrecomputeSettings {
         layout: parse("octahedral")?,
         prefilter_size: [1 << 16; 2],
@@ -53,7 +65,9 @@ fn chain(mapping: &str, levels: i64) -> PyResult<(&'static LevelMapping, u32)> {
 #[pyfunction]
 pub fn level_alphas(mapping: String, levels: i64) -> PyResult<Vec<f64>> {
     let (mapping, levels) = chain(&mapping, levels)?;
-    Ok((0..levels).map(|level| mapping.alpha_from_mip(level.into(), levels)).collect())
+    Ok((0..levels)
+        .map(|level| mapping.alpha_from_mip(level.into(), levels))
+        .collect())
 }
 
 /// Prefilters a map for several widths, each level half the size of the one before; faces are below
@@ -67,13 +81,22 @@ pub fn prefilter<'py>(
     layout: String,
     names: [String; 3],
 ) -> PyResult<Vec<Array<'py, f32>>> {
-    let (layout, kernel) = (parse::<MapLayout>(&layout)?, kernel(&names)?);
-    let size = size.map_or(layout.prefilter_size, |size| size.map(|side| side.clamp(0, u32::MAX.into()) as u32));
+    let layout = parse::<MapLayout>(&layout)?;
+    let kernel = kernel(&names)?;
+    let size = size.map_or(layout.prefilter_size, |size| {
+        size.map(|side| side.clamp(0, u32::MAX.into()) as u32)
+    });
     let [width, height] = size;
-    let texels = u64::from(width).saturating_mul(height.into()).saturating_mul(layout.face_count.into());
+    let texels = u64::from(width)
+        .saturating_mul(height.into())
+        .saturating_mul(layout.face_count.into());
     let least = 1 << (alphas.len().clamp(1, 31) - 1);
     if width.min(height) < least || texels > TEXELS_MAX || layout.is_square && width != height {
-        let square = if layout.is_square { "square faces, " } else { "" };
+        let square = if layout.is_square {
+            "square faces, "
+        } else {
+            ""
+        };
         return Err(value_error(format!(
             "size: {width}x{height}; expected {square}{least} or more texels a side and at most \
              {TEXELS_MAX} in all"
@@ -92,15 +115,22 @@ pub fn prefilter<'py>(
                     texels.into_iter().map(|[r, g, b, _]| [r, g, b]).collect()
                 }
                 None => {
-                    let texels = exact::mirror(&environment, &Directions::new(layout, Axes::SAME, size));
-                    texels.into_iter().map(|texel| texel.as_vec3().to_array()).collect()
+                    let texels =
+                        exact::mirror(&environment, &Directions::new(layout, Axes::SAME, size));
+                    texels
+                        .into_iter()
+                        .map(|texel| texel.as_vec3().to_array())
+                        .collect()
                 }
             };
             RgbImage::new(size[0], size[1] * layout.face_count, texels)
         };
         alphas.iter().enumerate().map(level).collect::<Vec<_>>()
     });
-    levels.into_iter().map(|level| from_image(py, level)).collect()
+    levels
+        .into_iter()
+        .map(|level| from_image(py, level))
+        .collect()
 }
 
 /// Makes the table of (A, B) as `splitsum bake` does.
@@ -126,14 +156,26 @@ pub fn lobes<'py>(
     let of_view = |[n_dot_v, alpha]: &[f64; 2]| {
         let lobe = Lobe::new(model, masking, *n_dot_v, *alpha);
         let [of_f0, of_f90] = lobe.moments();
-        [lobe.albedos.x, lobe.albedos.y, of_f0.x, of_f0.y, of_f90.x, of_f90.y]
+        [
+            lobe.albedos.x,
+            lobe.albedos.y,
+            of_f0.x,
+            of_f0.y,
+            of_f90.x,
+            of_f90.y,
+        ]
     };
     let values = py.detach(|| views.iter().flat_map(of_view).collect());
     shaped(py, values, vec![views.len(), 6])
 }
 
 fn pairs(first: &PyReadonlyArray1<f64>, second: &PyReadonlyArray1<f64>) -> Vec<[f64; 2]> {
-    first.as_array().iter().zip(second.as_array()).map(|(first, second)| [*first, *second]).collect()
+    first
+        .as_array()
+        .iter()
+        .zip(second.as_array())
+        .map(|(first, second)| [*first, *second])
+        .collect()
 }
 
 /// Makes a table of taps, as `splitsum bake` writes it.
@@ -145,8 +187,10 @@ pub fn taps<'py>(
     mapping: String,
     names: [String; 3],
 ) -> PyResult<Array<'py, f32>> {
-    let (count, (mapping, levels)) = (tap_count(count)?, chain(&mapping, levels)?);
-    let (kernel, masking) = (kernel(&names)?, *parse::<MaskingShadowing>(&names[2])?);
+    let count = tap_count(count)?;
+    let (mapping, levels) = chain(&mapping, levels)?;
+    let kernel = kernel(&names)?;
+    let masking = *parse::<MaskingShadowing>(&names[2])?;
     let texels = py.detach(|| paste::taps(kernel, masking, mapping, levels, count));
     let shape = vec![texels.height as usize, texels.width as usize, 4];
     shaped(py, texels.data.into_flattened(), shape)
@@ -165,17 +209,28 @@ pub fn lookup_taps<'py>(
     let (model, masking) = lobe_of(&names)?;
     let (height, width, channels) = table.as_array().dim();
     let size = [width as u32, height as u32];
-    let count = TapCount::ALL.into_iter().find(|count| TapTable::size(*count) == size && channels == 4);
+    let count = TapCount::ALL
+        .into_iter()
+        .find(|count| TapTable::size(*count) == size && channels == 4);
     let count = count.ok_or_else(|| {
-        value_error(format!("table: its shape is ({height}, {width}, {channels}); expected a table \
-                             of splitsum.taps"))
+        value_error(format!(
+            "table: its shape is ({height}, {width}, {channels}); expected a table \
+                             of splitsum.taps"
+        ))
     })?;
     let texels = table.as_array().iter().copied().collect::<Vec<f32>>();
-    let table = TapTable { texels: Pixels::new(size[0], size[1], texels.as_chunks().0.to_vec()) };
-    let (views, f0) = (pairs(&n_dot_v, &alpha), f0.as_array().to_vec());
+    let table = TapTable {
+        texels: Pixels::new(size[0], size[1], texels.as_chunks().0.to_vec()),
+    };
+    let views = pairs(&n_dot_v, &alpha);
+    let f0 = f0.as_array().to_vec();
     let of_view = |([n_dot_v, alpha], f0): (&[f64; 2], &f64)| {
         let pair = dfg(model, masking, *n_dot_v, *alpha);
-        table.taps(*n_dot_v, *alpha, dielectric_share(*f0, [pair.f0_scale, pair.f90_scale]))
+        table.taps(
+            *n_dot_v,
+            *alpha,
+            dielectric_share(*f0, [pair.f0_scale, pair.f90_scale]),
+        )
     };
     let values = py.detach(|| views.iter().zip(&f0).flat_map(of_view).flatten().collect());
     shaped(py, values, vec![views.len(), count as usize, 3])
@@ -193,13 +248,15 @@ pub fn fit_taps<'py>(
     mapping: String,
     names: [String; 3],
 ) -> PyResult<(Array<'py, f64>, [f64; 2])> {
-    let (count, kernel, (mapping, levels)) = (tap_count(count)?, kernel(&names)?, chain(&mapping, levels)?);
+    let count = tap_count(count)?;
+    let kernel = kernel(&names)?;
+    let (mapping, levels) = chain(&mapping, levels)?;
     let chain = py.detach(|| Chain::new(kernel, mapping, levels));
     let [n_dot_v, alpha] = view;
-    let own_level = chain.level(alpha);
-    if own_level < LEVEL_MIN {
+    let lobe_level = chain.level(alpha);
+    if lobe_level < LEVEL_MIN {
         return Err(value_error(format!(
-            "alpha: {alpha} is level {own_level:.3} of the map; expected {LEVEL_MIN} or more"
+            "alpha: {alpha} is level {lobe_level:.3} of the map; expected {LEVEL_MIN} or more"
         )));
     }
     // About the mirror direction first, which finds the lobe's first moment.
@@ -220,9 +277,21 @@ pub fn fit_taps<'py>(
         return Err(error);
     }
     let taps = py.detach(|| fit.taps(&fit.solve(first_guess(count), first_guess(count), 0.0)));
-    let textbook = Tap { angle: theta, level: own_level, weight: 1.0 };
-    let errors = [&taps[..], &[textbook]].map(|taps| fit.objective(&fit.residuals(taps, &fit.kernels(taps))));
-    let of_tap = |tap: &Tap| [tap.place(theta), tap.level, mapping.alpha_from_mip(tap.level, levels), tap.weight];
+    let textbook = Tap {
+        angle: theta,
+        level: lobe_level,
+        weight: 1.0,
+    };
+    let errors = [&taps[..], &[textbook]]
+        .map(|taps| fit.objective(&fit.residuals(taps, &fit.kernels(taps))));
+    let of_tap = |tap: &Tap| {
+        [
+            tap.place(theta),
+            tap.level,
+            mapping.alpha_from_mip(tap.level, levels),
+            tap.weight,
+        ]
+    };
     let values = taps.iter().flat_map(of_tap).collect();
     Ok((shaped(py, values, vec![taps.len(), 4])?, errors))
 }
@@ -231,5 +300,8 @@ pub fn fit_taps<'py>(
 fn densities(lobe: &Bound<PyAny>, directions: &[DVec3]) -> PyResult<Vec<f64>> {
     let values = directions.iter().flat_map(|l| l.to_array()).collect();
     let found = lobe.call1((shaped(lobe.py(), values, vec![directions.len(), 3])?,))?;
-    Ok(found.extract::<PyReadonlyArray1<f64>>()?.as_array().to_vec())
+    Ok(found
+        .extract::<PyReadonlyArray1<f64>>()?
+        .as_array()
+        .to_vec())
 }

@@ -4,11 +4,11 @@
 #include "generated/constants.glsl"
 #include "lib/prefilter_mapping.glsl"
 
-// One of COMPENSATION_*, set when the pipeline is made. The live view has none.
+// The live view has no compensation.
 #ifdef GL_ES
 const uint COMPENSATION = COMPENSATION_NONE;
 #else
-layout(constant_id = 5) const uint COMPENSATION = COMPENSATION_NONE;
+#include "generated/specialization/compensation.glsl"
 #endif
 
 // Nodes of the mean over cosines.

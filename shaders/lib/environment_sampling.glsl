@@ -10,14 +10,12 @@
 // magnified suns: there the four texels are fetched and weighted in f32. A driver that filters in
 // f32 (EXACT_FILTER) needs one lookup.
 
+#include "generated/specialization/exact_filter.glsl"
 #include "lib/equirect.glsl"
 
 // The word at `index` of `EnvironmentDistribution::words`: the entry point that has the buffer
 // defines it.
 uint environment_word(uint index);
-
-// 1 when the driver's bilinear filter computes in f32.
-layout(constant_id = 1) const uint EXACT_FILTER = 0u;
 
 const uint CELL_COUNT = CELL_COLUMNS * CELL_ROWS;
 

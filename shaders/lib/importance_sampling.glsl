@@ -6,7 +6,7 @@
 // corrected]
 
 #include "lib/frame.glsl"
-#include "lib/masking.glsl"
+#include "generated/specialization/masking.glsl"
 #include "lib/microfacet.glsl"
 #include "lib/sampling.glsl"
 #include "lib/surface.glsl"

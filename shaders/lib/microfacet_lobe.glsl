@@ -2,7 +2,7 @@
 
 #include "lib/frame.glsl"
 #include "lib/lobe.glsl"
-#include "lib/masking.glsl"
+#include "generated/specialization/masking.glsl"
 #include "lib/microfacet.glsl"
 #include "lib/prefilter_weight.glsl"
 #include "lib/surface.glsl"

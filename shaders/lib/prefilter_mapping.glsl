@@ -2,6 +2,8 @@
 // inverse.
 
 #include "generated/constants.glsl"
+#include "generated/specialization/dfg_axes.glsl"
+#include "generated/specialization/level_bend.glsl"
 
 // alpha = perceptual_roughness^2. [Burley12 section 5.4]
 float alpha_from_perceptual_roughness(float perceptual_roughness) {
@@ -13,15 +15,8 @@ float perceptual_roughness_from_alpha(float alpha) {
     return alpha <= ALPHA_MIN ? 0.0 : sqrt(alpha);
 }
 
-// Bend b in [0, 1] of the level mapping (precompute/prefilter/level_mapping.rs); in GLSL ES a
-// uniform.
-#ifdef GL_ES
-uniform float LEVEL_BEND;
-#else
-layout(constant_id = 2) const float LEVEL_BEND = 0.0;
-#endif
-
-// Level k of `level_count` holds the r with r (1 + b (1 - r)) = k / (level_count - 1).
+// Level k of `level_count` holds the r with r (1 + b (1 - r)) = k / (level_count - 1), b =
+// LEVEL_BEND (precompute/prefilter/level_mapping.rs).
 float perceptual_roughness_from_lod(float lod, uint level_count) {
     float u = level_count > 1u ? lod / float(level_count - 1u) : 0.0;
     float at_end = 1.0 - LEVEL_BEND;
@@ -32,13 +27,6 @@ float perceptual_roughness_from_lod(float lod, uint level_count) {
 float lod_from_perceptual_roughness(float perceptual_roughness, uint level_count) {
     return perceptual_roughness * (1.0 + LEVEL_BEND * (1.0 - perceptual_roughness)) * float(level_count - 1u);
 }
-
-// Texel positions of the DFG table (precompute/dfg), one of DFG_AXES_*; in GLSL ES a uniform.
-#ifdef GL_ES
-uniform uint DFG_AXES;
-#else
-layout(constant_id = 6) const uint DFG_AXES = DFG_AXES_FOURTH_ROOTS;
-#endif
 
 // Fourth roots of the least n_dot_v and of the least alpha.
 vec2 least_fourth_roots() {

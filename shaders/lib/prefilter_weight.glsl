@@ -1,10 +1,8 @@
 // The weight of a direction in a prefiltered texel.
 
-#include "lib/masking.glsl"
+#include "generated/specialization/masking.glsl"
+#include "generated/specialization/prefilter_weight.glsl"
 #include "lib/microfacet.glsl"
-
-// One of PREFILTER_WEIGHT_*, set when the pipeline is made.
-layout(constant_id = 3) const uint PREFILTER_WEIGHT = 0;
 
 // By its cosine to n; 0 below the horizon.
 float prefilter_weight(float n_dot_l, float alpha) {

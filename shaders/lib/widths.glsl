@@ -5,17 +5,10 @@
 // azimuth of the direction. [Heitz14]
 
 #include "generated/constants.glsl"
-
-// One width, or two by one of ANISOTROPY_*; in GLSL ES a uniform. With one, both components are
-// alpha, and the code is that for alpha.
-#ifdef GL_ES
-uniform uint ANISOTROPY;
-#else
-layout(constant_id = 7) const uint ANISOTROPY = ANISOTROPY_NONE;
-#endif
+#include "generated/specialization/anisotropy.glsl"
 
 // The widths for alpha and the strength s in [0, 1]; src/instrument/brdf/anisotropy.rs has the
-// sources.
+// sources. With ANISOTROPY_NONE both are alpha, and the code is the code for one alpha.
 vec2 widths_from_strength(float alpha, float s) {
     vec2 width = vec2(alpha);
     if (ANISOTROPY == ANISOTROPY_GLTF) {

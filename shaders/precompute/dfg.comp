@@ -3,7 +3,7 @@
 // (rgba32f).
 
 #include "lib/directional_albedo.glsl"
-#include "lib/masking.glsl"
+#include "generated/specialization/masking.glsl"
 #include "lib/prefilter_mapping.glsl"
 #include "lib/image_groups.glsl"
 

@@ -6,7 +6,7 @@
 // (sample_visible_normal(xi), 0). Specialization constant 0 is the masking-shadowing. Set 0: 0
 // inputs, 5 vec4 an item; 1 outputs, 8 vec4 an item.
 
-#include "lib/masking.glsl"
+#include "generated/specialization/masking.glsl"
 #include "lib/microfacet.glsl"
 #include "probe/item.glsl"
 

@@ -4,6 +4,7 @@
 // 9 table of taps; 10 sample points of this dispatch (lib/sampling.glsl); 11 radiance, a vec4 a
 // pixel; 12 shifts of each pixel's points as fixed point.
 
+#include "generated/specialization/pixel_points.glsl"
 #include "lib/compensation.glsl"
 #include "lib/sampling.glsl"
 #include "lib/shaded_pixel.glsl"
@@ -28,8 +29,6 @@ layout(std430, set = 0, binding = 12) readonly buffer Shifts {
     uvec2 shifts[];
 };
 
-// Whether pixels share their points, or each scrambles or shifts them: one of PIXEL_POINTS_*.
-layout(constant_id = 4) const uint PIXEL_POINTS = PIXEL_POINTS_SHARED;
 // The keys of this pixel's scrambles, or its shift.
 uvec2 pixel_keys;
 

@@ -4,7 +4,7 @@ use super::product::{LAST_SIDE, Product, SIDE};
 use crate::base::names::{Listed, listed};
 use crate::instrument::brdf::MaskingShadowing;
 use crate::instrument::precompute::prefilter::{LevelMapping, WEIGHTS, Weight};
-use glam::{DVec2, DVec3};
+use glam::{BVec2, DVec2, DVec3, Vec2Swizzles};
 use serde::Deserialize;
 use std::fmt;
 use std::sync::LazyLock;
@@ -13,13 +13,38 @@ use std::sync::LazyLock;
 /// axes of a Vulkan cube map, or of our lat-long map ([`crate::base::math::equirect`]).
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Axes {
-    /// File axis of each world axis, and whether it is negated.
-    of: [(usize, bool); 3],
+    /// File axis of each world axis.
+    file_axes: [FileAxis; 3],
+}
+
+/// A signed axis of a file.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct FileAxis {
+    /// 0 for x.
+    index: usize,
+    is_negative: bool,
+}
+
+impl FileAxis {
+    const fn positive(index: usize) -> Self {
+        Self {
+            index,
+            is_negative: false,
+        }
+    }
+
+    fn sign(self) -> f64 {
+        if self.is_negative { -1.0 } else { 1.0 }
+    }
 }
 
 impl Axes {
     pub const SAME: Self = Self {
-        of: [(0, false), (1, false), (2, false)],
+        file_axes: [
+            FileAxis::positive(0),
+            FileAxis::positive(1),
+            FileAxis::positive(2),
+        ],
     };
 
     /// Parses a text such as `-z+y+x`.
@@ -44,7 +69,10 @@ impl Axes {
         ];
         orders.into_iter().flat_map(|order| {
             (0..8).map(move |signs| Self {
-                of: std::array::from_fn(|i| (order[i], signs >> i & 1 == 1)),
+                file_axes: std::array::from_fn(|i| FileAxis {
+                    index: order[i],
+                    is_negative: signs >> i & 1 == 1,
+                }),
             })
         })
     }
@@ -52,30 +80,25 @@ impl Axes {
     /// Converts a world direction to the file. Inverse: [`Self::to_world`].
     pub fn to_file(self, world: DVec3) -> DVec3 {
         let mut file = DVec3::ZERO;
-        (0..3).for_each(|i| file[self.of[i].0] = self.sign(i) * world[i]);
+        for (axis, value) in self.file_axes.into_iter().zip(world.to_array()) {
+            file[axis.index] = axis.sign() * value;
+        }
         file
     }
 
     /// Converts a file direction to the world. Inverse: [`Self::to_file`].
     pub fn to_world(self, file: DVec3) -> DVec3 {
-        DVec3::from_array(std::array::from_fn(|i| self.sign(i) * file[self.of[i].0]))
-    }
-
-    fn sign(self, i: usize) -> f64 {
-        if self.of[i].1 { -1.0 } else { 1.0 }
+        DVec3::from_array(self.file_axes.map(|axis| axis.sign() * file[axis.index]))
     }
 }
 
 impl fmt::Display for Axes {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        self.of.iter().try_for_each(|(axis, is_turned)| {
-            write!(
-                f,
-                "{}{}",
-                if *is_turned { '-' } else { '+' },
-                ["x", "y", "z"][*axis]
-            )
-        })
+        for axis in self.file_axes {
+            let sign = if axis.is_negative { '-' } else { '+' };
+            write!(f, "{sign}{}", ["x", "y", "z"][axis.index])?;
+        }
+        Ok(())
     }
 }
 
@@ -85,42 +108,51 @@ pub struct TableAxes {
     /// Parameter to the right, then downwards: `n` for n·v, `r` for perceptual roughness, `-` if it
     /// falls.
     pub name: &'static str,
+    /// Whether roughness is to the right.
+    is_swapped: bool,
+    /// Whether the parameters to the right and downwards fall.
+    falls: BVec2,
+}
+
+impl TableAxes {
+    const fn new(name: &'static str, is_swapped: bool, falls: [bool; 2]) -> Self {
+        Self {
+            name,
+            is_swapped,
+            falls: BVec2::new(falls[0], falls[1]),
+        }
+    }
 }
 
 /// Every variant; the first is ours.
 pub static TABLE_AXES: &[TableAxes] = &[
-    TableAxes { name: "n+r+" },
-    TableAxes { name: "n+r-" },
-    TableAxes { name: "n-r+" },
-    TableAxes { name: "n-r-" },
-    TableAxes { name: "r+n+" },
-    TableAxes { name: "r+n-" },
-    TableAxes { name: "r-n+" },
-    TableAxes { name: "r-n-" },
+    TableAxes::new("n+r+", false, [false, false]),
+    TableAxes::new("n+r-", false, [false, true]),
+    TableAxes::new("n-r+", false, [true, false]),
+    TableAxes::new("n-r-", false, [true, true]),
+    TableAxes::new("r+n+", true, [false, false]),
+    TableAxes::new("r+n-", true, [false, true]),
+    TableAxes::new("r-n+", true, [true, false]),
+    TableAxes::new("r-n-", true, [true, true]),
 ];
 
 impl TableAxes {
-    /// Returns n·v and perceptual roughness at texture coordinates.
+    /// Returns n·v and perceptual roughness at texture coordinates. Inverse: [`Self::uv`].
     pub fn parameters(&self, uv: DVec2) -> DVec2 {
         self.swapped(self.flipped(uv))
     }
 
     /// Returns texture coordinates of n·v and perceptual roughness. Inverse: [`Self::parameters`].
-    pub fn place(&self, parameters: DVec2) -> DVec2 {
+    pub fn uv(&self, parameters: DVec2) -> DVec2 {
         self.flipped(self.swapped(parameters))
     }
 
     fn flipped(&self, uv: DVec2) -> DVec2 {
-        let falls = |sign: usize| self.name.as_bytes()[sign] == b'-';
-        DVec2::select(glam::BVec2::new(falls(1), falls(3)), 1.0 - uv, uv)
+        DVec2::select(self.falls, 1.0 - uv, uv)
     }
 
-    fn swapped(&self, at: DVec2) -> DVec2 {
-        if self.name.starts_with('r') {
-            DVec2::new(at.y, at.x)
-        } else {
-            at
-        }
+    fn swapped(&self, pair: DVec2) -> DVec2 {
+        if self.is_swapped { pair.yx() } else { pair }
     }
 }
 
@@ -140,7 +172,7 @@ pub static TABLE_CHANNELS: &[TableChannels] = &[
     },
     TableChannels {
         name: "bias-scale",
-        pair: |texel| DVec2::new(texel.y, texel.x),
+        pair: |texel| texel.yx(),
     },
     // Filament's table for several scatterings.
     TableChannels {
@@ -149,6 +181,7 @@ pub static TABLE_CHANNELS: &[TableChannels] = &[
     },
 ];
 
+/// How to read the numbers of a bake.
 #[derive(Clone, Debug)]
 pub struct Convention {
     pub axes: Axes,
@@ -242,11 +275,14 @@ impl Preset {
         })?;
         preset.parsed()?;
         if let Some(product) = &preset.product {
-            let given = [
-                ("alphas", preset.alphas.is_some()),
-                ("scale", preset.scale != 1.0),
-            ];
-            if let Some((name, _)) = given.iter().find(|(_, is_given)| *is_given) {
+            let excluded = if preset.alphas.is_some() {
+                Some("alphas")
+            } else if preset.scale != 1.0 {
+                Some("scale")
+            } else {
+                None
+            };
+            if let Some(name) = excluded {
                 return Err(format!(
                     "{name}: a preset with [product] writes radiance by a level_mapping; leave it \
                      out"
@@ -283,6 +319,7 @@ impl Preset {
         count.map_or(SIDE, |count| SIDE.max(LAST_SIDE << (count - 1)))
     }
 
+    /// Returns the conventions with parsed names.
     pub fn convention(&self) -> Convention {
         self.parsed().expect("checked where it was read")
     }
@@ -320,6 +357,7 @@ impl Preset {
 }
 
 impl Convention {
+    /// Returns the width of each of `count` levels.
     pub fn alphas(&self, count: usize) -> Result<Vec<f64>, String> {
         match &self.alphas {
             Some(alphas) if alphas.len() == count && alphas.is_sorted() => Ok(alphas.clone()),
@@ -343,6 +381,7 @@ impl Convention {
         }
     }
 
+    /// Returns the number of levels that the engine reads of `count`.
     pub fn mapping_levels(&self, count: usize) -> u32 {
         self.mapping.engine_levels.unwrap_or(count as u32)
     }

@@ -2,6 +2,7 @@
 //! texel.
 
 use super::convention::{Convention, PRESETS, Preset};
+use super::parts::{Bake, Map};
 use super::source::{Reading, read};
 use crate::base::glsl::constants::FILE_PREFIX;
 use crate::base::names::Listed;
@@ -13,6 +14,7 @@ use glam::DVec2;
 use std::path::Path;
 use std::sync::Arc;
 
+/// Separates the path of a value from its preset.
 const PRESET: char = '#';
 /// Largest difference of a width from its mapping's.
 const ALPHA_WITHIN: f64 = 1e-4;
@@ -27,78 +29,11 @@ pub fn load(prefiltered: &str, dfg: &str, dir: &Path) -> Result<Given, String> {
 
 /// Loads the map of a value, relative to `dir`; `None` for [`OWN`].
 pub fn map(value: &str, dir: &Path) -> Result<Option<Arc<GivenMap>>, String> {
-    let Some((bake, convention)) = opened(value, dir)? else {
+    let Some(opened) = Opened::new(value, dir)? else {
         return Ok(None);
     };
-    let refuse = |what: String| Err(format!("{value}: {what}"));
-    let Some(mut map) = bake.specular else {
-        return refuse("it has no prefiltered map".to_owned());
-    };
-    let layout = &LAYOUTS[0];
-    if map.layout != layout {
-        return refuse(format!(
-            "its layout is {}; expected a cube",
-            map.layout.name
-        ));
-    }
-    // The engine reads no further levels.
-    map.levels
-        .truncate(convention.mapping.engine_levels.unwrap_or(u32::MAX) as usize);
-    let count = map.levels.len();
-    let side = map.levels[0][0].width;
-    if count < 2 {
-        return refuse("it has one level; expected 2 or more".to_owned());
-    }
-    if let Some(k) = (0..count).find(|k| map.levels[*k][0].width != side >> k) {
-        return refuse(format!(
-            "level {k} is {} wide; expected {}, half of the one before",
-            map.levels[k][0].width,
-            side >> k
-        ));
-    }
-    let alphas = convention
-        .alphas(count)
-        .map_err(|fault| format!("{value}: {fault}"))?;
-    let holds = |mapping: &&LevelMapping| {
-        let own = (0..count).map(|k| mapping.alpha_from_mip(k as f64, count as u32));
-        own.zip(&alphas)
-            .all(|(own, alpha)| (own - alpha).abs() < ALPHA_WITHIN)
-    };
-    // Tries the convention's own mapping first: short chains fit several.
-    let Some(mapping) = [convention.mapping]
-        .into_iter()
-        .chain(LEVEL_MAPPINGS)
-        .find(holds)
-    else {
-        return refuse(format!("no level mapping has its widths {alphas:?}"));
-    };
-    let level = |faces: &Vec<RgbImage>| -> Vec<[f32; 4]> {
-        let side = faces[0].width;
-        let texel = |index: u32| {
-            let at = DVec2::new((index % side).into(), (index / side % side).into()) + 0.5;
-            // Orientations of a cube map texel centres to texel centres.
-            let world = (layout.direction)(index / (side * side), at / f64::from(side));
-            let (face, uv) = (layout.place)(convention.axes.to_file(world));
-            let [x, y] = (uv * f64::from(side))
-                .to_array()
-                .map(|at| (at as u32).min(side - 1));
-            let [r, g, b] = faces[face as usize]
-                .get(x, y)
-                .map(|value| (f64::from(value) * convention.scale) as f32);
-            [r, g, b, 1.0]
-        };
-        (0..6 * side * side).map(texel).collect()
-    };
-    let levels: Vec<_> = map.levels.iter().map(level).collect();
-    let hash = hash(mapping.name, side, levels.iter().flatten());
-    Ok(Some(Arc::new(GivenMap {
-        name: value.to_owned(),
-        hash,
-        layout,
-        side,
-        mapping,
-        levels,
-    })))
+    let map = opened.map().map_err(|fault| format!("{value}: {fault}"))?;
+    Ok(Some(Arc::new(map)))
 }
 
 /// Loads the DFG table of a value, relative to `dir`; `None` for [`OWN`].
@@ -106,36 +41,174 @@ pub fn table(value: &str, dir: &Path) -> Result<Option<Arc<GivenTable>>, String>
     if value == CENTRES {
         return Ok(None);
     }
-    let Some((bake, convention)) = opened(value, dir)? else {
+    let Some(opened) = Opened::new(value, dir)? else {
         return Ok(None);
     };
-    let Some(image) = bake.dfg else {
-        return Err(format!("{value}: it has no DFG table"));
-    };
-    if image.width != image.height || image.width < 2 {
-        return Err(format!(
-            "{value}: it is {}x{}; expected a square table",
-            image.width, image.height
-        ));
+    let table = opened
+        .table()
+        .map_err(|fault| format!("{value}: {fault}"))?;
+    Ok(Some(Arc::new(table)))
+}
+
+/// The bake of a value, and its conventions.
+struct Opened<'v> {
+    value: &'v str,
+    bake: Bake,
+    convention: Convention,
+}
+
+impl<'v> Opened<'v> {
+    /// Reads the bake of a value with the preset after `#`, else with the stated one; `None` for
+    /// [`OWN`].
+    fn new(value: &'v str, dir: &Path) -> Result<Option<Self>, String> {
+        if value == OWN {
+            return Ok(None);
+        }
+        let Some(path) = value.strip_prefix(FILE_PREFIX) else {
+            return Err(format!(
+                "{value:?} is neither {OWN} nor {FILE_PREFIX}PATH or {FILE_PREFIX}PATH#PRESET"
+            ));
+        };
+        let (path, preset) = match path.rsplit_once(PRESET) {
+            Some((path, preset)) => (path, Some(preset)),
+            None => (path, None),
+        };
+        let bake = read(&[dir.join(path).display().to_string()], Reading::default())
+            .map_err(|fault| fault.to_string())?;
+        let name = preset
+            .or(bake.stated.preset.as_deref())
+            .unwrap_or(PRESETS[0].name);
+        let preset = Preset::parse(name).map_err(|fault| format!("{value}: {fault}"))?;
+        let mut convention = preset.convention();
+        convention.alphas = bake.stated.alphas.clone().or(convention.alphas);
+        Ok(Some(Self {
+            value,
+            bake,
+            convention,
+        }))
     }
-    let side = image.width;
-    let texel = |index: u32| {
-        let at = (DVec2::new((index % side).into(), (index / side).into()) + 0.5) / f64::from(side);
-        let [x, y] = (convention.table_axes.place(at) * f64::from(side))
-            .to_array()
-            .map(|at| (at as u32).min(side - 1));
-        let [a, b, _] = image.get(x, y).map(f64::from);
-        let pair = (convention.table_channels.pair)(DVec2::new(a, b)).as_vec2();
-        [pair.x, pair.y, 0.0, 1.0]
+
+    /// Converts the prefiltered map.
+    fn map(self) -> Result<GivenMap, String> {
+        let Some(mut map) = self.bake.specular else {
+            return Err("it has no prefiltered map".to_owned());
+        };
+        let layout = &LAYOUTS[0];
+        if map.layout != layout {
+            return Err(format!(
+                "its layout is {}; expected a cube",
+                map.layout.name
+            ));
+        }
+        let convention = &self.convention;
+        // The engine reads no further levels.
+        let level_count_max = convention.mapping.engine_levels.unwrap_or(u32::MAX);
+        map.levels.truncate(level_count_max as usize);
+        check_sizes(&map)?;
+        let mapping = level_mapping(convention, map.levels.len())?;
+        let side = map.levels[0][0].width;
+        let levels: Vec<Vec<[f32; 4]>> = map
+            .levels
+            .iter()
+            .map(|faces| converted(faces, convention))
+            .collect();
+        Ok(GivenMap {
+            name: self.value.to_owned(),
+            hash: hash(mapping.name, side, levels.iter().flatten()),
+            layout,
+            side,
+            mapping,
+            levels,
+        })
+    }
+
+    /// Converts the DFG table.
+    fn table(self) -> Result<GivenTable, String> {
+        let Some(image) = self.bake.dfg else {
+            return Err("it has no DFG table".to_owned());
+        };
+        let RgbImage { width, height, .. } = image;
+        if width != height || width < 2 {
+            return Err(format!("it is {width}x{height}; expected a square table"));
+        }
+        let side = width;
+        let texel = |index: u32| {
+            let centre = DVec2::new((index % side).into(), (index / side).into()) + 0.5;
+            let uv = self.convention.table_axes.uv(centre / f64::from(side));
+            let [x, y] = pixel(uv, side);
+            let [a, b, _] = image.get(x, y).map(f64::from);
+            let pair = (self.convention.table_channels.pair)(DVec2::new(a, b)).as_vec2();
+            [pair.x, pair.y, 0.0, 1.0]
+        };
+        let texels: Vec<[f32; 4]> = (0..side * side).map(texel).collect();
+        Ok(GivenTable {
+            name: self.value.to_owned(),
+            hash: hash("", side, texels.iter()),
+            side,
+            texels,
+        })
+    }
+}
+
+/// Refuses a map without levels that halve.
+fn check_sizes(map: &Map) -> Result<(), String> {
+    let side = map.levels[0][0].width;
+    let count = map.levels.len();
+    if count < 2 {
+        return Err("it has one level; expected 2 or more".to_owned());
+    }
+    for (k, faces) in map.levels.iter().enumerate() {
+        let width = faces[0].width;
+        if width != side >> k {
+            return Err(format!(
+                "level {k} is {width} wide; expected {}, half of the one before",
+                side >> k
+            ));
+        }
+    }
+    Ok(())
+}
+
+/// Finds the mapping with the widths of the convention.
+fn level_mapping(convention: &Convention, count: usize) -> Result<&'static LevelMapping, String> {
+    let alphas = convention.alphas(count)?;
+    let has_widths = |mapping: &&LevelMapping| {
+        alphas.iter().enumerate().all(|(k, alpha)| {
+            let mapped = mapping.alpha_from_mip(k as f64, count as u32);
+            (mapped - alpha).abs() < ALPHA_WITHIN
+        })
     };
-    let texels: Vec<_> = (0..side * side).map(texel).collect();
-    let hash = hash("", side, texels.iter());
-    Ok(Some(Arc::new(GivenTable {
-        name: value.to_owned(),
-        hash,
-        side,
-        texels,
-    })))
+    // Tries the convention's mapping first: short chains fit several.
+    [convention.mapping]
+        .into_iter()
+        .chain(LEVEL_MAPPINGS)
+        .find(has_widths)
+        .ok_or_else(|| format!("no level mapping has its widths {alphas:?}"))
+}
+
+/// Turns and scales the faces of a level.
+fn converted(faces: &[RgbImage], convention: &Convention) -> Vec<[f32; 4]> {
+    let layout = &LAYOUTS[0];
+    let side = faces[0].width;
+    let texel = |index: u32| {
+        let centre = DVec2::new((index % side).into(), (index / side % side).into()) + 0.5;
+        // Orientations of a cube map texel centres to texel centres.
+        let world = (layout.direction)(index / (side * side), centre / f64::from(side));
+        let (face, uv) = (layout.place)(convention.axes.to_file(world));
+        let [x, y] = pixel(uv, side);
+        let [r, g, b] = faces[face as usize]
+            .get(x, y)
+            .map(|value| (f64::from(value) * convention.scale) as f32);
+        [r, g, b, 1.0]
+    };
+    (0..6 * side * side).map(texel).collect()
+}
+
+/// Returns the pixel at texture coordinates of a square image.
+fn pixel(uv: DVec2, side: u32) -> [u32; 2] {
+    (uv * f64::from(side))
+        .to_array()
+        .map(|texels| (texels as u32).min(side - 1))
 }
 
 fn hash<'t>(mapping: &str, side: u32, texels: impl Iterator<Item = &'t [f32; 4]>) -> String {
@@ -147,31 +220,4 @@ fn hash<'t>(mapping: &str, side: u32, texels: impl Iterator<Item = &'t [f32; 4]>
         hasher.update(bytemuck::cast_slice(texel));
     }
     hasher.finalize().to_hex().to_string()
-}
-
-/// Reads the bake of a value with the preset after `#`, else its own.
-fn opened(value: &str, dir: &Path) -> Result<Option<(super::Bake, Convention)>, String> {
-    if value == OWN {
-        return Ok(None);
-    }
-    let Some(path) = value.strip_prefix(FILE_PREFIX) else {
-        return Err(format!(
-            "{value:?} is neither {OWN} nor {FILE_PREFIX}PATH or {FILE_PREFIX}PATH#PRESET"
-        ));
-    };
-    let (path, preset) = path
-        .rsplit_once(PRESET)
-        .map_or((path, None), |(path, preset)| (path, Some(preset)));
-    let bake = read(&[dir.join(path).display().to_string()], Reading::default())
-        .map_err(|fault| fault.to_string())?;
-    let name = preset
-        .or(bake.stated.preset.as_deref())
-        .unwrap_or(PRESETS[0].name);
-    let found = Preset::parse(name).map_err(|fault| format!("{value}: {fault}"))?;
-    let own = found.convention();
-    let convention = Convention {
-        alphas: bake.stated.alphas.clone().or(own.alphas),
-        ..own
-    };
-    Ok(Some((bake, convention)))
 }

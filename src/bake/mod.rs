@@ -15,8 +15,6 @@ pub mod paste;
 pub mod plain;
 pub mod product;
 pub mod sh;
-#[cfg(feature = "gpu")]
-pub mod shader_check;
 pub mod source;
 
-pub use parts::{Bake, Map, Stated};
+pub use parts::{Bake, Map, Stated, TexelOrder};

@@ -5,6 +5,7 @@ use crate::base::pixels::RgbImage;
 use crate::instrument::environment::layout::MapLayout;
 use serde::{Deserialize, Serialize};
 
+/// A map of radiance or irradiance.
 #[derive(Clone, Debug)]
 pub struct Map {
     pub layout: &'static MapLayout,
@@ -12,49 +13,61 @@ pub struct Map {
     pub levels: Vec<Vec<RgbImage>>,
 }
 
+/// How a file orders the texels of a cube with several levels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TexelOrder {
+    /// All faces of a level, then the next level: KTX.
+    ByLevel,
+    /// All levels of a face, then the next face: DDS.
+    ByFace,
+}
+
+impl TexelOrder {
+    pub const ALL: [Self; 2] = [Self::ByLevel, Self::ByFace];
+}
+
+/// A face of a level.
+#[derive(Clone, Copy)]
+struct Image {
+    level: usize,
+    face: usize,
+}
+
 impl Map {
-    /// Cuts the texels of the file again as if its levels and faces were in the other order: of a
-    /// file by faces, and of one by levels.
-    pub fn reordered(&self) -> Vec<(&'static str, Self)> {
-        let (levels, faces) = (0..self.levels.len(), 0..self.levels[0].len());
-        let by_face: Vec<[usize; 2]> = faces
-            .clone()
-            .flat_map(|face| levels.clone().map(move |level| [level, face]))
-            .collect();
-        let by_level: Vec<[usize; 2]> = levels
-            .flat_map(|level| faces.clone().map(move |face| [level, face]))
-            .collect();
-        let cut = |words, from: &[[usize; 2]], to: &[[usize; 2]]| {
-            let mut texels = from
-                .iter()
-                .flat_map(|[level, face]| &self.levels[*level][*face].data);
-            let mut levels = self.levels.clone();
-            for [level, face] in to {
-                levels[*level][*face]
-                    .data
-                    .iter_mut()
-                    .zip(&mut texels)
-                    .for_each(|(to, from)| *to = *from);
-            }
-            (words, Self { levels, ..*self })
+    /// Cuts the texels of the file again as if they were in this order, and were read in the other.
+    pub fn reordered(&self, order: TexelOrder) -> Self {
+        let (from, to) = match order {
+            TexelOrder::ByLevel => (self.images_by_face(), self.images_by_level()),
+            TexelOrder::ByFace => (self.images_by_level(), self.images_by_face()),
         };
-        vec![
-            cut(
-                "its data are level by level, as in KTX; a DDS file has all levels of a face \
-                 before the next face",
-                &by_face,
-                &by_level,
-            ),
-            cut(
-                "its data are face by face, as in DDS; a KTX file has all faces of a level before \
-                 the next level",
-                &by_level,
-                &by_face,
-            ),
-        ]
+        let mut texels = from
+            .iter()
+            .flat_map(|image| &self.levels[image.level][image.face].data);
+        let mut levels = self.levels.clone();
+        for Image { level, face } in to {
+            for (to, from) in levels[level][face].data.iter_mut().zip(&mut texels) {
+                *to = *from;
+            }
+        }
+        Self { levels, ..*self }
+    }
+
+    fn images_by_level(&self) -> Vec<Image> {
+        let faces = 0..self.levels[0].len();
+        (0..self.levels.len())
+            .flat_map(|level| faces.clone().map(move |face| Image { level, face }))
+            .collect()
+    }
+
+    fn images_by_face(&self) -> Vec<Image> {
+        let levels = 0..self.levels.len();
+        (0..self.levels[0].len())
+            .flat_map(|face| levels.clone().map(move |level| Image { level, face }))
+            .collect()
     }
 }
 
+/// The parts of a bake.
 #[derive(Clone, Debug, Default)]
 pub struct Bake {
     /// Prefiltered radiance.

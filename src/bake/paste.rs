@@ -11,7 +11,7 @@ use std::io::Read;
 
 const PAGE: &str = include_str!("../../docs/paste.md");
 
-/// The table of two taps beside an engine's files.
+/// File of the table of two taps in a bake for an engine.
 pub const TAPS: &str = "taps.ktx2";
 
 /// Fitted tables of GGX for the default levels of engines and of `splitsum bake`: a fit takes more
@@ -23,9 +23,14 @@ macro_rules! fitted {
     };
 }
 static FITTED: [(&str, &[u8]); 8] = fitted![
-    "one-separable-cosine-linear-5" "two-separable-cosine-linear-5" "four-separable-cosine-linear-5"
-    "two-correlated-cosine-linear-6" "two-correlated-cosine-quadratic-5" "two-correlated-cosine-quadratic-6"
-    "two-correlated-cosine-unity-7" "two-correlated-masking-unity-7"
+    "one-separable-cosine-linear-5"
+    "two-separable-cosine-linear-5"
+    "four-separable-cosine-linear-5"
+    "two-correlated-cosine-linear-6"
+    "two-correlated-cosine-quadratic-5"
+    "two-correlated-cosine-quadratic-6"
+    "two-correlated-cosine-unity-7"
+    "two-correlated-masking-unity-7"
 ];
 
 /// Returns the table of taps for the levels of a prefiltered map.
@@ -36,35 +41,38 @@ pub fn taps(
     level_count: u32,
     count: TapCount,
 ) -> Pixels<[f32; 4]> {
-    let [count_name, masking_name] = [count.word(), masking.name()];
     let name = format!(
-        "{count_name}-{masking_name}-{}-{}-{level_count}",
-        kernel.weight.name, mapping.name
+        "{}-{}-{}-{}-{level_count}",
+        count.word(),
+        masking.name(),
+        kernel.weight.name,
+        mapping.name
     );
-    if let Some((_, packed)) = FITTED
+    let fitted = FITTED
         .iter()
-        .find(|(fitted, _)| kernel.brdf.name() == Ggx.name() && *fitted == name)
-    {
-        let ([width, height], mut bytes) = (TapTable::size(count), Vec::new());
-        let mut decoder = StreamingDecoder::new(*packed).expect("a file of the program");
-        decoder
-            .read_to_end(&mut bytes)
-            .expect("a file of the program");
-        let half = |bytes: &[u8; 2]| f16::from_le_bytes(*bytes).to_f32();
-        let texel = |texel: &[u8; 8]| [0, 1, 2, 3].map(|i| half(&texel.as_chunks().0[i]));
-        return Pixels::new(
-            width,
-            height,
-            bytes.as_chunks().0.iter().map(texel).collect(),
-        );
+        .filter(|_| kernel.brdf.name() == Ggx.name())
+        .find(|(fitted, _)| *fitted == name);
+    match fitted {
+        Some((_, packed)) => unpacked(packed, count),
+        None => {
+            let chain = Chain::new(kernel, mapping, level_count);
+            TapTable::fit(&chain, kernel.brdf, masking, count).texels
+        }
     }
-    TapTable::fit(
-        &Chain::new(kernel, mapping, level_count),
-        kernel.brdf,
-        masking,
-        count,
-    )
-    .texels
+}
+
+/// Unpacks a fitted table.
+fn unpacked(packed: &[u8], count: TapCount) -> Pixels<[f32; 4]> {
+    let [width, height] = TapTable::size(count);
+    let mut bytes = Vec::new();
+    StreamingDecoder::new(packed)
+        .expect("a file of the program")
+        .read_to_end(&mut bytes)
+        .expect("a file of the program");
+    let half = |bytes: &[u8; 2]| f16::from_le_bytes(*bytes).to_f32();
+    let texel = |texel: &[u8; 8]| [0, 1, 2, 3].map(|i| half(&texel.as_chunks().0[i]));
+    let texels = bytes.as_chunks().0.iter().map(texel).collect();
+    Pixels::new(width, height, texels)
 }
 
 /// Returns name and text of a file with the code for [`TAPS`]: the functions, and their use as a
@@ -78,7 +86,8 @@ pub fn file(language: &str) -> (String, String) {
     let text = format!(
         "// Two lookups of the prefiltered map. taps: {TAPS}, bilinear, clamped to edges, no \
          mips.\n\n{functions}\n\
-         // Replaces the lookup along r. dfg: (A, B). map: the prefiltered map; turn its directions as you turn r.\n\
+         // Replaces the lookup along r. dfg: (A, B). map: the prefiltered map; turn its \
+         directions as you turn r.\n\
          {lines}"
     );
     (TAPS.replace("ktx2", &language.to_lowercase()), text)
@@ -95,8 +104,8 @@ pub fn code(language: &str, method: &str) -> Option<[&'static str; 2]> {
             .filter_map(|block| Some(block.split_once('\n')?.1))
             .collect();
         // A use without functions continues the method above it.
-        if let [own, _] = blocks[..] {
-            functions = own;
+        if let [before, _] = blocks[..] {
+            functions = before;
         }
         if name == method {
             return Some([functions, blocks.last()?]);

@@ -9,6 +9,7 @@ use super::parts::Stated;
 use super::paste;
 use super::source::MANIFEST;
 use crate::base::files::{RECORD_BYTES_MAX, names_in, read_text};
+use crate::base::math::harmonics::Harmonics;
 use crate::base::names::Listed;
 use crate::base::pixels::{Fault, Pixels, PixelsError, exr};
 use crate::instrument::brdf::{Brdf, MaskingShadowing};
@@ -35,6 +36,7 @@ pub const SETTINGS: &[&str] = &[
     "irradiance_size",
 ];
 
+/// What to bake.
 #[derive(Clone, Copy, Debug)]
 pub struct Baking<'a> {
     pub environment: &'a Environment,
@@ -71,105 +73,141 @@ impl Baking<'_> {
     /// Writes the files into the folder `out`, `bake.json` last, and returns their paths. Removes
     /// the levels of an earlier bake, which may have more of them.
     pub fn bake(&self, out: &Path) -> Result<Vec<PathBuf>, PixelsError> {
-        let Self {
-            environment,
-            settings,
-            brdfs,
-            masking,
-        } = *self;
         std::fs::create_dir_all(out).map_err(|error| {
             Fault::new(format!("cannot be created ({error})"), "a folder").at(out)
         })?;
+        self.remove_earlier(out)?;
+        let settings = &self.settings;
+        let degree = harmonic::degree_of_map(self.alpha(1));
+        let harmonics = harmonic::harmonics(&self.environment.image, degree);
+        let mut files = Files {
+            out,
+            paths: Vec::new(),
+        };
+        files.json("sh9.json", &sh9(self.environment))?;
+        let cosine = harmonic::cosine_factors(degree);
+        let size = settings.irradiance_size;
+        let irradiance = harmonic::texels(&harmonics, &cosine, settings.layout, size);
+        files.image(
+            "irradiance_over_pi.exr",
+            &faces(settings.layout, size, irradiance),
+            &["R", "G", "B"],
+        )?;
+        for brdf in self.brdfs {
+            self.bake_levels(*brdf, &harmonics, &mut files)?;
+            self.bake_tables(*brdf, &mut files)?;
+        }
+        let manifest = self.manifest(&files.names());
+        files.json(MANIFEST, &manifest)?;
+        Ok(files.paths)
+    }
+
+    /// Removes manifest and levels of an earlier bake; refuses a bake for an engine.
+    fn remove_earlier(&self, out: &Path) -> Result<(), PixelsError> {
         let manifest = read_text(&out.join(MANIFEST), RECORD_BYTES_MAX).unwrap_or_default();
         if serde_json::from_str::<Stated>(&manifest).is_ok_and(|stated| stated.preset.is_some()) {
             return Err(
                 Fault::new("has the files of `bake --for`", "a new or an empty folder").at(out),
             );
         }
-        let is_level = |name: &str| {
-            brdfs
-                .iter()
-                .any(|brdf| name.starts_with(&format!("prefiltered_{}_", brdf.name())))
-        };
-        for name in names_in(out)
+        let prefixes: Vec<String> = self
+            .brdfs
             .iter()
-            .filter(|name| *name == MANIFEST || is_level(name))
-        {
-            let path = out.join(name);
-            std::fs::remove_file(&path).map_err(|error| {
-                Fault::new(format!("cannot be replaced ({error})"), "a file").at(&path)
-            })?;
-        }
-        let (layout, level_count) = (settings.layout, settings.prefilter_level_count);
-        let alpha = |level: u32| {
-            settings
-                .level_mapping
-                .alpha_from_mip(level.into(), level_count)
-        };
-        let degree = harmonic::degree_of_map(alpha(1));
-        let harmonics = harmonic::harmonics(&environment.image, degree);
-        let mut files = Files {
-            out,
-            paths: Vec::new(),
-        };
-        files.json("sh9.json", &sh9(environment))?;
-        let size = settings.irradiance_size;
-        let irradiance =
-            harmonic::texels(&harmonics, &harmonic::cosine_factors(degree), layout, size);
-        files.image(
-            "irradiance_over_pi.exr",
-            &faces(layout, size, irradiance),
-            &["R", "G", "B"],
-        )?;
-        for brdf in brdfs {
-            let (name, kernel) = (
-                brdf.name(),
-                Kernel::new(*brdf, settings.prefilter_weight, masking),
-            );
-            for level in 0..level_count {
-                let size = settings.prefilter_size.map(|side| side >> level);
-                let texels = match alpha(level) {
-                    // A mirror's are means of the environment.
-                    0.0 => {
-                        let means =
-                            exact::mirror(environment, &Directions::new(layout, Axes::SAME, size));
-                        means
-                            .into_iter()
-                            .map(|texel| texel.as_vec3().extend(1.0).to_array())
-                            .collect()
-                    }
-                    alpha => harmonic::level(&harmonics, kernel, alpha, layout, size),
-                };
-                let file = format!("prefiltered_{name}_{level}.exr");
-                files.image(&file, &faces(layout, size, texels), &["R", "G", "B"])?;
-            }
-            let table = dfg(*brdf, masking, &TABLE_AXES[0], settings.dfg_size)
-                .map(|[a, b, _]| [a, b, 0.0, 0.0]);
-            // Viewers show nothing for channels named A and B.
-            files.image(&format!("dfg_{name}.exr"), &table, &["R", "G"])?;
-            for count in TapCount::ALL {
-                let word = count.word();
-                let taps = paste::taps(kernel, masking, settings.level_mapping, level_count, count);
-                files.image(
-                    &format!("taps_{word}_{name}.exr"),
-                    &taps,
-                    &["R", "G", "B", "A"],
-                )?;
-                files.bytes(&format!("taps_{word}_{name}.ktx2"), &write_table(&taps))?;
-            }
-        }
-        let names: Vec<_> = files
-            .paths
-            .iter()
-            .filter_map(|path| path.file_name()?.to_str())
+            .map(|brdf| format!("prefiltered_{}_", brdf.name()))
             .collect();
-        let manifest = json!({
+        for name in names_in(out) {
+            let is_level = prefixes.iter().any(|prefix| name.starts_with(prefix));
+            if name == MANIFEST || is_level {
+                let path = out.join(name);
+                std::fs::remove_file(&path).map_err(|error| {
+                    Fault::new(format!("cannot be replaced ({error})"), "a file").at(&path)
+                })?;
+            }
+        }
+        Ok(())
+    }
+
+    fn alpha(&self, level: u32) -> f64 {
+        let PrecomputeSettings {
+            level_mapping,
+            prefilter_level_count,
+            ..
+        } = self.settings;
+        level_mapping.alpha_from_mip(level.into(), prefilter_level_count)
+    }
+
+    fn kernel(&self, brdf: &'static dyn Brdf) -> Kernel {
+        Kernel::new(brdf, self.settings.prefilter_weight, self.masking)
+    }
+
+    /// Writes the levels of a model's prefiltered map.
+    fn bake_levels(
+        &self,
+        brdf: &'static dyn Brdf,
+        harmonics: &Harmonics,
+        files: &mut Files,
+    ) -> Result<(), PixelsError> {
+        let layout = self.settings.layout;
+        for level in 0..self.settings.prefilter_level_count {
+            let alpha = self.alpha(level);
+            let size = self.settings.prefilter_size.map(|side| side >> level);
+            let texels = if alpha == 0.0 {
+                // Texels of a mirror are means of the environment.
+                let directions = Directions::new(layout, Axes::SAME, size);
+                exact::mirror(self.environment, &directions)
+                    .into_iter()
+                    .map(|texel| texel.as_vec3().extend(1.0).to_array())
+                    .collect()
+            } else {
+                harmonic::level(harmonics, self.kernel(brdf), alpha, layout, size)
+            };
+            files.image(
+                &format!("prefiltered_{}_{level}.exr", brdf.name()),
+                &faces(layout, size, texels),
+                &["R", "G", "B"],
+            )?;
+        }
+        Ok(())
+    }
+
+    /// Writes a model's DFG table and tables of taps.
+    fn bake_tables(&self, brdf: &'static dyn Brdf, files: &mut Files) -> Result<(), PixelsError> {
+        let name = brdf.name();
+        let table = dfg(brdf, self.masking, &TABLE_AXES[0], self.settings.dfg_size)
+            .map(|[a, b, _]| [a, b, 0.0, 0.0]);
+        // Viewers show nothing for channels named A and B.
+        files.image(&format!("dfg_{name}.exr"), &table, &["R", "G"])?;
+        for count in TapCount::ALL {
+            let word = count.word();
+            let taps = paste::taps(
+                self.kernel(brdf),
+                self.masking,
+                self.settings.level_mapping,
+                self.settings.prefilter_level_count,
+                count,
+            );
+            files.image(
+                &format!("taps_{word}_{name}.exr"),
+                &taps,
+                &["R", "G", "B", "A"],
+            )?;
+            files.bytes(&format!("taps_{word}_{name}.ktx2"), &write_table(&taps))?;
+        }
+        Ok(())
+    }
+
+    fn manifest(&self, names: &[&str]) -> serde_json::Value {
+        let settings = &self.settings;
+        let alphas: Vec<f64> = (0..settings.prefilter_level_count)
+            .map(|level| self.alpha(level))
+            .collect();
+        json!({
             "version": format!("splitsum {}", env!("CARGO_PKG_VERSION")),
-            "environment": environment.name,
-            "environment_hash": environment.hash,
-            "masking_shadowing": masking.name(),
-            "layout": layout.name,
-            "mapping": layout.mapping,
+            "environment": self.environment.name,
+            "environment_hash": self.environment.hash,
+            "masking_shadowing": self.masking.name(),
+            "layout": settings.layout.name,
+            "mapping": settings.layout.mapping,
             "radiance": "linear Rec.709",
             "dfg": "channel R (A of the text) scales f0, channel G (B) is added; x = n_dot_v, y = \
                     perceptual_roughness, both at texel centres (i + 0.5) / size, row 0 is the \
@@ -180,22 +218,28 @@ impl Baking<'_> {
                      (place between n and r, level, twice) and a part of weights, which one tap \
                      lacks; for this number and mapping of levels; docs/paste.md",
             "irradiance": "irradiance / pi: what a Lambert surface of albedo 1 reflects",
-            "prefilter_alphas": (0..level_count).map(alpha).collect::<Vec<_>>(),
+            "prefilter_alphas": alphas,
             "level_mapping": settings.level_mapping.name,
             "prefilter_weight": settings.prefilter_weight.name,
             "files": names,
-        });
-        files.json(MANIFEST, &manifest)?;
-        Ok(files.paths)
+        })
     }
 }
 
+/// The files of a bake in a folder.
 struct Files<'a> {
     out: &'a Path,
     paths: Vec<PathBuf>,
 }
 
 impl Files<'_> {
+    fn names(&self) -> Vec<&str> {
+        self.paths
+            .iter()
+            .filter_map(|path| path.file_name()?.to_str())
+            .collect()
+    }
+
     fn bytes(&mut self, name: &str, bytes: &[u8]) -> Result<(), PixelsError> {
         let path = self.out.join(name);
         write_bytes(&path, bytes)?;
@@ -215,8 +259,11 @@ impl Files<'_> {
         channels: &[&str],
     ) -> Result<(), PixelsError> {
         let path = self.out.join(name);
-        let channel = |(i, name): (usize, &&str)| (name.to_string(), texels.map(|texel| texel[i]));
-        exr::write_channels(&path, channels.iter().enumerate().map(channel).collect())?;
+        let channels = channels
+            .iter()
+            .enumerate()
+            .map(|(i, name)| ((*name).to_owned(), texels.map(|texel| texel[i])));
+        exr::write_channels(&path, channels.collect())?;
         self.paths.push(path);
         Ok(())
     }
@@ -233,7 +280,17 @@ fn sh9(environment: &Environment) -> serde_json::Value {
         "environment": environment.name,
         "environment_hash": environment.hash,
         "basis": "real spherical harmonics of the world direction (y up), no Condon-Shortley sign",
-        "order": ["Y00", "Y1-1 (y)", "Y10 (z)", "Y11 (x)", "Y2-2 (xy)", "Y2-1 (yz)", "Y20 (3z^2-1)", "Y21 (xz)", "Y22 (x^2-y^2)"],
+        "order": [
+            "Y00",
+            "Y1-1 (y)",
+            "Y10 (z)",
+            "Y11 (x)",
+            "Y2-2 (xy)",
+            "Y2-1 (yz)",
+            "Y20 (3z^2-1)",
+            "Y21 (xz)",
+            "Y22 (x^2-y^2)",
+        ],
         "meaning": "radiance L_lm = integral of L Y_lm; irradiance(n) = sum of A_l L_lm Y_lm(n) \
                     with A = pi, 2pi/3, pi/4",
         "radiance": radiance.map(|coefficient| coefficient.as_vec3().to_array()),

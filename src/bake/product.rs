@@ -65,6 +65,28 @@ impl Product {
     /// Fails on a file name that is not a plain name of a form that is written, and on unknown
     /// formats.
     pub fn check(&self) -> Result<(), String> {
+        self.check_names()?;
+        self.check_extensions()?;
+        Texel::parse(self.texel).map_err(|fault| format!("texel: {fault}"))?;
+        if code(self.language, "split-sum-two").is_none() {
+            let known = ["GLSL", "HLSL", "WGSL"];
+            let fault = not_one_of("shading language", self.language, &known, "");
+            return Err(format!("language: {fault}"));
+        }
+        let is_side = (1..=1024).contains(&self.last_side) && self.last_side.is_power_of_two();
+        let is_level_count = self
+            .level_count
+            .is_none_or(|count| (2..=16).contains(&count));
+        if !is_side || !is_level_count {
+            return Err(
+                "last_side, level_count: expected a power of 2 from 1 to 1024 and 2 to 16 levels"
+                    .to_owned(),
+            );
+        }
+        Ok(())
+    }
+
+    fn check_names(&self) -> Result<(), String> {
         let names = [
             Some(self.specular),
             self.irradiance,
@@ -77,57 +99,51 @@ impl Product {
             .flatten()
             .chain(self.tables.iter().copied())
             .collect();
-        let is_plain = |name: &str| {
-            Path::new(name).file_name().is_some_and(|own| own == name) && !name.contains('\\')
-        };
         for (index, name) in names.iter().enumerate() {
-            if !is_plain(name) {
+            let has_folder = Path::new(name)
+                .file_name()
+                .is_none_or(|file_name| file_name != *name);
+            if has_folder || name.contains('\\') {
                 return Err(format!("{name:?}: expected a file name without a folder"));
             }
             if names[..index].contains(name) {
                 return Err(format!("{name:?}: two files have this name"));
             }
         }
-        let ends = |key: &str, name: &str, known: &[&str]| {
-            let is_known = Path::new(name)
-                .extension()
-                .is_some_and(|end| known.iter().any(|known| end == *known));
-            (!is_known).then(|| format!("{key}: {}", not_one_of("format", name, known, "")))
-        };
-        let of_map = |key, name: &str| {
-            name.contains('.')
-                .then(|| ends(key, name, &["ktx2", "ktx", "dds"]))?
-        };
-        let maps =
-            of_map("specular", self.specular).or_else(|| of_map("irradiance", self.irradiance?));
-        let mut tables = self
-            .tables
-            .iter()
-            .filter_map(|name| ends("tables", name, &["exr", "ktx2", "dds", "png"]));
-        if let Some(fault) = maps.or_else(|| tables.next()) {
-            return Err(fault);
-        }
-        Texel::parse(self.texel).map_err(|fault| format!("texel: {fault}"))?;
-        if code(self.language, "split-sum-two").is_none() {
-            let fault = not_one_of(
-                "shading language",
-                self.language,
-                &["GLSL", "HLSL", "WGSL"],
-                "",
-            );
-            return Err(format!("language: {fault}"));
-        }
-        match (self.last_side, self.level_count) {
-            (side @ 1..=1024, None | Some(2..=16)) if side.is_power_of_two() => Ok(()),
-            _ => Err(
-                "last_side, level_count: expected a power of 2 from 1 to 1024 and 2 to 16 levels"
-                    .to_owned(),
-            ),
-        }
+        Ok(())
     }
 
+    /// Maps without an extension are folders of faces.
+    fn check_extensions(&self) -> Result<(), String> {
+        let maps = [
+            ("specular", Some(self.specular)),
+            ("irradiance", self.irradiance),
+        ];
+        for (key, name) in maps {
+            if let Some(name) = name.filter(|name| name.contains('.')) {
+                check_extension(key, name, &["ktx2", "ktx", "dds"])?;
+            }
+        }
+        for name in &self.tables {
+            check_extension("tables", name, &["exr", "ktx2", "dds", "png"])?;
+        }
+        Ok(())
+    }
+
+    /// Returns the number of levels of faces with this side.
     pub fn levels(&self, side: u32) -> u32 {
         self.level_count
             .unwrap_or_else(|| (side / self.last_side).max(2).ilog2() + 1)
+    }
+}
+
+fn check_extension(key: &str, name: &str, known: &[&str]) -> Result<(), String> {
+    let is_known = Path::new(name)
+        .extension()
+        .is_some_and(|extension| known.iter().any(|known| extension == *known));
+    if is_known {
+        Ok(())
+    } else {
+        Err(format!("{key}: {}", not_one_of("format", name, known, "")))
     }
 }

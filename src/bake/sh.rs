@@ -69,27 +69,15 @@ fn from_cmgen(text: &str) -> Result<Coefficients, Fault> {
         .zip(text.lines())
         .filter(|(_, line)| !line.trim().is_empty())
     {
-        let numbers = line
-            .trim_start()
-            .strip_prefix('(')
-            .and_then(|rest| rest.split_once(')'));
-        let triple: Option<Vec<f64>> = numbers.and_then(|(inside, _)| {
-            inside
-                .split(',')
-                .map(|number| number.trim().parse().ok())
-                .collect()
-        });
-        let triple = triple.and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
         // Other bases need other factors, so they are refused.
-        match triple.filter(|_| line.contains("irradiance") && line.contains("pre-scaled")) {
-            Some(triple) => found.push(DVec3::from_array(triple)),
-            None => {
-                return Err(Fault::new(
-                    format!("line {number} is not a coefficient of irradiance"),
-                    EXPECTED,
-                ));
-            }
-        }
+        let is_prescaled = line.contains("irradiance") && line.contains("pre-scaled");
+        let Some(triple) = triple(line).filter(|_| is_prescaled) else {
+            return Err(Fault::new(
+                format!("line {number} is not a coefficient of irradiance"),
+                EXPECTED,
+            ));
+        };
+        found.push(triple);
     }
     let count = found.len();
     let scaled = Sh9::try_from(found)
@@ -101,34 +89,49 @@ fn from_cmgen(text: &str) -> Result<Coefficients, Fault> {
     })
 }
 
+/// Parses the numbers of a line that starts with `(r, g, b)`.
+fn triple(line: &str) -> Option<DVec3> {
+    let (numbers, _) = line.trim_start().strip_prefix('(')?.split_once(')')?;
+    let numbers: Vec<f64> = numbers
+        .split(',')
+        .map(|number| number.trim().parse().ok())
+        .collect::<Option<_>>()?;
+    Some(DVec3::from_array(numbers.try_into().ok()?))
+}
+
 /// Returns cmgen's coefficient over ours for each function: `A_l / π` times the constant of its
 /// polynomial.
 pub fn prescaled() -> [f64; COUNT] {
     // At z = 1 the polynomials z and 3 z² - 1 are 1 and 2; xy, yz and xz are 1/2 at a diagonal.
-    let [x, y, z] = [DVec3::X, DVec3::Y, DVec3::Z];
-    let places = [z, y, z, x, x + y, y + z, z, x + z, x];
+    let [x, y, z] = DVec3::AXES;
+    let directions = [z, y, z, x, x + y, y + z, z, x + z, x];
     let polynomials = [1.0, 1.0, 1.0, 1.0, 0.5, 0.5, 2.0, 0.5, 1.0];
     std::array::from_fn(|k| {
-        basis(places[k].normalize())[k] / polynomials[k] * COSINE_LOBE[DEGREE[k]] / PI
+        basis(directions[k].normalize())[k] / polynomials[k] * COSINE_LOBE[DEGREE[k]] / PI
     })
 }
 
+/// Writes the coefficients as cmgen does.
 pub fn to_cmgen(radiance: &Sh9) -> String {
     const NAMES: [&str; COUNT] = [
         "L00", "L1-1", "L10", "L11", "L2-2", "L2-1", "L20", "L21", "L22",
     ];
-    let line = |(name, [r, g, b]): (&str, [f64; 3])| {
-        format!("({r:18.15}, {g:18.15}, {b:18.15}); // {name}, irradiance, pre-scaled base\n")
-    };
-    NAMES.into_iter().zip(scaled(radiance)).map(line).collect()
+    NAMES
+        .into_iter()
+        .zip(scaled(radiance))
+        .map(|(name, [r, g, b])| {
+            format!("({r:18.15}, {g:18.15}, {b:18.15}); // {name}, irradiance, pre-scaled base\n")
+        })
+        .collect()
 }
 
+/// Returns cmgen's coefficients.
 pub fn scaled(radiance: &Sh9) -> [[f64; 3]; COUNT] {
     let factors = prescaled();
     std::array::from_fn(|k| (radiance[k] * factors[k]).to_array())
 }
 
-/// Returns the coefficients of `n -> f(turn(n))`.
+/// Returns the coefficients of the function `n -> f(turn(n))` of a function with coefficients `f`.
 pub fn turned(f: &Sh9, turn: impl Fn(DVec3) -> DVec3) -> Sh9 {
     // Products of two functions have degree 4, for which six nodes of z and six azimuths are exact.
     let rule = GaussLegendre::<6>::new();
@@ -136,17 +139,16 @@ pub fn turned(f: &Sh9, turn: impl Fn(DVec3) -> DVec3) -> Sh9 {
     for (z, weight) in rule.nodes.iter().zip(rule.weights) {
         for i in 0..6 {
             let (sin, cos) = (f64::from(i) * PI / 3.0).sin_cos();
-            let s = (1.0 - z * z).sqrt();
-            let n = DVec3::new(s * cos, s * sin, *z);
+            let radius = (1.0 - z * z).sqrt();
+            let n = DVec3::new(radius * cos, radius * sin, *z);
             let value: DVec3 = f
                 .iter()
                 .zip(basis(turn(n)))
                 .map(|(value, y)| *value * y)
                 .sum();
-            basis(n)
-                .iter()
-                .zip(&mut sums)
-                .for_each(|(y, sum)| *sum += PI / 3.0 * weight * *y * value);
+            for (y, sum) in basis(n).iter().zip(&mut sums) {
+                *sum += PI / 3.0 * weight * *y * value;
+            }
         }
     }
     sums

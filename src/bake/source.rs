@@ -13,6 +13,7 @@ use crate::instrument::brdf::MODELS;
 use crate::instrument::environment::layout::{LAYOUTS, MapLayout};
 use std::path::{Path, PathBuf};
 
+/// A part of a bake in a file.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
     Specular,
@@ -29,6 +30,7 @@ pub const PARTS: &[(&str, Part)] = &[
     ("sh", Part::Sh),
 ];
 
+/// How to read ambiguous files.
 #[derive(Clone, Copy, Debug)]
 pub struct Reading<'a> {
     /// Layout of images that are neither a cube nor a table.
@@ -82,8 +84,9 @@ fn part_and_path(file: &str) -> Result<(Option<Part>, PathBuf), PixelsError> {
     }
 }
 
-fn once<T>(place: &mut Option<T>, value: T, what: &str, path: &Path) -> Result<(), PixelsError> {
-    match place.replace(value) {
+/// Sets a part; refuses a second one.
+fn once<T>(part: &mut Option<T>, value: T, what: &str, path: &Path) -> Result<(), PixelsError> {
+    match part.replace(value) {
         None => Ok(()),
         Some(_) => Err(Fault::new(
             format!("is the second {what} of this bake"),
@@ -106,70 +109,87 @@ fn add_file(
     if part == Some(Part::Sh) || (part.is_none() && is_text) {
         return once(&mut bake.sh, sh::read(path)?, "SH", path);
     }
-    let Texture {
-        mut levels, keys, ..
-    } = read_texture(path)?;
+    let Texture { levels, keys, .. } = read_texture(path)?;
     bake.stated.add(&keys);
     let first = &levels[0][0];
-    let (width, height, faces, count) = (first.width, first.height, levels[0].len(), levels.len());
-    let is_square_image = faces == 1 && width == height;
-    if part == Some(Part::Dfg) || (part.is_none() && is_square_image && reading.layout.is_none()) {
-        if faces != 1 {
-            return Err(Fault::new("is a cube", "one image for a DFG table").at(path));
-        }
-        if width != height {
-            return Err(
-                Fault::new(format!("it is {width}x{height}"), "a square DFG table").at(path),
-            );
-        }
-        return once(
-            &mut bake.dfg,
-            levels.swap_remove(0).swap_remove(0),
-            "DFG table",
-            path,
-        );
+    let is_square_image = levels[0].len() == 1 && first.width == first.height;
+    let is_table = part.is_none() && is_square_image && reading.layout.is_none();
+    if part == Some(Part::Dfg) || is_table {
+        let table = table(levels).map_err(|fault| fault.at(path))?;
+        return once(&mut bake.dfg, table, "DFG table", path);
     }
-    let layout = match (faces, reading.layout) {
-        (FACE_COUNT, _) => cube(),
-        (_, Some(layout)) => layout,
-        _ if width == 2 * height => MapLayout::listed("equirect"),
-        _ if height == FACE_COUNT as u32 * width => cube(),
-        _ => {
+    let is_cube = levels[0].len() == FACE_COUNT;
+    let map = map(levels, reading.layout).map_err(|fault| fault.at(path))?;
+    // A single level in a cube or container is irradiance.
+    let is_irradiance = match part {
+        Some(part) => part == Part::Irradiance,
+        None => is_cube && map.levels.len() == 1,
+    };
+    if is_irradiance {
+        return once(&mut bake.irradiance, map, "irradiance map", path);
+    }
+    add_levels(&mut bake.specular, map, path)
+}
+
+/// Returns the image of a DFG table.
+fn table(mut levels: Vec<Vec<RgbImage>>) -> Result<RgbImage, Fault> {
+    if levels[0].len() != 1 {
+        return Err(Fault::new("is a cube", "one image for a DFG table"));
+    }
+    let image = levels.swap_remove(0).swap_remove(0);
+    let RgbImage { width, height, .. } = image;
+    if width != height {
+        return Err(Fault::new(
+            format!("it is {width}x{height}"),
+            "a square DFG table",
+        ));
+    }
+    Ok(image)
+}
+
+/// Splits levels of one image each into faces; `layout` is for images that are not a cube.
+fn map(mut levels: Vec<Vec<RgbImage>>, layout: Option<&'static MapLayout>) -> Result<Map, Fault> {
+    let face_count = levels[0].len();
+    let RgbImage { width, height, .. } = levels[0][0];
+    let layout = match layout {
+        _ if face_count == FACE_COUNT => cube(),
+        Some(layout) => layout,
+        None if width == 2 * height => MapLayout::listed("equirect"),
+        None if height == FACE_COUNT as u32 * width => cube(),
+        None => {
             return Err(Fault::new(
                 format!("it is one image of {width}x{height}"),
                 "a lat-long map (2:1), a cube as six faces below each other (1:6) or a square DFG \
                  table; --layout selects another",
-            )
-            .at(path));
+            ));
         }
     };
-    let split = |image: RgbImage| split(image, layout).map_err(|fault| fault.at(path));
-    if faces == 1 {
+    if face_count == 1 {
         levels = levels
             .into_iter()
-            .map(|mut level| split(level.swap_remove(0)))
+            .map(|mut level| split(level.swap_remove(0), layout))
             .collect::<Result<_, _>>()?;
     }
-    let map = Map { layout, levels };
-    // A single level in a cube or container is irradiance.
-    let is_irradiance = part.map_or(faces == FACE_COUNT && count == 1, |part| {
-        part == Part::Irradiance
-    });
-    match &mut bake.specular {
-        _ if is_irradiance => once(&mut bake.irradiance, map, "irradiance map", path),
-        Some(chain) if chain.layout == layout && count == 1 => {
+    Ok(Map { layout, levels })
+}
+
+/// Sets the prefiltered map, or adds a level to its chain.
+fn add_levels(specular: &mut Option<Map>, map: Map, path: &Path) -> Result<(), PixelsError> {
+    match specular {
+        Some(chain) if chain.layout == map.layout && map.levels.len() == 1 => {
             let before = chain.levels[chain.levels.len() - 1][0].width;
-            if map.levels[0][0].width > before {
-                let what = format!(
-                    "its level is {} wide, the one before {before}",
-                    map.levels[0][0].width
-                );
-                return Err(Fault::new(what, "levels from the smoothest, the widest, on").at(path));
+            let width = map.levels[0][0].width;
+            if width > before {
+                return Err(Fault::new(
+                    format!("its level is {width} wide, the one before {before}"),
+                    "levels from the smoothest, the widest, on",
+                )
+                .at(path));
             }
             chain.levels.extend(map.levels);
             Ok(())
         }
-        place => once(place, map, "prefiltered map", path),
+        _ => once(specular, map, "prefiltered map", path),
     }
 }
 
@@ -231,22 +251,23 @@ fn read_folder(
             .try_for_each(|name| add_file(bake, &path.join(name), None, reading));
     }
     add_faces(bake, path, part)?;
-    let own = names.iter().find(|name| *name == "sh.txt");
-    own.map_or(Ok(()), |name| {
-        once(&mut bake.sh, sh::read(&path.join(name))?, "SH", path)
-    })
+    if names.iter().any(|name| name == "sh.txt") {
+        once(&mut bake.sh, sh::read(&path.join("sh.txt"))?, "SH", path)?;
+    }
+    Ok(())
 }
 
 fn add_faces(bake: &mut Bake, path: &Path, part: Option<Part>) -> Result<(), PixelsError> {
     let map = read_faces(path, &names_in(path))?;
     let is_irradiance = part.map_or(map.levels.len() == 1, |part| part == Part::Irradiance);
-    let (place, what) = match is_irradiance {
-        true => (&mut bake.irradiance, "irradiance map"),
-        false => (&mut bake.specular, "prefiltered map"),
-    };
-    once(place, map, what, path)
+    if is_irradiance {
+        once(&mut bake.irradiance, map, "irradiance map", path)
+    } else {
+        once(&mut bake.specular, map, "prefiltered map", path)
+    }
 }
 
+/// Names of faces in files.
 pub const FACES: [&str; FACE_COUNT] = ["px", "nx", "py", "ny", "pz", "nz"];
 
 /// Parses level and face of cmgen's `mL_px.exr`, or of `px.exr`.
@@ -259,83 +280,101 @@ fn face_of(name: &str) -> Option<(usize, usize)> {
     Some((level, FACES.iter().position(|known| *known == face)?))
 }
 
+/// The files of faces in a folder.
+struct FaceFolder<'p> {
+    path: &'p Path,
+    /// Faces of each level; `None` for those not read.
+    levels: Vec<[Option<RgbImage>; FACE_COUNT]>,
+}
+
 fn read_faces(path: &Path, names: &[String]) -> Result<Map, PixelsError> {
-    let refuse = |what: String| {
-        Fault::new(
-            what,
-            "one file a face, m0_px.exr, m0_nx.exr, ... of each level from 0, or the folder of \
-             splitsum bake",
-        )
-        .at(path)
+    let mut folder = FaceFolder {
+        path,
+        levels: Vec::new(),
     };
-    let mut found: Vec<Vec<Option<RgbImage>>> = Vec::new();
-    let mut faces: Vec<_> = names
+    let mut faces: Vec<((usize, usize), &String)> = names
         .iter()
         .filter_map(|name| Some((face_of(name)?, name)))
         .collect();
     faces.sort();
     for ((level, face), name) in faces {
-        if level > found.len() || (level == found.len() && face > 0) {
-            return Err(refuse(format!(
-                "it has {name}, but not every face before it"
-            )));
-        }
-        if level == found.len() {
-            found.push(vec![None; FACE_COUNT]);
-        }
-        let file = path.join(name);
-        let texture = read_texture(&file)?;
-        let image = &texture.levels[0][0];
-        let side = found[level]
-            .iter()
-            .flatten()
-            .next()
-            .map_or(image.width, |first| first.width);
-        if texture.is_cube() || texture.levels.len() > 1 || [image.width, image.height] != [side; 2]
-        {
-            let (levels, size) = (texture.levels.len(), [image.width, image.height]);
-            let levels = if levels == 1 {
-                "one level".to_owned()
-            } else {
-                format!("{levels} levels")
-            };
-            let what = format!("it is {levels} of {}x{}", size[0], size[1]);
-            return Err(Fault::new(what, format!("one square face of {side}x{side}")).at(&file));
-        }
-        let image = texture.levels.into_iter().flatten().next();
-        if found[level][face].is_some() {
-            return Err(refuse(format!("{name} is the second file of its face")));
-        }
-        found[level][face] = image;
+        folder.add(level, face, name)?;
     }
-    if found.is_empty() {
-        return Err(refuse("it has neither faces nor a bake.json".to_owned()));
-    }
-    let whole = |(level, faces): (usize, Vec<Option<RgbImage>>)| {
-        let missing: Vec<&str> = FACES
-            .iter()
-            .zip(&faces)
-            .filter(|(_, face)| face.is_none())
-            .map(|(n, _)| *n)
-            .collect();
-        let all: Option<Vec<RgbImage>> = faces.into_iter().collect();
-        all.ok_or_else(|| {
-            refuse(format!(
-                "level {level} lacks the faces {}",
-                missing.join(", ")
-            ))
-        })
-    };
-    Ok(Map {
-        layout: cube(),
-        levels: found
-            .into_iter()
-            .enumerate()
-            .map(whole)
-            .collect::<Result<_, _>>()?,
-    })
+    folder.into_map()
 }
 
+impl FaceFolder<'_> {
+    fn refuse(&self, what: String) -> PixelsError {
+        Fault::new(
+            what,
+            "one file a face, m0_px.exr, m0_nx.exr, ... of each level from 0, or the folder of \
+             splitsum bake",
+        )
+        .at(self.path)
+    }
+
+    /// Reads a face; faces come in order.
+    fn add(&mut self, level: usize, face: usize, name: &str) -> Result<(), PixelsError> {
+        let level_count = self.levels.len();
+        if level > level_count || (level == level_count && face > 0) {
+            return Err(self.refuse(format!("it has {name}, but not every face before it")));
+        }
+        if level == level_count {
+            self.levels.push([const { None }; FACE_COUNT]);
+        }
+        let first = self.levels[level].iter().flatten().next();
+        let image = read_face(&self.path.join(name), first.map(|first| first.width))?;
+        if self.levels[level][face].is_some() {
+            return Err(self.refuse(format!("{name} is the second file of its face")));
+        }
+        self.levels[level][face] = Some(image);
+        Ok(())
+    }
+
+    fn into_map(mut self) -> Result<Map, PixelsError> {
+        if self.levels.is_empty() {
+            return Err(self.refuse("it has neither faces nor a bake.json".to_owned()));
+        }
+        let mut levels = Vec::new();
+        for (level, faces) in std::mem::take(&mut self.levels).into_iter().enumerate() {
+            let missing: Vec<&str> = FACES
+                .iter()
+                .zip(&faces)
+                .filter(|(_, face)| face.is_none())
+                .map(|(name, _)| *name)
+                .collect();
+            if !missing.is_empty() {
+                let missing = missing.join(", ");
+                return Err(self.refuse(format!("level {level} lacks the faces {missing}")));
+            }
+            levels.push(faces.into_iter().flatten().collect());
+        }
+        Ok(Map {
+            layout: cube(),
+            levels,
+        })
+    }
+}
+
+/// Reads an image of one square face; `side` is the side of its level, if it is known.
+fn read_face(file: &Path, side: Option<u32>) -> Result<RgbImage, PixelsError> {
+    let mut texture = read_texture(file)?;
+    let RgbImage { width, height, .. } = texture.levels[0][0];
+    let side = side.unwrap_or(width);
+    let level_count = texture.levels.len();
+    if texture.is_cube() || level_count > 1 || [width, height] != [side; 2] {
+        let levels = if level_count == 1 {
+            "one level".to_owned()
+        } else {
+            format!("{level_count} levels")
+        };
+        let what = format!("it is {levels} of {width}x{height}");
+        return Err(Fault::new(what, format!("one square face of {side}x{side}")).at(file));
+    }
+    Ok(texture.levels.swap_remove(0).swap_remove(0))
+}
+
+/// File with the conventions of a bake.
 pub const MANIFEST: &str = "bake.json";
 
 fn read_ours(
@@ -369,13 +408,11 @@ fn read_ours(
     if file.prefilter_alphas.is_empty() {
         return Err(refuse("it lists no level".to_owned()));
     }
-    let (brdf, reading) = (
-        reading.brdf,
-        Reading {
-            layout: Some(layout),
-            ..reading
-        },
-    );
+    let brdf = reading.brdf;
+    let reading = Reading {
+        layout: Some(layout),
+        ..reading
+    };
     let levels = (0..file.prefilter_alphas.len())
         .map(|k| (format!("prefiltered_{brdf}_{k}.exr"), Part::Specular));
     let others = [
@@ -420,9 +457,10 @@ fn read_engines(
         .chain(file.sh.as_ref().map(|name| (name, Part::Sh)))
     {
         let path = named(name)?;
-        match path.is_dir() {
-            true => add_faces(bake, &path, Some(part))?,
-            false => add_file(bake, &path, Some(part), reading)?,
+        if path.is_dir() {
+            add_faces(bake, &path, Some(part))?;
+        } else {
+            add_file(bake, &path, Some(part), reading)?;
         }
     }
     Ok(())

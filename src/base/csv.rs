@@ -5,6 +5,7 @@
 
 use crate::base::files::open_regular;
 use crate::base::names::not_one_of;
+use crate::base::numbers::shortest;
 use std::collections::HashMap;
 use std::fs::File;
 use std::io::{Read, Seek};
@@ -19,9 +20,9 @@ pub enum Cell {
 }
 
 macro_rules! cell_from {
-    ($($value:ident: $of:ty => $cell:expr),+ $(,)?) => {
-        $(impl From<$of> for Cell {
-            fn from($value: $of) -> Self {
+    ($($value:ident: $source:ty => $cell:expr),+ $(,)?) => {
+        $(impl From<$source> for Cell {
+            fn from($value: $source) -> Self {
                 $cell
             }
         })+
@@ -56,30 +57,6 @@ impl Cell {
     }
 }
 
-pub fn rounded(number: f64, digits: usize) -> f64 {
-    format!("{number:.*e}", digits - 1)
-        .parse()
-        .expect("a number reads back")
-}
-
-/// Numbers from here on, and below its inverse, are written with an exponent.
-const EXPONENT_FROM: f64 = 1e16;
-/// Smallest magnitude that is written without an exponent.
-const EXPONENT_BELOW: f64 = 1e-5;
-
-/// The shortest text that reads back to the same number.
-fn shortest(number: f64) -> String {
-    let magnitude = number.abs();
-    if magnitude == 0.0
-        || !magnitude.is_finite()
-        || (EXPONENT_BELOW..EXPONENT_FROM).contains(&magnitude)
-    {
-        number.to_string()
-    } else {
-        format!("{number:e}")
-    }
-}
-
 #[derive(Debug, thiserror::Error)]
 pub enum TableError {
     #[error("{}: {source}", path.display())]
@@ -106,13 +83,13 @@ pub enum TableError {
 fn in_words(error: &::csv::Error) -> String {
     match error.kind() {
         ::csv::ErrorKind::UnequalLengths {
-            pos: Some(place),
+            pos: Some(position),
             expected_len,
             len,
         } => {
             format!(
                 "line {}: the row has {len} cells; expected {expected_len}, as the header",
-                place.line()
+                position.line()
             )
         }
         _ => error.to_string(),
@@ -187,8 +164,8 @@ impl Table {
     }
 
     pub fn column(&self, name: &str) -> Result<usize, TableError> {
-        let place = self.columns.iter().position(|column| column == name);
-        place.ok_or_else(|| TableError::no_column(&self.path, name, &self.columns))
+        let index = self.columns.iter().position(|column| column == name);
+        index.ok_or_else(|| TableError::no_column(&self.path, name, &self.columns))
     }
 }
 
@@ -197,7 +174,7 @@ impl Table {
 pub struct TableRows {
     path: PathBuf,
     columns: Vec<String>,
-    places: HashMap<String, usize>,
+    column_indices: HashMap<String, usize>,
     reader: ::csv::Reader<File>,
 }
 
@@ -226,16 +203,16 @@ impl TableRows {
             source,
         })?;
         let columns: Vec<String> = heads.iter().map(str::to_owned).collect();
-        let places = columns
+        let column_indices = columns
             .iter()
             .enumerate()
             .rev()
-            .map(|(place, name)| (name.clone(), place))
+            .map(|(index, name)| (name.clone(), index))
             .collect();
         Ok(Self {
             path: path.to_owned(),
             columns,
-            places,
+            column_indices,
             reader,
         })
     }
@@ -251,18 +228,19 @@ impl TableRows {
     /// Fails without this column.
     pub fn needs(&self, name: &str) -> Result<(), TableError> {
         let error = || TableError::no_column(&self.path, name, &self.columns);
-        self.places
+        self.column_indices
             .contains_key(name)
             .then_some(())
             .ok_or_else(error)
     }
 
-    /// Calls `see` with each row; every row must have as many cells as the header.
+    /// Calls `visit` with each row; every row must have as many cells as the header.
     pub fn each(
         &mut self,
-        mut see: impl FnMut(Row) -> Result<(), TableError>,
+        mut visit: impl FnMut(Row) -> Result<(), TableError>,
     ) -> Result<(), TableError> {
-        let (mut record, mut number) = (::csv::StringRecord::new(), 0);
+        let mut record = ::csv::StringRecord::new();
+        let mut number = 0;
         while self
             .reader
             .read_record(&mut record)
@@ -272,7 +250,7 @@ impl TableRows {
             })?
         {
             number += 1;
-            see(Row {
+            visit(Row {
                 table: self,
                 record: &record,
                 number,
@@ -285,7 +263,7 @@ impl TableRows {
 impl<'t> Row<'t> {
     /// The field of a column; `None` if it is empty or missing.
     pub fn text(&self, column: &str) -> Option<&'t str> {
-        Some(&self.record[*self.table.places.get(column)?]).filter(|text| !text.is_empty())
+        Some(&self.record[*self.table.column_indices.get(column)?]).filter(|text| !text.is_empty())
     }
 
     pub fn number(&self, column: &str) -> Option<f64> {
@@ -307,7 +285,9 @@ impl<'t> Row<'t> {
 }
 
 fn is_whole(file: &mut File) -> std::io::Result<bool> {
-    let (mut buffer, mut is_quoted, mut last) = (vec![0; 1 << 16], false, b'\n');
+    let mut buffer = vec![0; 1 << 16];
+    let mut is_quoted = false;
+    let mut last = b'\n';
     loop {
         let count = file.read(&mut buffer)?;
         let Some(end) = buffer[..count].last() else {

@@ -32,7 +32,7 @@ pub fn read_text(path: &Path, most_bytes: u64) -> Result<String> {
 pub fn read_given(path: &Path, most_bytes: u64) -> Result<Vec<u8>> {
     let is_open = ["/dev/stdin", "/dev/fd", "/proc/self/fd"]
         .iter()
-        .any(|place| path.starts_with(place));
+        .any(|folder| path.starts_with(folder));
     if is_open {
         read_at_most(File::open(path)?, most_bytes)
     } else {

@@ -6,6 +6,9 @@ pub mod glsl;
 /// Names that users type: lists of choices, and suggestions for misspelt ones.
 pub mod names;
 
+/// Rounding, and numbers as text.
+pub mod numbers;
+
 /// Directions, quadrature, harmonics, sequences, special functions; in f64.
 pub mod math;
 

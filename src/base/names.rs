@@ -1,6 +1,4 @@
-//! Names and numbers in messages: suggestions, escapes, rounding.
-
-use std::borrow::Cow;
+//! Names that users type, and names in messages: lists, suggestions, escapes.
 
 /// Most compared names: lists in files may be longer.
 const NAMES_COMPARED: usize = 500;
@@ -33,6 +31,9 @@ pub trait Listed: 'static {
     /// Word for one entry: "sequence".
     const WHAT: &'static str;
 
+    /// Where a user finds all names, if they are many: "a name of `program list sequences`".
+    const LISTED_IN: Option<&'static str> = None;
+
     /// Lists every entry, the default first.
     fn all() -> impl Iterator<Item = &'static Self> + Clone;
 
@@ -49,7 +50,8 @@ pub trait Listed: 'static {
 
     /// Finds an entry; the error suggests the nearest one.
     fn parse(name: &str) -> Result<&'static Self, String> {
-        Self::by_name(name).ok_or_else(|| not_one_of(Self::WHAT, name, &Self::names(), ""))
+        Self::by_name(name)
+            .ok_or_else(|| not_listed(Self::WHAT, name, &Self::names(), "", Self::LISTED_IN))
     }
 
     /// Finds an entry whose name was checked before. Panics on other names.
@@ -109,21 +111,27 @@ pub fn in_words(name: &str) -> String {
 
 /// Writes "a camera", "an axis".
 pub fn with_article(what: &str) -> String {
-    format!(
-        "{} {what}",
-        if what.starts_with(['a', 'e', 'i', 'o', 'u']) {
-            "an"
-        } else {
-            "a"
-        }
-    )
+    let begins_with_vowel = what.starts_with(['a', 'e', 'i', 'o', 'u']);
+    let article = if begins_with_vowel { "an" } else { "a" };
+    format!("{article} {what}")
 }
 
-/// Reports an unlisted name with the nearest one, or with the expected names.
+/// Reports an unlisted name with the nearest one, or with `or` and the expected names.
 pub fn not_one_of(what: &str, text: &str, names: &[&str], or: &str) -> String {
+    not_listed(what, text, names, or, None)
+}
+
+/// As [`not_one_of`]; a long list is replaced by `listed_in`, where a user finds it.
+pub fn not_listed(
+    what: &str,
+    text: &str,
+    names: &[&str],
+    or: &str,
+    listed_in: Option<&str>,
+) -> String {
     let near = suggestion(text, names);
     let hint = if near.is_empty() {
-        format!("; expected {or}{}", expected(what, names))
+        format!("; expected {or}{}", expected(names, listed_in))
     } else {
         near
     };
@@ -133,17 +141,21 @@ pub fn not_one_of(what: &str, text: &str, names: &[&str], or: &str) -> String {
 /// Longest list of names in a message.
 pub const NAMES_SHOWN: usize = 12;
 
-/// Lists names, or says where a long list is.
-pub fn expected(what: &str, names: &[&str]) -> String {
-    match (what, names.len().saturating_sub(NAMES_SHOWN)) {
-        (_, 0) if names.len() < 2 => names.first().unwrap_or(&"none").to_string(),
-        (_, 0) => format!("one of {}", names.join(", ")),
-        ("axis" | "setting of a bake", _) => "a name of `splitsum list axes`".to_owned(),
-        ("command", _) => "a command of `splitsum --help`".to_owned(),
-        ("method" | "metric" | "question", _) => format!("a name of `splitsum list {what}s`"),
-        ("key", _) => "a key of experiments/README.md".to_owned(),
-        (_, rest) => format!("one of {} and {rest} more", names[..NAMES_SHOWN].join(", ")),
+/// Lists the expected names. A long list is replaced by `listed_in`, where a user finds it, or cut.
+pub fn expected(names: &[&str], listed_in: Option<&str>) -> String {
+    if names.len() < 2 {
+        return names.first().unwrap_or(&"none").to_string();
     }
+    if names.len() <= NAMES_SHOWN {
+        return format!("one of {}", names.join(", "));
+    }
+    listed_in.map_or_else(
+        || {
+            let shown = names[..NAMES_SHOWN].join(", ");
+            format!("one of {shown} and {} more", names.len() - NAMES_SHOWN)
+        },
+        str::to_owned,
+    )
 }
 
 /// Writes `; did you mean "x"?` for the [`nearest`] of `names`, or nothing.
@@ -153,42 +165,19 @@ pub fn suggestion(wrong: &str, names: &[&str]) -> String {
 
 /// Escapes control and bidirectional characters, which a terminal would obey.
 pub fn printable(text: &str) -> String {
-    text.chars()
-        .fold(String::with_capacity(text.len()), |mut shown, c| {
-            if c.is_control() || TURNS.contains(&c) {
-                shown.extend(c.escape_default())
-            } else {
-                shown.push(c)
-            }
-            shown
-        })
+    let mut shown = String::with_capacity(text.len());
+    for c in text.chars() {
+        if c.is_control() || BIDIRECTIONAL_CONTROLS.contains(&c) {
+            shown.extend(c.escape_default());
+        } else {
+            shown.push(c);
+        }
+    }
+    shown
 }
 
 /// Invisible characters that change the order of others (UAX 9, section 2).
-const TURNS: [char; 12] = [
+const BIDIRECTIONAL_CONTROLS: [char; 12] = [
     '\u{061c}', '\u{200e}', '\u{200f}', '\u{202a}', '\u{202b}', '\u{202c}', '\u{202d}', '\u{202e}',
     '\u{2066}', '\u{2067}', '\u{2068}', '\u{2069}',
 ];
-
-/// Printed digits of a value.
-const DIGITS: usize = 4;
-
-/// Shortens a number: `0.223606797749979` to 0.2236. Other text is unchanged.
-pub fn short_number(text: &str) -> Cow<'_, str> {
-    let Some(number) = text.parse::<f64>().ok().filter(|number| number.is_finite()) else {
-        return text.into();
-    };
-    if text.parse::<i64>().is_ok() {
-        return text.into();
-    }
-    // The exponent form counts significant digits.
-    let rounded: f64 = format!("{number:.*e}", DIGITS - 1)
-        .parse()
-        .unwrap_or(number);
-    let short = rounded.to_string();
-    if short.len() < text.len() {
-        short.into()
-    } else {
-        text.into()
-    }
-}

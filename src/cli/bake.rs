@@ -5,9 +5,10 @@ use super::{Failure, print, progress};
 use clap::Args;
 use splitsum::bake::container::Texel;
 use splitsum::bake::convention::Preset;
-use splitsum::bake::make::{self, Making};
+use splitsum::bake::make::{self, Baked, LastBetween, Making};
 use splitsum::bake::plain::{Baking, SETTINGS};
-use splitsum::base::names::{Listed, not_one_of};
+use splitsum::base::names::{Listed, not_listed, not_one_of};
+use splitsum::experiment::axis::named::LISTED_AXES;
 use splitsum::experiment::axis::{
     AXES, AxisId, BRDF, DFG_SIZE, IRRADIANCE_SIZE, MASKING, PREFILTER_LEVEL_COUNT, PREFILTER_SIZE,
     PREFILTER_WEIGHT, Point, Settings,
@@ -50,17 +51,19 @@ fn parse_engine(text: &str) -> Result<&'static Preset, String> {
     let engines: Vec<&str> = Preset::engines()
         .map(|preset| preset.product().engine)
         .collect();
-    let found = if text.ends_with(".toml") {
+    let is_file = text.ends_with(".toml");
+    let found = if is_file {
         Some(preset(text)?)
     } else {
         Preset::by_name(text)
     };
-    found
-        .filter(|preset| preset.has_product())
-        .ok_or_else(|| match text.ends_with(".toml") {
-            true => "it has no [product]".to_owned(),
-            false => not_one_of("engine", text, &engines, ""),
-        })
+    found.filter(|preset| preset.has_product()).ok_or_else(|| {
+        if is_file {
+            "it has no [product]".to_owned()
+        } else {
+            not_one_of("engine", text, &engines, "")
+        }
+    })
 }
 
 fn engines_help() -> String {
@@ -109,39 +112,56 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Axes that `--for` leaves to the user.
+const ENGINE_AXES: [AxisId; 7] = [
+    BRDF,
+    MASKING,
+    PREFILTER_WEIGHT,
+    PREFILTER_SIZE,
+    PREFILTER_LEVEL_COUNT,
+    IRRADIANCE_SIZE,
+    DFG_SIZE,
+];
+
 fn execute_for(
     preset: &'static Preset,
     arguments: &Arguments,
     environment: &Environment,
     settings: &Settings,
 ) -> Result<(), Failure> {
-    let (product, convention) = (preset.product(), preset.convention());
-    let engine = product.engine;
-    let known = [
-        BRDF,
-        MASKING,
-        PREFILTER_WEIGHT,
-        PREFILTER_SIZE,
-        PREFILTER_LEVEL_COUNT,
-        IRRADIANCE_SIZE,
-        DFG_SIZE,
-    ];
-    if let Some((axis, _)) = arguments
-        .settings
-        .iter()
-        .find(|(axis, _)| !known.contains(axis))
-    {
-        let names: Vec<&str> = known.iter().map(|axis| AXES[*axis].name).collect();
-        let (name, names) = (AXES[*axis].name, names.join(", "));
-        return Err(Failure::input(format!(
-            "--set {name}: --for {engine} determines it; expected {names}"
-        )));
+    check_axes(preset, arguments)?;
+    let making = making(preset, arguments, environment, settings)?;
+    making.check().map_err(Failure::input)?;
+    progress::phase("baking");
+    let baked = make::make(&making, &arguments.out).map_err(Failure::input)?;
+    report(&baked)
+}
+
+/// Refuses axes that the engine determines.
+fn check_axes(preset: &Preset, arguments: &Arguments) -> Result<(), Failure> {
+    for (axis, _) in &arguments.settings {
+        if !ENGINE_AXES.contains(axis) {
+            let expected = ENGINE_AXES.map(|axis| AXES[axis].name).join(", ");
+            return Err(Failure::input(format!(
+                "--set {}: --for {} determines it; expected {expected}",
+                AXES[*axis].name,
+                preset.product().engine
+            )));
+        }
     }
+    Ok(())
+}
+
+/// Applies the flags to an engine's defaults.
+fn making<'e>(
+    preset: &'static Preset,
+    arguments: &Arguments,
+    environment: &'e Environment,
+    settings: &Settings,
+) -> Result<Making<'e>, Failure> {
     let value = |axis: AxisId| {
-        arguments
-            .settings
-            .iter()
-            .find(|(set, _)| *set == axis)
+        let mut set = arguments.settings.iter();
+        set.find(|(known, _)| *known == axis)
             .map(|(_, value)| value)
     };
     let square = |axis: AxisId, default: u32| match value(axis).map(Value::pair) {
@@ -153,23 +173,23 @@ fn execute_for(
         ))),
     };
     let side = square(PREFILTER_SIZE, preset.side())?;
-    let making = Making {
-        brdf: settings.shading.brdf,
-        masking: value(MASKING).map_or(convention.masking, |_| settings.shading.masking_shadowing),
-        weight: value(PREFILTER_WEIGHT).map_or(convention.weight, |_| {
-            settings.shading.precompute.prefilter_weight
-        }),
-        texel: arguments
-            .format
-            .unwrap_or_else(|| Texel::listed(product.texel)),
-        irradiance_side: square(IRRADIANCE_SIZE, make::IRRADIANCE_SIDE)?,
-        table_side: value(DFG_SIZE).map_or(make::TABLE_SIDE, Value::count),
-        level_count: value(PREFILTER_LEVEL_COUNT).map_or(product.levels(side), Value::count),
-        ..Making::new(preset, environment, side)
-    };
-    making.check().map_err(Failure::input)?;
-    progress::phase("baking");
-    let baked = make::make(&making, &arguments.out).map_err(Failure::input)?;
+    let mut making = Making::new(preset, environment, side);
+    making.brdf = settings.shading.brdf;
+    if value(MASKING).is_some() {
+        making.masking = settings.shading.masking_shadowing;
+    }
+    if value(PREFILTER_WEIGHT).is_some() {
+        making.weight = settings.shading.precompute.prefilter_weight;
+    }
+    making.texel = arguments.format.unwrap_or(making.texel);
+    making.irradiance_side = square(IRRADIANCE_SIZE, making.irradiance_side)?;
+    making.table_side = value(DFG_SIZE).map_or(making.table_side, Value::count);
+    making.level_count = value(PREFILTER_LEVEL_COUNT).map_or(making.level_count, Value::count);
+    Ok(making)
+}
+
+/// Prints the files and how exact they are.
+fn report(baked: &Baked) -> Result<(), Failure> {
     for path in &baked.files {
         print(&format!("{}\n", path.display()))?;
     }
@@ -181,11 +201,14 @@ fn execute_for(
             );
         }
     }
-    let (between, why) = &baked.last_between;
-    if let Some(why) = why {
+    let LastBetween {
+        relmse: between,
+        advice,
+    } = &baked.last_between;
+    if let Some(advice) = advice {
         super::warn(
             "last level",
-            &format!("relmse {between:.1e} between its texels: {why}"),
+            &format!("relmse {between:.1e} between its texels: {advice}"),
         );
     }
     let worst = baked
@@ -198,9 +221,9 @@ fn execute_for(
         Some(0.0) => ", the table is exact".to_owned(),
         Some(error) => format!(", the table is within {error:.0e}"),
     };
-    let last = format!("lookups between the texels of the last level are within {between:.1e}");
     print(&format!(
-        "As written, every level is within relmse {worst:.1e} of its integral; {last}{table}.\n"
+        "As written, every level is within relmse {worst:.1e} of its integral; lookups between \
+         the texels of the last level are within {between:.1e}{table}.\n"
     ))
 }
 
@@ -210,7 +233,8 @@ fn setting(text: &str) -> Result<(AxisId, Value), String> {
         .split_once('=')
         .ok_or_else(|| format!("{text:?} is not NAME=VALUE"))?;
     let axis = AxisId::find(name);
-    let axis = axis.ok_or_else(|| not_one_of("setting of a bake", name, SETTINGS, ""))?;
+    let axis =
+        axis.ok_or_else(|| not_listed("setting of a bake", name, SETTINGS, "", Some(LISTED_AXES)))?;
     if !SETTINGS.contains(&name) {
         return Err(format!("{name} does not change a bake; leave it out"));
     }

@@ -3,10 +3,11 @@
 use super::shared::{InputFlags, preset};
 use super::{Failure, print, print_data, progress};
 use clap::Args;
-use splitsum::bake::Stated;
 use splitsum::bake::convention::{Axes, PRESETS, Preset, TableAxes, TableChannels};
-use splitsum::bake::judge::{GOOD, Judged, Judging, Limits, as_json};
+use splitsum::bake::judge::level::LevelScore;
+use splitsum::bake::judge::{Clause, GOOD, Judged, Judging, Limits, Part, as_json, joined};
 use splitsum::bake::source::{Reading, read};
+use splitsum::bake::{Bake, Stated};
 use splitsum::base::names::Listed;
 use splitsum::draw::markdown::{Align, MarkdownTable};
 use splitsum::instrument::brdf::{Brdf, MaskingShadowing};
@@ -104,11 +105,8 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         brdf: arguments.brdf.name(),
     };
     let bake = read(&arguments.files, reading).map_err(Failure::input)?;
-    let has_map = bake.specular.is_some() || bake.irradiance.is_some() || bake.sh.is_some();
-    check_limits(
-        &arguments.limits,
-        [has_map, bake.specular.is_some(), bake.dfg.is_some()],
-    )?;
+    let has_map = has_map(&bake);
+    check_limits(&arguments.limits, &bake)?;
     // The light does not reach a DFG table.
     let light = match &arguments.environment {
         Some(light) => light,
@@ -119,20 +117,11 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         }
         None => "builtin:constant",
     };
-    let stated = &bake.stated;
-    let own = || {
-        stated
-            .preset
-            .as_deref()
-            .map_or(Ok(&PRESETS[0]), Preset::parse)
+    let preset = match arguments.preset {
+        Some(preset) => preset,
+        None => stated_preset(&bake.stated)?,
     };
-    let unknown = |fault| {
-        Failure::input(format!(
-            "bake.json: {fault}; give your own as --preset FILE.toml"
-        ))
-    };
-    let preset = arguments.preset.map_or_else(own, Ok).map_err(unknown)?;
-    let judging = judging(arguments, preset, stated)?;
+    let judging = judging(arguments, preset, &bake.stated)?;
     let environment = arguments.inputs.environment(light)?;
     let judged = judging
         .judge(&environment, &bake, progress::phase)
@@ -151,15 +140,34 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     }
 }
 
+fn has_map(bake: &Bake) -> bool {
+    bake.specular.is_some() || bake.irradiance.is_some() || bake.sh.is_some()
+}
+
+/// Returns the preset that the files state, else the default.
+fn stated_preset(stated: &Stated) -> Result<&'static Preset, Failure> {
+    let Some(name) = &stated.preset else {
+        return Ok(&PRESETS[0]);
+    };
+    Preset::parse(name).map_err(|fault| {
+        Failure::input(format!(
+            "bake.json: {fault}; give your own as --preset FILE.toml"
+        ))
+    })
+}
+
 /// Refuses limits of which none applies to a part of the bake.
-fn check_limits(limits: &Limits, has: [bool; 3]) -> Result<(), Failure> {
-    let asked = [
-        limits.fail_above,
-        limits.fail_between_above,
-        limits.fail_table_above,
-    ]
-    .map(|limit| limit.is_some());
-    if asked.contains(&true) && asked.iter().zip(has).all(|(asked, has)| !(*asked && has)) {
+fn check_limits(limits: &Limits, bake: &Bake) -> Result<(), Failure> {
+    let limits_and_parts = [
+        (limits.fail_above.is_some(), has_map(bake)),
+        (limits.fail_between_above.is_some(), bake.specular.is_some()),
+        (limits.fail_table_above.is_some(), bake.dfg.is_some()),
+    ];
+    let has_limit = limits_and_parts.iter().any(|(is_set, _)| *is_set);
+    let applies = limits_and_parts
+        .iter()
+        .any(|(is_set, has_part)| *is_set && *has_part);
+    if has_limit && !applies {
         return Err(Failure::input(
             "nothing to judge: --fail-above is for maps and SH, --fail-between-above for levels, \
              --fail-table-above for a DFG table",
@@ -178,7 +186,8 @@ fn judging(
         .map_err(Failure::input)?
         .convention;
     if let Some(mapping) = arguments.level_mapping {
-        (convention.mapping, convention.alphas) = (mapping, None);
+        convention.mapping = mapping;
+        convention.alphas = None;
     }
     convention.alphas = arguments.alphas.clone().or(convention.alphas);
     convention.masking = arguments.masking.copied().unwrap_or(convention.masking);
@@ -212,58 +221,11 @@ fn alpha(text: &str) -> Result<f64, String> {
 }
 
 fn as_text(judged: &Judged) -> String {
-    let mut text = String::new();
-    for (what, fits) in &judged.axes {
-        if let Some(doubt) = judged.doubt(what, fits) {
-            super::log(&wrapped(&format!(
-                "warning: {what}: {}{}",
-                doubt.words, doubt.more
-            )));
-        }
+    for warning in judged.warnings() {
+        let text = format!("warning: {}: {}", warning.map, warning.details());
+        super::log(&wrapped(&text));
     }
-    let levels = judged
-        .levels
-        .iter()
-        .enumerate()
-        .map(|(k, score)| (k.to_string(), score));
-    let maps: Vec<_> = levels
-        .chain(
-            judged
-                .irradiance
-                .iter()
-                .map(|score| ("irradiance".to_owned(), score)),
-        )
-        .collect();
-    if !maps.is_empty() {
-        let columns =
-            ["size", "alpha", "rms %", "between texels", "bias %"].map(|name| (name, Align::Right));
-        let mut table = MarkdownTable::new(&[&[("level", Align::Left)], &columns[..]].concat());
-        let rms = |relmse: f64| format!("{:.2}", 100.0 * relmse.sqrt());
-        for (name, score) in &maps {
-            table.row(&[
-                name.clone(),
-                format!("{}x{}", score.size[0], score.size[1]),
-                format!("{:.4}", score.alpha),
-                rms(score.errors.relmse),
-                score.between.map_or_else(String::new, rms),
-                format!("{:+.2}", 100.0 * score.errors.bias_rel),
-            ]);
-        }
-        text += &format!("{table}");
-    }
-    let worst = maps
-        .iter()
-        .max_by(|(_, a), (_, b)| a.errors.relmse.total_cmp(&b.errors.relmse));
-    if let Some((name, score)) = worst.filter(|(_, score)| score.errors.relmse > GOOD) {
-        let worst = &score.worst;
-        let ([x, y, z], [face, column, row]) = (worst.direction.to_array(), worst.texel);
-        let [found, exact] = [worst.found, worst.exact].map(|rgb| rgb.element_sum() / 3.0);
-        text += &format!(
-            "Worst direction, level {name}: ({x:.2}, {y:.2}, {z:.2}), face {face}, texel \
-             {column},{row}: \
-             {found:.3}, exact {exact:.3}\n"
-        );
-    }
+    let mut text = maps_as_text(judged);
     if let Some(dfg) = &judged.dfg {
         text += &format!(
             "DFG table: max error {:.2e}, rms {:.1e}, worst at n·v {:.3}, roughness {:.3}\n",
@@ -271,22 +233,95 @@ fn as_text(judged: &Judged) -> String {
         );
     }
     if let Some(sh) = &judged.sh {
-        let [rms, bias] = [sh.errors.relmse.sqrt(), sh.errors.bias_rel].map(|x| 100.0 * x);
-        text += &format!("SH: {rms:.2} % rms in irradiance, bias {bias:+.2} %\n");
+        text += &format!(
+            "SH: {:.2} % rms in irradiance, bias {:+.2} %\n",
+            100.0 * sh.errors.relmse.sqrt(),
+            100.0 * sh.errors.bias_rel
+        );
     }
-    for (name, verdict) in judged.parts() {
-        text += &format!("{name}: {verdict}\n");
+    for part in judged.parts() {
+        text += &format!("{part}\n");
     }
-    wrapped(&text) + &shortened(&format!("Verdict: {}", judged.verdict())) + "\n"
+    wrapped(&text) + &shortened(judged.verdict_clauses()) + "\n"
 }
 
+/// A row of the table of maps.
+struct MapRow<'j> {
+    name: String,
+    score: &'j LevelScore,
+}
+
+/// Writes a table of levels and irradiance, and the worst direction if one is not good.
+fn maps_as_text(judged: &Judged) -> String {
+    let levels = judged
+        .levels
+        .iter()
+        .enumerate()
+        .map(|(level, score)| MapRow {
+            name: level.to_string(),
+            score,
+        });
+    let irradiance = judged.irradiance.iter().map(|score| MapRow {
+        name: Part::Irradiance.to_string(),
+        score,
+    });
+    let rows: Vec<MapRow> = levels.chain(irradiance).collect();
+    let worst = rows
+        .iter()
+        .max_by(|a, b| relmse(a).total_cmp(&relmse(b)))
+        .filter(|row| relmse(row) > GOOD);
+    let mut text = String::new();
+    if !rows.is_empty() {
+        text += &table_of_maps(&rows).to_string();
+    }
+    if let Some(MapRow { name, score }) = worst {
+        let worst = &score.worst;
+        let [x, y, z] = worst.direction.to_array();
+        let [face, column, row] = worst.texel;
+        let found = worst.found.element_sum() / 3.0;
+        let exact = worst.exact.element_sum() / 3.0;
+        text += &format!(
+            "Worst direction, level {name}: ({x:.2}, {y:.2}, {z:.2}), face {face}, texel \
+             {column},{row}: {found:.3}, exact {exact:.3}\n"
+        );
+    }
+    text
+}
+
+fn relmse(row: &MapRow) -> f64 {
+    row.score.errors.relmse
+}
+
+fn table_of_maps(rows: &[MapRow]) -> MarkdownTable {
+    let columns =
+        ["size", "alpha", "rms %", "between texels", "bias %"].map(|name| (name, Align::Right));
+    let mut table = MarkdownTable::new(&[&[("level", Align::Left)], &columns[..]].concat());
+    let rms = |relmse: f64| format!("{:.2}", 100.0 * relmse.sqrt());
+    for MapRow { name, score } in rows {
+        let [width, height] = score.size;
+        table.row(&[
+            name.clone(),
+            format!("{width}x{height}"),
+            format!("{:.4}", score.alpha),
+            rms(score.errors.relmse),
+            score.between.map_or_else(String::new, rms),
+            format!("{:+.2}", 100.0 * score.errors.bias_rel),
+        ]);
+    }
+    table
+}
+
+/// Longest printed line, characters.
 const WIDTH: usize = 100;
 
+/// Breaks lines at words, and indents what follows.
 fn wrapped(text: &str) -> String {
-    let (mut broken, mut column) = (String::new(), 0);
+    let mut broken = String::new();
+    let mut column = 0;
     for word in text.split_inclusive([' ', '\n']) {
         if column > 0 && column + word.trim_end().chars().count() > WIDTH {
-            (broken, column) = (broken.trim_end().to_owned() + "\n    ", 4);
+            broken = broken.trim_end().to_owned() + "\n    ";
+            column = 4;
         }
         broken += word;
         column = if word.ends_with('\n') {
@@ -300,24 +335,17 @@ fn wrapped(text: &str) -> String {
 
 /// Leaves out the last clauses of a verdict until it fits a line, first what is left if the causes
 /// are fixed.
-fn shortened(verdict: &str) -> String {
-    let clauses: Vec<&str> = verdict.split("; ").collect();
-    let is_cause = |clause: &&str| !clause.ends_with("if fixed");
-    let more = |count: usize| {
-        if clauses[count..].iter().any(is_cause) {
-            "; ..."
-        } else {
-            ""
+fn shortened(mut clauses: Vec<Clause>) -> String {
+    let first = clauses.remove(0).under("Verdict");
+    clauses.insert(0, first.clone());
+    for count in (1..=clauses.len()).rev() {
+        let (kept, dropped) = clauses.split_at(count);
+        let ends_early = dropped.iter().any(|clause| !clause.is_remainder);
+        let line = joined(kept) + if ends_early { "; ..." } else { "" };
+        if line.chars().count() <= WIDTH {
+            return line;
         }
-    };
-    let kept = |count: usize| clauses[..count].join("; ") + more(count);
-    let narrow = (1..=clauses.len())
-        .rev()
-        .map(kept)
-        .find(|line| line.chars().count() <= WIDTH);
-    // The flag of a long list is in a line above.
-    let cause = clauses[0]
-        .rsplit_once(": ")
-        .map_or(clauses[0], |(cause, _)| cause);
-    narrow.unwrap_or_else(|| cause.to_owned() + "; ...")
+    }
+    // The detail of a long list is in a line above.
+    format!("{}; ...", first.without_detail())
 }

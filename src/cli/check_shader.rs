@@ -5,11 +5,11 @@ use super::shared::DeviceFlag;
 use super::{Failure, print, print_data, progress};
 use clap::Args;
 use serde_json::json;
-use splitsum::bake::shader_check::{ERRORS, Row, check, verdict, worst};
+use splitsum::bake::judge::shader::{ErrorKind, Row, ShaderVerdict, WorstError, check};
 use splitsum::base::names::Listed;
 use splitsum::draw::markdown::{Align, MarkdownTable};
 use splitsum::instrument::brdf::MaskingShadowing;
-use splitsum::instrument::shade::{FILE_PREFIX, own};
+use splitsum::instrument::shade::{FILE_PREFIX, from_file};
 use splitsum::run::RenderFault;
 use std::path::{Path, PathBuf};
 
@@ -31,7 +31,7 @@ pub struct Arguments {
     /// Check a function of this file.
     file: PathBuf,
     /// Check this function of n, v, perceptual roughness and f0, not `specular_radiance`.
-    #[arg(long, value_name = "NAME", default_value = own::FUNCTION, value_parser = entry)]
+    #[arg(long, value_name = "NAME", default_value = from_file::FUNCTION, value_parser = entry)]
     entry: String,
     /// Set the lobe's masking-shadowing, and the DFG table's.
     #[arg(long, value_name = "NAME", default_value = MaskingShadowing::names()[0], value_parser = MaskingShadowing::parse)]
@@ -68,18 +68,21 @@ fn limits(text: &str) -> Result<[f32; 3], String> {
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let name = format!("{FILE_PREFIX}{}", arguments.file.display());
     let method =
-        own::load_function(&name, Path::new(""), &arguments.entry).map_err(Failure::input)?;
+        from_file::load_function(&name, Path::new(""), &arguments.entry).map_err(Failure::input)?;
     progress::doing("rendering");
     let mut pipeline = arguments.device.open().map_err(Failure::opening)?;
     let rows = check(&mut pipeline, method, *arguments.masking);
     let rows = rows.map_err(|error| Failure::rendering(RenderFault::from(error)))?;
-    let (verdict, failures) = (verdict(&rows), failures(arguments, &rows));
+    let verdict = ShaderVerdict::new(&rows);
+    let failures = failures(arguments, &rows, &verdict);
     if arguments.json {
-        let passes = failures.is_empty();
-        print_data(&format!(
-            "{:#}\n",
-            json!({ "verdict": verdict, "failures": failures, "passes": passes, "rows": rows })
-        ))?;
+        let report = json!({
+            "verdict": verdict.to_string(),
+            "failures": failures,
+            "passes": failures.is_empty(),
+            "rows": rows,
+        });
+        print_data(&format!("{report:#}\n"))?;
     } else {
         print(&format!("{}Verdict: {verdict}\n", as_table(&rows)))?;
     }
@@ -91,17 +94,25 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
 }
 
 /// Lists the errors above a limit, one a line.
-fn failures(arguments: &Arguments, rows: &[Row]) -> Vec<String> {
-    let limits = arguments.fail_above.into_iter().flatten().enumerate();
-    let above = limits.filter_map(|(error, limit)| {
-        let (size, words) = worst(rows, error);
-        let (name, _, unit, scale) = ERRORS[error];
-        (size > limit.into())
-            .then(|| format!("{name} above {} {unit}: {words}", scale as f32 * limit))
-    });
-    let wrong =
-        Some(verdict(rows)).filter(|words| arguments.fail_on_wrong && words.starts_with("wrong"));
-    above.chain(wrong).collect()
+fn failures(arguments: &Arguments, rows: &[Row], verdict: &ShaderVerdict) -> Vec<String> {
+    let mut failures = Vec::new();
+    if let Some(limits) = arguments.fail_above {
+        for (kind, limit) in ErrorKind::ALL.into_iter().zip(limits) {
+            let worst = WorstError::new(rows, kind);
+            if worst.size > limit.into() {
+                let limit = kind.scale() as f32 * limit;
+                failures.push(format!(
+                    "{} above {limit} {}: {worst}",
+                    kind.name(),
+                    kind.unit()
+                ));
+            }
+        }
+    }
+    if arguments.fail_on_wrong && !verdict.is_good() {
+        failures.push(verdict.to_string());
+    }
+    failures
 }
 
 fn as_table(rows: &[Row]) -> MarkdownTable {
@@ -117,16 +128,15 @@ fn as_table(rows: &[Row]) -> MarkdownTable {
     ];
     let mut table = MarkdownTable::new(&columns.map(|name| (name, Align::Right)));
     for row in rows {
-        let scales = ERRORS.iter().map(|own| own.3).enumerate();
-        let errors = scales
-            .flat_map(|(error, scale)| row.ranked(error).map(|view| scale * view.errors[error]));
-        let surface = [row.alpha, row.f0].map(|x| x.to_string());
-        table.row(
-            &surface
-                .into_iter()
-                .chain(errors.map(|error| format!("{error:+.1}")))
-                .collect::<Vec<_>>(),
-        );
+        let mut cells = vec![row.alpha.to_string(), row.f0.to_string()];
+        for kind in ErrorKind::ALL {
+            let median_and_largest = row.ranked(kind);
+            cells.extend(median_and_largest.map(|view| {
+                let error = kind.scale() * view.errors.get(kind);
+                format!("{error:+.1}")
+            }));
+        }
+        table.row(&cells);
     }
     table
 }

@@ -6,13 +6,14 @@ use super::{Failure, log, print};
 use clap::builder::ValueParser;
 use clap::{Arg, ArgAction, Args};
 use splitsum::base::names::Listed;
-use splitsum::cost::child::{CompileFault, Compiler, Job, available, serve};
+use splitsum::cost::child::{CompileFault, Compiler, available, serve};
 use splitsum::cost::family::{FAMILIES, Family};
 use splitsum::cost::isa::Counts;
 use splitsum::cost::pass::passes;
 use splitsum::cost::table::{Shaded, csv, markdown};
 use splitsum::experiment::axis::{AXES, BRDF, METHOD, Named, Point};
 use splitsum::experiment::value::Value;
+use splitsum::instrument::gpu::ShaderVariant;
 use splitsum::instrument::shade::METHODS;
 use std::path::PathBuf;
 
@@ -165,9 +166,9 @@ fn compiled(arguments: &Arguments) -> Result<Vec<Shaded>, Failure> {
     let program = std::env::current_exe().map_err(Failure::failed)?;
     super::progress::doing("compiling shaders");
     let found = available(&program).map_err(failure)?;
-    let jobs: Vec<Job> = points
+    let jobs: Vec<ShaderVariant> = points
         .iter()
-        .map(|point| point.collapsed().settings().specular_job())
+        .map(|point| point.collapsed().settings().specular_variant())
         .collect();
     let options = arguments
         .axes

@@ -29,7 +29,7 @@ mod view;
 
 use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser, Subcommand};
-use splitsum::base::names::{not_one_of, printable};
+use splitsum::base::names::{not_listed, not_one_of, printable};
 use splitsum::cost::child::COMMAND;
 use splitsum::run::{RenderFault, RunError};
 use std::error::Error;
@@ -252,7 +252,10 @@ fn usage_fault(error: &clap::Error) -> String {
             why if why.contains(&value) => return format!("{flag}: {why}"),
             why => return format!("{flag}: {value:?}: {why}"),
         },
-        (ErrorKind::InvalidSubcommand, _) => return not_one_of("command", &value, &commands, ""),
+        (ErrorKind::InvalidSubcommand, _) => {
+            let listed_in = Some("a command of `splitsum --help`");
+            return not_listed("command", &value, &commands, "", listed_in);
+        }
         (ErrorKind::InvalidValue, _) if !value.is_empty() => {
             return not_one_of(
                 "name",

@@ -8,7 +8,7 @@ use splitsum::base::names::Listed;
 use splitsum::instrument::environment::{Environment, LoadOptions};
 use splitsum::instrument::pipeline::{DeviceChoice, Options, Pipeline};
 use splitsum::instrument::scene::Scene;
-use splitsum::instrument::shade::{FILE_PREFIX, own};
+use splitsum::instrument::shade::{FILE_PREFIX, from_file};
 use splitsum::run::RenderFault;
 use std::path::{Path, PathBuf};
 
@@ -41,7 +41,7 @@ pub fn own_method(name: &str) -> Result<(), Failure> {
     let Some(path) = name.strip_prefix(FILE_PREFIX) else {
         return Ok(());
     };
-    own::load(name, Path::new(""))
+    from_file::load(name, Path::new(""))
         .map(drop)
         .map_err(|why| match Path::new(path).exists() {
             true => Failure::input(why),

@@ -1,13 +1,13 @@
 //! The child process that compiles shaders: environment variables choose its driver, and a process
 //! reads them once.
 //!
-//! The parent starts its own program with a hidden command and writes the jobs to its standard
-//! input as JSON. The child answers with a line about itself and one per job, so the parent knows
-//! which job a compiler died on.
+//! The parent starts its own program with a hidden command and writes the shader variants to its
+//! standard input as JSON. The child answers with a line about itself and one per variant, so the
+//! parent knows which variant a compiler died on.
 
 use super::family::{FAMILIES, Family};
 use crate::instrument::gpu::{
-    DeviceChoice, Executable, Gpu, GpuError, Options, add_shader, added_shader,
+    DeviceChoice, Executable, Gpu, GpuError, Options, ShaderVariant, add_shader,
 };
 use serde::{Deserialize, Serialize};
 use std::io::{self, BufRead, Read, Write};
@@ -19,26 +19,6 @@ pub const COMMAND: &str = "compile-shaders";
 
 /// RADV's name for its assembly.
 pub const ASSEMBLY: &str = "Assembly";
-
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Job {
-    /// A permutation of a compute shader.
-    pub shader: String,
-    pub constants: Vec<u32>,
-    /// SPIR-V of a method in a file, which the child does not have.
-    pub code: Option<Vec<u32>>,
-}
-
-impl Job {
-    pub fn new(shader: String, constants: &[u32]) -> Self {
-        let code = added_shader(&shader);
-        Self {
-            shader,
-            constants: constants.to_vec(),
-            code,
-        }
-    }
-}
 
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Compiler {
@@ -65,7 +45,7 @@ pub enum CompileFault {
 }
 
 /// Runs a child that compiles for a family by one of its driver names.
-fn try_name(program: &Path, name: &str, jobs: &[Job]) -> Result<Answer, io::Error> {
+fn try_name(program: &Path, name: &str, variants: &[ShaderVariant]) -> Result<Answer, io::Error> {
     let mut child = Command::new(program)
         .arg(COMMAND)
         .env("RADV_FORCE_FAMILY", name)
@@ -75,7 +55,7 @@ fn try_name(program: &Path, name: &str, jobs: &[Job]) -> Result<Answer, io::Erro
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()?;
-    let text = serde_json::to_string(jobs).map_err(io::Error::other)?;
+    let text = serde_json::to_string(variants).map_err(io::Error::other)?;
     let mut input = child.stdin.take().expect("piped");
     let fed = std::thread::spawn(move || input.write_all(text.as_bytes()));
     let output = child.wait_with_output()?;
@@ -107,14 +87,15 @@ struct Answer {
 fn compiled(
     program: &Path,
     family: &Family,
-    jobs: &[Job],
+    variants: &[ShaderVariant],
 ) -> Result<(Compiler, Answer), CompileFault> {
     let mut said = String::new();
     for name in family.driver_names {
-        let mut answer = try_name(program, name, jobs).map_err(|source| CompileFault::Start {
-            program: program.display().to_string(),
-            source,
-        })?;
+        let mut answer =
+            try_name(program, name, variants).map_err(|source| CompileFault::Start {
+                program: program.display().to_string(),
+                source,
+            })?;
         if let Some(compiler) = answer.compiler.take() {
             return Ok((compiler, answer));
         }
@@ -125,7 +106,8 @@ fn compiled(
 
 /// Lists the families that the installed driver compiles for; an error if there are none.
 pub fn available(program: &Path) -> Result<Vec<(&'static Family, Compiler)>, CompileFault> {
-    let (mut found, mut missing) = (Vec::new(), None);
+    let mut found = Vec::new();
+    let mut missing = None;
     for family in FAMILIES {
         match compiled(program, family, &[]) {
             Ok((compiler, _)) => found.push((family, compiler)),
@@ -139,21 +121,21 @@ pub fn available(program: &Path) -> Result<Vec<(&'static Family, Compiler)>, Com
     }
 }
 
-/// Compiles every job for a family, in order, and returns the stages of each. `program` is this
-/// program's file.
+/// Compiles every variant for a family, in order, and returns the stages of each. `program` is the
+/// file of this program.
 pub fn compile(
     program: &Path,
     family: &'static Family,
-    jobs: &[Job],
+    variants: &[ShaderVariant],
 ) -> Result<Vec<Vec<Executable>>, CompileFault> {
-    let (_, answer) = compiled(program, family, jobs)?;
+    let (_, answer) = compiled(program, family, variants)?;
     let fault = |index: usize, said: &str| CompileFault::Shader {
         family: family.name,
-        shader: jobs[index].shader.clone(),
+        shader: variants[index].shader.clone(),
         said: said.to_owned(),
     };
     let count = answer.results.len();
-    if count < jobs.len() && answer.results.iter().all(Result::is_ok) {
+    if count < variants.len() && answer.results.iter().all(Result::is_ok) {
         return Err(fault(count, &format!("the compiler died; {}", answer.said)));
     }
     let results = answer.results.into_iter().enumerate();
@@ -162,9 +144,9 @@ pub fn compile(
         .collect()
 }
 
-/// Runs the child: reads jobs, compiles them on RADV, writes answers.
+/// Runs the child: reads variants, compiles them on RADV, writes answers.
 pub fn serve(input: impl Read, mut output: impl Write) -> Result<(), Box<dyn std::error::Error>> {
-    let jobs: Vec<Job> = serde_json::from_reader(input)?;
+    let variants: Vec<ShaderVariant> = serde_json::from_reader(input)?;
     let gpu = Gpu::new(Options {
         device: DeviceChoice::Radv,
         executables: true,
@@ -174,8 +156,8 @@ pub fn serve(input: impl Read, mut output: impl Write) -> Result<(), Box<dyn std
         driver: gpu.info().driver.clone(),
     };
     writeln!(output, "{}", serde_json::to_string(&compiler)?)?;
-    for job in &jobs {
-        let result = executables(&gpu, job).map_err(|error| error.to_string());
+    for variant in &variants {
+        let result = executables(&gpu, variant).map_err(|error| error.to_string());
         writeln!(output, "{}", serde_json::to_string(&result)?)?;
         output.flush()?;
     }
@@ -184,11 +166,11 @@ pub fn serve(input: impl Read, mut output: impl Write) -> Result<(), Box<dyn std
     Ok(())
 }
 
-fn executables(gpu: &Gpu, job: &Job) -> Result<Vec<Executable>, GpuError> {
-    if let Some(code) = &job.code {
-        add_shader(job.shader.clone(), code);
+fn executables(gpu: &Gpu, variant: &ShaderVariant) -> Result<Vec<Executable>, GpuError> {
+    if let Some(code) = &variant.code {
+        add_shader(variant.shader.clone(), code);
     }
-    let mut executables = gpu.executables(&job.shader, &job.constants)?;
+    let mut executables = gpu.executables(&variant.shader, &variant.constants)?;
     for stage in &mut executables {
         stage.texts.retain(|(name, _)| name == ASSEMBLY);
     }

@@ -114,15 +114,17 @@ fn counted(mnemonic: &str) -> Option<Counts> {
     } else if begins(&["v_"]) {
         Counts { alu: 1.0, ..none }
     } else if begins(&["image_sample", "image_gather"]) {
-        match mnemonic.split('_').any(|part| part == "lz") {
-            true => Counts {
+        let is_one_level = mnemonic.split('_').any(|part| part == "lz");
+        if is_one_level {
+            Counts {
                 bilinear: 1.0,
                 ..none
-            },
-            false => Counts {
+            }
+        } else {
+            Counts {
                 trilinear: 1.0,
                 ..none
-            },
+            }
         }
     } else if begins(&["image_"]) {
         Counts {
@@ -181,9 +183,10 @@ pub fn count(assembly: &str) -> Result<ShaderCounts, IsaFault> {
         ..Default::default()
     };
     for (index, block) in blocks.iter().enumerate() {
-        match samples.is_some_and(|body| body.contains(&index)) {
-            true => counts.inside += block.counts,
-            false => counts.outside += block.counts,
+        if samples.is_some_and(|body| body.contains(&index)) {
+            counts.inside += block.counts;
+        } else {
+            counts.outside += block.counts;
         }
     }
     Ok(counts)

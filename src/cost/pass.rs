@@ -1,28 +1,28 @@
 //! Counts, registers and waves of compiled shading passes.
 
-use super::child::{ASSEMBLY, CompileFault, Job, compile};
+use super::child::{ASSEMBLY, CompileFault, compile};
 use super::family::Family;
 use super::isa::{self, IsaFault, ShaderCounts};
-use crate::instrument::gpu::Executable;
+use crate::instrument::gpu::{Executable, ShaderVariant};
 use std::path::Path;
 
 pub fn passes(
     program: &Path,
     family: &'static Family,
-    jobs: &[Job],
+    variants: &[ShaderVariant],
 ) -> Result<Vec<Pass>, CompileFault> {
-    let compiled = compile(program, family, jobs)?;
-    let pass = |(job, stages): (&Job, &Vec<Executable>)| {
+    let compiled = compile(program, family, variants)?;
+    let pass = |(variant, stages): (&ShaderVariant, &Vec<Executable>)| {
         let fault = |said: String| CompileFault::Shader {
             family: family.name,
-            shader: job.shader.clone(),
+            shader: variant.shader.clone(),
             said,
         };
         let pass =
             Pass::new(stages).ok_or_else(|| fault("the driver gives no assembly".to_owned()))?;
         pass.map_err(|error| fault(error.to_string()))
     };
-    jobs.iter().zip(&compiled).map(pass).collect()
+    variants.iter().zip(&compiled).map(pass).collect()
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -40,9 +40,8 @@ impl Pass {
     /// Reads a compiled compute shader; `None` without its assembly or statistics.
     pub fn new(stages: &[Executable]) -> Option<Result<Self, IsaFault>> {
         let [stage] = stages else { return None };
-        let [vector_registers, waves] =
-            ["VGPRs", "Subgroups per SIMD"].map(|name| stage.statistic(name));
-        let (vector_registers, waves) = (vector_registers? as u32, waves? as u32);
+        let vector_registers = stage.statistic("VGPRs")? as u32;
+        let waves = stage.statistic("Subgroups per SIMD")? as u32;
         let counts = isa::count(stage.text(ASSEMBLY)?);
         Some(counts.map(|counts| Self {
             counts,

@@ -21,23 +21,39 @@ pub struct Shaded {
     pub pass: Pass,
 }
 
-/// Column, heading and meaning of each count, in the order of [`classes`].
-const CLASSES: [(&str, &str, &str); 7] = [
-    ("alu", "ALU", "Full-rate vector instructions a pixel"),
-    (
+/// A class of instructions or lookups that is counted.
+struct Class {
+    /// Name of its columns, without the part of the code.
+    column: &'static str,
+    heading: &'static str,
+    about: &'static str,
+}
+
+const fn class(column: &'static str, heading: &'static str, about: &'static str) -> Class {
+    Class {
+        column,
+        heading,
+        about,
+    }
+}
+
+/// In the order of [`classes`].
+const CLASSES: [Class; 7] = [
+    class("alu", "ALU", "Full-rate vector instructions a pixel"),
+    class(
         "quarter_rate",
         "quarter-rate",
         "Quarter-rate vector instructions a pixel",
     ),
-    ("scalar", "scalar", "Scalar instructions a wave"),
-    ("unfiltered", "texels", "Texels a pixel without a filter"),
-    ("bilinear", "bilinear", "Lookups a pixel in one level"),
-    (
+    class("scalar", "scalar", "Scalar instructions a wave"),
+    class("unfiltered", "texels", "Texels a pixel without a filter"),
+    class("bilinear", "bilinear", "Lookups a pixel in one level"),
+    class(
         "trilinear",
         "trilinear",
         "Lookups a pixel between two levels",
     ),
-    ("memory_bytes", "buffer bytes", "Bytes of buffers a pixel"),
+    class("memory_bytes", "buffer bytes", "Bytes of buffers a pixel"),
 ];
 
 fn classes(counts: &Counts) -> [f64; 7] {
@@ -96,8 +112,10 @@ pub fn columns() -> Vec<(String, String)> {
         ("outside", "outside the loop over samples, once a dispatch"),
         ("inside", "inside it, once a sample"),
     ];
-    let counted = parts.map(|(part, place)| {
-        CLASSES.map(|(class, _, about)| (format!("{part}_{class}"), format!("{about}, {place}.")))
+    let counted = parts.map(|(part, when)| {
+        CLASSES.map(|Class { column, about, .. }| {
+            (format!("{part}_{column}"), format!("{about}, {when}."))
+        })
     });
     [known(&FIRST), counted.concat(), known(&LAST)].concat()
 }
@@ -152,17 +170,17 @@ pub fn csv(passes: &[Shaded]) -> Vec<u8> {
 pub fn markdown(passes: &[Shaded]) -> String {
     let tables = passes
         .chunk_by(|a, b| a.family.name == b.family.name)
-        .map(|own| {
+        .map(|family| {
             let Family {
                 name,
                 generation,
                 card,
                 ..
-            } = own[0].family;
+            } = family[0].family;
             format!(
                 "## {name}: {generation}, {card} ({})\n\n{}",
-                own[0].driver,
-                table(own)
+                family[0].driver,
+                table(family)
             )
         });
     let tables: Vec<String> = tables.collect();
@@ -175,7 +193,7 @@ pub fn markdown(passes: &[Shaded]) -> String {
 fn table(family: &[Shaded]) -> MarkdownTable {
     let numbers = CLASSES
         .iter()
-        .map(|(_, heading, _)| *heading)
+        .map(|class| class.heading)
         .chain(["registers", "waves"]);
     let columns = numbers.map(|name| (name, Align::Right));
     let mut table = MarkdownTable::new(

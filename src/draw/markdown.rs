@@ -1,6 +1,7 @@
 //! Markdown tables, aligned in the source text for terminals; safe Markdown text; numbers.
 
 use crate::base::names::printable;
+pub use crate::base::numbers::significant;
 use std::fmt;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -182,32 +183,5 @@ impl fmt::Display for MarkdownTable {
             self.write_row(f, &widths, row.iter())?;
         }
         Ok(())
-    }
-}
-
-/// Decimal exponents of numbers without an exponent.
-const FIXED_EXPONENTS: std::ops::Range<i32> = -4..6;
-
-/// Rounds a number to `digits` significant digits (at least 1): `0.0123`, `1.50`, `1.23e-7`, `inf`.
-/// Digits before the decimal point stay: `1234`.
-pub fn significant(number: f64, digits: usize) -> String {
-    if number == 0.0 {
-        return "0".to_owned();
-    }
-    if !number.is_finite() {
-        return number.to_string();
-    }
-    let decimals = digits.max(1) - 1;
-    // Rounded first: 0.9996 to three digits is 1.00.
-    let scientific = format!("{number:.decimals$e}");
-    let exponent: i32 = scientific
-        .split_once('e')
-        .and_then(|(_, exponent)| exponent.parse().ok())
-        .expect("the exponent format of a finite number ends in e and an integer");
-    if FIXED_EXPONENTS.contains(&exponent) {
-        let decimals = (decimals as i32 - exponent).max(0) as usize;
-        format!("{number:.decimals$}")
-    } else {
-        scientific
     }
 }

@@ -5,5 +5,6 @@ pub mod colormap;
 #[cfg(feature = "cli")]
 pub mod figure;
 pub mod markdown;
+pub mod method_titles;
 #[cfg(feature = "cli")]
 pub mod words;

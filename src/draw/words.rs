@@ -2,8 +2,9 @@
 //! spans for the page.
 
 use super::markdown::significant;
+use super::method_titles::words_in;
 use crate::base::names::Listed;
-use crate::instrument::shade::{Method, words_in};
+use crate::instrument::shade::Method;
 use serde::Serialize;
 use std::fmt;
 

@@ -308,7 +308,7 @@ fn off_axis(named: Named, value: &Value, known: &[&Value]) -> String {
         _ => (shown(value), String::new()),
     };
     let hint = if near.is_empty() {
-        format!("; expected {}", expected("value", &names))
+        format!("; expected {}", expected(&names, None))
     } else {
         near
     };

@@ -2,6 +2,7 @@
 //!
 //! Reading never stops at the first fault. Paths are relative to the file.
 
+use super::axis::named::LISTED_AXES;
 use super::axis::{AXES, AxisId, METHOD, Named, PerAxis, Point, Reference, SAMPLES, Terms};
 use super::fault::{Faults, Place};
 use super::toml_tree::{at, checked, entries, parsed, raw, section, text, unknown_key};
@@ -105,6 +106,7 @@ pub struct Config {
 pub(super) const AXIS: Kind = Kind::Name {
     what: "axis",
     names: axis_names,
+    listed_in: Some(LISTED_AXES),
 };
 
 pub(super) const METRIC_KEY: &str = "metric";

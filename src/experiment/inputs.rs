@@ -7,7 +7,7 @@ use crate::bake::given;
 use crate::instrument::environment::{BUILTIN_PREFIX, Environment, LoadOptions};
 use crate::instrument::precompute::given::{Given, GivenMap, GivenTable};
 use crate::instrument::scene::Scene;
-use crate::instrument::shade::{FILE_PREFIX, Method, own};
+use crate::instrument::shade::{FILE_PREFIX, Method, from_file};
 use std::collections::BTreeMap;
 use std::fmt::Display;
 use std::path::Path;
@@ -77,7 +77,7 @@ fn each<T, E: Display>(
 pub fn load_methods(config: &Config, faults: &mut Faults) -> BTreeMap<String, &'static Method> {
     let load = |name: &str, dir: &Path| {
         name.starts_with(FILE_PREFIX)
-            .then(|| own::load(name, dir))
+            .then(|| from_file::load(name, dir))
             .transpose()
     };
     let loaded = each(config, METHOD, faults, load).into_iter();

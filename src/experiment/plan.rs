@@ -11,7 +11,7 @@ use super::inputs::Inputs;
 use super::sweeps::COMBINATIONS_MAX;
 use super::value::Value;
 use crate::base::names::Listed;
-use crate::base::names::short_number;
+use crate::base::numbers::short_number;
 use crate::instrument::environment::LoadOptions;
 use crate::instrument::pipeline::{BUFFER_BYTES_EVERYWHERE, RenderRequest, image_buffer_bytes};
 use std::collections::{BTreeMap, HashSet};

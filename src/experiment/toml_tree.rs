@@ -1,6 +1,6 @@
 //! TOML with places: walks the parsed tree without stopping at the first fault.
 
-use super::axis::named::hint;
+use super::axis::named::{LISTED_AXES, hint};
 use super::fault::{Faults, Place};
 use super::value::{Kind, Raw, Value};
 use crate::base::names::expected;
@@ -66,12 +66,16 @@ pub fn at(value: &Spanned<DeValue>) -> Place {
 
 /// Reports an unknown key with the nearest known one.
 pub fn unknown_key(place: &Place, prefix: &str, key: &str, known: &[&str], faults: &mut Faults) {
-    let what = if prefix.is_empty() { "key" } else { "axis" };
+    let listed_in = if prefix.is_empty() {
+        "a key of experiments/README.md"
+    } else {
+        LISTED_AXES
+    };
     faults.add_with(place, || {
         let near = Some(hint(key, known)).filter(|near| !near.is_empty());
         format!(
             "{prefix}{key} is unknown{}",
-            near.unwrap_or_else(|| format!("; expected {}", expected(what, known)))
+            near.unwrap_or_else(|| format!("; expected {}", expected(known, Some(listed_in))))
         )
     });
 }

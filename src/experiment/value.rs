@@ -1,7 +1,8 @@
 //! Values in a file or on the command line, and their checks.
 
 use crate::base::glsl::constants;
-use crate::base::names::{Listed, NAMES_SHOWN, not_one_of, with_article};
+use crate::base::names::{Listed, NAMES_SHOWN, not_listed, not_one_of, with_article};
+use crate::base::numbers::round_to_significant;
 use crate::instrument::shade::FILE_PREFIX;
 use std::fmt;
 use std::hash::{Hash, Hasher};
@@ -205,15 +206,17 @@ pub enum Kind {
         min: u32,
         max: u32,
     },
-    /// A listed name; `what` is the word for one.
+    /// A listed name; `what` is the word for one, `listed_in` where a user finds a long list.
     Name {
         what: &'static str,
         names: fn() -> Vec<&'static str>,
+        listed_in: Option<&'static str>,
     },
     /// A listed name, or [`FILE_PREFIX`] and the path of a file, which is checked on loading.
     NameOrFile {
         what: &'static str,
         names: fn() -> Vec<&'static str>,
+        listed_in: Option<&'static str>,
     },
     /// A number, or a name for one. The value is always the number.
     NumberOrName {
@@ -237,7 +240,7 @@ pub const IMAGE_SIZE: Kind = Kind::Pair { min: 1, max: 16384 };
 
 /// Rounds to 15 digits, so that 0.1 + 0.2 is 0.3 and 0.7 squared is 0.49.
 pub fn decimal(number: f64) -> f64 {
-    format!("{number:.14e}").parse().unwrap_or(number)
+    round_to_significant(number, 15)
 }
 
 impl Kind {
@@ -245,6 +248,7 @@ impl Kind {
         Self::Name {
             what: T::WHAT,
             names: T::names,
+            listed_in: T::LISTED_IN,
         }
     }
 
@@ -289,7 +293,16 @@ impl Kind {
                     "a pair of whole numbers in [{min}, {max}], such as [256, 128]"
                 )),
             },
-            Self::Name { what, names } | Self::NameOrFile { what, names } => match raw {
+            Self::Name {
+                what,
+                names,
+                listed_in,
+            }
+            | Self::NameOrFile {
+                what,
+                names,
+                listed_in,
+            } => match raw {
                 Raw::String(text) => {
                     let names = names();
                     let takes_files = matches!(self, Self::NameOrFile { .. });
@@ -299,11 +312,12 @@ impl Kind {
                             .is_some_and(|path| !path.is_empty());
                     match is_file || names.contains(&text.as_str()) {
                         true => Ok(Value::from(text.as_str())),
-                        false => Err(not_one_of(
+                        false => Err(not_listed(
                             what,
                             text,
                             &names,
                             if takes_files { "file:PATH or " } else { "" },
+                            *listed_in,
                         )),
                     }
                 }

@@ -15,7 +15,7 @@ pub use answers::Answers;
 pub use queries::{Queries, QueryFaults};
 
 use crate::base::names::listed;
-use crate::instrument::brdf::{Brdf, MaskingShadowing, SheenVisibility};
+use crate::instrument::brdf::{Brdf, MaskingShadowing, SheenVisibility, WidthLaw};
 use crate::instrument::precompute::prefilter::Kernel;
 use crate::instrument::shade::coat::CoatLayering;
 use crate::instrument::shade::reference::Surface;
@@ -66,22 +66,25 @@ listed!(Kind, "kind of query", {
     "sh9": Sh9,
 });
 
+/// Columns of a lit point: what it reflects, its normal and its view.
+const SURFACE_COLUMNS: &[&str] = &[
+    "environment",
+    "brdf",
+    "alpha",
+    "f0",
+    "nx",
+    "ny",
+    "nz",
+    "vx",
+    "vy",
+    "vz",
+];
+
 impl Kind {
     pub fn columns(self) -> &'static KindColumns {
         match self {
             Self::Shading => &KindColumns {
-                required: &[
-                    "environment",
-                    "brdf",
-                    "alpha",
-                    "f0",
-                    "nx",
-                    "ny",
-                    "nz",
-                    "vx",
-                    "vy",
-                    "vz",
-                ],
+                required: SURFACE_COLUMNS,
                 optional: &[
                     "masking",
                     "anisotropy",
@@ -99,18 +102,7 @@ impl Kind {
                 numbers: &[],
             },
             Self::Ladder => &KindColumns {
-                required: &[
-                    "environment",
-                    "brdf",
-                    "alpha",
-                    "f0",
-                    "nx",
-                    "ny",
-                    "nz",
-                    "vx",
-                    "vy",
-                    "vz",
-                ],
+                required: SURFACE_COLUMNS,
                 optional: &["masking", "levels", "id"],
                 colors: &[],
                 numbers: &[],
@@ -172,6 +164,16 @@ struct Coat {
     layering: CoatLayering,
 }
 
+/// Two widths of the lobe of the surface.
+#[derive(Clone, Copy, Debug)]
+struct Anisotropy {
+    /// In (0, 1].
+    strength: f64,
+    /// Of the tangent, radians.
+    turn: f64,
+    law: WidthLaw,
+}
+
 /// Sheen with the normal of the surface.
 #[derive(Clone, Copy, Debug)]
 struct Sheen {
@@ -180,11 +182,27 @@ struct Sheen {
     visibility: &'static SheenVisibility,
 }
 
-/// Results of tables with a layer by the column that asks for it: the layer's radiance, and the
-/// share that what lies below keeps.
-const LAYERS: [(&str, &str, &str); 2] = [
-    ("coat", "coat", "base_share"),
-    ("sheen_color", "sheen", "sheen_base_share"),
+/// Columns of a layer over the surface.
+struct LayerColumns {
+    /// The column that asks for it.
+    asks: &'static str,
+    /// The result with the layer's radiance.
+    color: &'static str,
+    /// The result with the share that the surface below keeps.
+    base_share: &'static str,
+}
+
+const LAYERS: [LayerColumns; 2] = [
+    LayerColumns {
+        asks: "coat",
+        color: "coat",
+        base_share: "base_share",
+    },
+    LayerColumns {
+        asks: "sheen_color",
+        color: "sheen",
+        base_share: "sheen_base_share",
+    },
 ];
 
 #[derive(Clone, Debug)]

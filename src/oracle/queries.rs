@@ -1,16 +1,11 @@
 //! Reads tables of queries. Every row is checked, and every fault is reported with line and column.
 
 use super::row::{Fault, Row};
-use super::{Integral, Kind, KindColumns, Query};
+use super::{Kind, KindColumns, Query};
 use crate::base::csv::Cell;
 use crate::base::files::{TEXT_BYTES_MAX, read_given};
-use crate::base::math::frame::east;
-use crate::base::names::Listed;
-use crate::base::names::suggestion;
-use crate::instrument::brdf::Stretch;
+use crate::base::names::{Listed, suggestion};
 use crate::instrument::environment::{Environment, LoadOptions};
-use crate::instrument::precompute::prefilter::Kernel;
-use crate::instrument::shade::reference::Surface;
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -125,11 +120,28 @@ fn one_fault(path: &Path, line: u64, what: String) -> QueryFaults {
 }
 
 /// An environment under the name that the rows use.
-struct Named {
+struct NamedEnvironment {
     spec: String,
     first_line: u64,
     row_count: usize,
     loaded: Result<Environment, String>,
+}
+
+impl NamedEnvironment {
+    /// Returns the fault of its first row, if it cannot be loaded.
+    fn fault(&self) -> Option<Fault> {
+        let message = self.loaded.as_ref().err()?;
+        let rows = if self.row_count > 1 {
+            format!(" ({} rows name it)", self.row_count)
+        } else {
+            String::new()
+        };
+        Some(Fault {
+            line: self.first_line,
+            column: "environment".to_owned(),
+            what: format!("{message}{rows}"),
+        })
+    }
 }
 
 struct Reader<'a> {
@@ -137,7 +149,7 @@ struct Reader<'a> {
     kind: Kind,
     options: &'a LoadOptions,
     columns: Vec<String>,
-    environments: Vec<Named>,
+    environments: Vec<NamedEnvironment>,
     faults: Vec<Fault>,
 }
 
@@ -172,17 +184,7 @@ impl<'a> Reader<'a> {
             if is_header {
                 is_header = false;
                 self.header(line, &record);
-                // A missing or repeated column makes rows meaningless; an unknown one does not hide
-                // their faults.
-                let count =
-                    |column: &str| self.columns.iter().filter(|there| *there == column).count();
-                let has_all = self
-                    .kind
-                    .columns()
-                    .required
-                    .iter()
-                    .all(|column| count(column) == 1);
-                if !has_all || self.columns.iter().any(|column| count(column) > 1) {
+                if !self.has_meaningful_rows() {
                     break;
                 }
             } else if let Some(query) = self.row(line, &record) {
@@ -200,21 +202,8 @@ impl<'a> Reader<'a> {
                 ),
             );
         }
-        for named in &self.environments {
-            if let Err(message) = &named.loaded {
-                let rows = if named.row_count > 1 {
-                    format!(" ({} rows name it)", named.row_count)
-                } else {
-                    String::new()
-                };
-                let what = format!("{message}{rows}");
-                self.faults.push(Fault {
-                    line: named.first_line,
-                    column: "environment".to_owned(),
-                    what,
-                });
-            }
-        }
+        self.faults
+            .extend(self.environments.iter().filter_map(NamedEnvironment::fault));
         if !self.faults.is_empty() {
             self.faults.sort_by_key(|fault| fault.line);
             return Err(self.faults);
@@ -231,6 +220,15 @@ impl<'a> Reader<'a> {
             queries,
             environments,
         })
+    }
+
+    /// Whether the rows can be checked: a missing or repeated column makes them meaningless; an
+    /// unknown one does not hide their faults.
+    fn has_meaningful_rows(&self) -> bool {
+        let count = |name: &str| self.columns.iter().filter(|column| *column == name).count();
+        let required = self.kind.columns().required;
+        required.iter().all(|column| count(column) == 1)
+            && self.columns.iter().all(|column| count(column) == 1)
     }
 
     fn fault(&mut self, line: u64, column: &str, what: impl Into<String>) {
@@ -284,7 +282,8 @@ impl<'a> Reader<'a> {
     /// Checks one row; `None` if it has a fault.
     fn row(&mut self, line: u64, record: &::csv::StringRecord) -> Option<Query> {
         if record.len() != self.columns.len() {
-            let (found, expected) = (record.len(), self.columns.len());
+            let found = record.len();
+            let expected = self.columns.len();
             self.fault(
                 line,
                 "",
@@ -301,87 +300,10 @@ impl<'a> Reader<'a> {
         };
         let has_environment = self.kind.columns().required.contains(&"environment");
         let environment = has_environment.then(|| self.environment(&row));
-        // All cells are checked before any is used, so that a row reports all its faults.
-        let integral = match self.kind {
-            Kind::Shading | Kind::Ladder => {
-                let (model, masking, alpha) = (row.model(), row.masking(), row.alpha("alpha"));
-                let (levels, coat, sheen, anisotropy) =
-                    (row.levels(), row.coat(), row.sheen(), row.anisotropy());
-                let (f0, n, v) = (
-                    row.f0(),
-                    row.direction(["nx", "ny", "nz"]),
-                    row.direction(["vx", "vy", "vz"]),
-                );
-                if let (Some(n), Some(v)) = (n, v)
-                    && n.dot(v) <= 0.0
-                {
-                    row.fault(
-                        "vx,vy,vz",
-                        format!(
-                            "v is not above the horizon: n·v is {}; expected above 0",
-                            n.dot(v)
-                        ),
-                    );
-                }
-                (|| {
-                    let (model, masking, alpha) = (model?, masking?, alpha?);
-                    let surface = Surface::new(model, masking, alpha, f0?, [n?, v?]);
-                    let surface = anisotropy?.map_or(surface, |(strength, turn, law)| {
-                        let widths = law.widths(alpha, strength);
-                        surface.stretched(Stretch {
-                            widths,
-                            tangent: east(surface.n, turn),
-                        })
-                    });
-                    Some(match self.kind {
-                        Kind::Ladder => Integral::Ladder {
-                            surface,
-                            levels: levels?,
-                        },
-                        _ => Integral::Shading {
-                            surface,
-                            coat: coat?,
-                            sheen: sheen?,
-                        },
-                    })
-                })()
-            }
-            Kind::Dfg => {
-                let (model, masking, alpha) = (row.model(), row.masking(), row.alpha("alpha"));
-                let n_dot_v = row.above_zero_to_one("n_dot_v");
-                (|| {
-                    Some(Integral::Dfg {
-                        model: model?,
-                        masking: masking?,
-                        alpha: alpha?,
-                        n_dot_v: n_dot_v?,
-                    })
-                })()
-            }
-            Kind::Prefilter => {
-                let (model, alpha, r) = (
-                    row.model(),
-                    row.alpha("alpha"),
-                    row.direction(["rx", "ry", "rz"]),
-                );
-                let (weight, masking) = (row.weight(), row.masking());
-                (|| {
-                    let kernel = Kernel::new(model?, weight?, masking?);
-                    Some(Integral::Prefilter {
-                        kernel,
-                        alpha: alpha?,
-                        r: r?,
-                    })
-                })()
-            }
-            Kind::Irradiance => row
-                .direction(["nx", "ny", "nz"])
-                .map(|n| Integral::Irradiance { n }),
-            Kind::Sh9 => Some(Integral::Sh9),
-        };
-        let is_right = row.faults.is_empty();
+        let integral = row.integral(self.kind);
+        let is_valid = row.faults.is_empty();
         self.faults.append(&mut row.faults);
-        integral.filter(|_| is_right).map(|integral| Query {
+        integral.filter(|_| is_valid).map(|integral| Query {
             environment,
             integral,
         })
@@ -397,7 +319,7 @@ impl<'a> Reader<'a> {
         let index = known.unwrap_or_else(|| {
             let loaded = Environment::load(spec, self.folder, self.options)
                 .map_err(|error| error.to_string());
-            self.environments.push(Named {
+            self.environments.push(NamedEnvironment {
                 spec: spec.to_owned(),
                 first_line: row.line,
                 row_count: 0,

@@ -1,10 +1,12 @@
 //! Checks the cells of one row of queries.
 
-use super::{ALPHA_MIN, Coat, Sheen};
+use super::{ALPHA_MIN, Anisotropy, Coat, Integral, Kind, Sheen};
+use crate::base::math::frame::east;
 use crate::base::names::Listed;
-use crate::instrument::brdf::{Brdf, MaskingShadowing, SHEEN_ALPHA_MIN, WidthLaw};
+use crate::instrument::brdf::{Brdf, MaskingShadowing, SHEEN_ALPHA_MIN, Stretch, WidthLaw};
 use crate::instrument::precompute::PrecomputeSettings;
-use crate::instrument::precompute::prefilter::Weight;
+use crate::instrument::precompute::prefilter::{Kernel, Weight};
+use crate::instrument::shade::reference::Surface;
 use glam::DVec3;
 
 /// Largest deviation of a direction's length from 1, below which it is normalised: five digits
@@ -29,6 +31,90 @@ pub(super) struct Row<'a> {
 }
 
 impl Row<'_> {
+    /// Returns the row's integral; `None` after a fault.
+    pub(super) fn integral(&mut self, kind: Kind) -> Option<Integral> {
+        match kind {
+            Kind::Shading | Kind::Ladder => self.lit_point(kind),
+            Kind::Dfg => self.dfg(),
+            Kind::Prefilter => self.prefilter(),
+            Kind::Irradiance => self
+                .direction(["nx", "ny", "nz"])
+                .map(|n| Integral::Irradiance { n }),
+            Kind::Sh9 => Some(Integral::Sh9),
+        }
+    }
+
+    // All cells are checked before any is used, so that a row reports all its faults.
+
+    fn lit_point(&mut self, kind: Kind) -> Option<Integral> {
+        let model = self.model();
+        let masking = self.masking();
+        let alpha = self.alpha("alpha");
+        let levels = self.levels();
+        let coat = self.coat();
+        let sheen = self.sheen();
+        let anisotropy = self.anisotropy();
+        let f0 = self.f0();
+        let n = self.direction(["nx", "ny", "nz"]);
+        let v = self.direction(["vx", "vy", "vz"]);
+        if let (Some(n), Some(v)) = (n, v)
+            && n.dot(v) <= 0.0
+        {
+            self.fault(
+                "vx,vy,vz",
+                format!(
+                    "v is not above the horizon: n·v is {}; expected above 0",
+                    n.dot(v)
+                ),
+            );
+        }
+        let alpha = alpha?;
+        let mut surface = Surface::new(model?, masking?, alpha, f0?, [n?, v?]);
+        if let Some(anisotropy) = anisotropy? {
+            surface = surface.stretched(Stretch {
+                widths: anisotropy.law.widths(alpha, anisotropy.strength),
+                tangent: east(surface.n, anisotropy.turn),
+            });
+        }
+        if kind == Kind::Ladder {
+            return Some(Integral::Ladder {
+                surface,
+                levels: levels?,
+            });
+        }
+        Some(Integral::Shading {
+            surface,
+            coat: coat?,
+            sheen: sheen?,
+        })
+    }
+
+    fn dfg(&mut self) -> Option<Integral> {
+        let model = self.model();
+        let masking = self.masking();
+        let alpha = self.alpha("alpha");
+        let n_dot_v = self.above_zero_to_one("n_dot_v");
+        Some(Integral::Dfg {
+            model: model?,
+            masking: masking?,
+            alpha: alpha?,
+            n_dot_v: n_dot_v?,
+        })
+    }
+
+    fn prefilter(&mut self) -> Option<Integral> {
+        let model = self.model();
+        let alpha = self.alpha("alpha");
+        let r = self.direction(["rx", "ry", "rz"]);
+        let weight = self.weight();
+        let masking = self.masking();
+        Some(Integral::Prefilter {
+            kernel: Kernel::new(model?, weight?, masking?),
+            alpha: alpha?,
+            r: r?,
+        })
+    }
+
     pub(super) fn fault(&mut self, column: &str, what: impl Into<String>) {
         self.faults.push(Fault {
             line: self.line,
@@ -37,7 +123,7 @@ impl Row<'_> {
         });
     }
 
-    pub(super) fn optional_cell(&self, column: &str) -> Option<&str> {
+    fn optional_cell(&self, column: &str) -> Option<&str> {
         let index = self.columns.iter().position(|name| name == column)?;
         self.record.get(index)
     }
@@ -47,24 +133,20 @@ impl Row<'_> {
         self.optional_cell(column).unwrap_or_default()
     }
 
-    pub(super) fn number(&mut self, column: &str, text: &str) -> Option<f64> {
+    fn number(&mut self, column: &str, text: &str) -> Option<f64> {
         let number = text.parse::<f64>().ok().filter(|x| x.is_finite());
         if number.is_none() {
-            let is_there = self.optional_cell(column).is_some();
-            let lack = "the header lacks this column".to_owned();
-            self.fault(
-                column,
-                if is_there {
-                    format!("{text:?} is not a finite number")
-                } else {
-                    lack
-                },
-            );
+            let what = if self.optional_cell(column).is_some() {
+                format!("{text:?} is not a finite number")
+            } else {
+                "the header lacks this column".to_owned()
+            };
+            self.fault(column, what);
         }
         number
     }
 
-    pub(super) fn above_zero_to_one(&mut self, column: &str) -> Option<f64> {
+    fn above_zero_to_one(&mut self, column: &str) -> Option<f64> {
         let text = self.cell(column).to_owned();
         let number = self.number(column, &text)?;
         let is_inside = number > 0.0 && number <= 1.0;
@@ -74,11 +156,9 @@ impl Row<'_> {
         is_inside.then_some(number)
     }
 
-    pub(super) fn alpha(&mut self, column: &str) -> Option<f64> {
-        let (text, alpha) = (
-            self.cell(column).to_owned(),
-            self.above_zero_to_one(column)?,
-        );
+    fn alpha(&mut self, column: &str) -> Option<f64> {
+        let text = self.cell(column).to_owned();
+        let alpha = self.above_zero_to_one(column)?;
         if alpha < ALPHA_MIN {
             self.fault(
                 column,
@@ -90,7 +170,7 @@ impl Row<'_> {
 
     /// Returns the cell of a column that others need; `None` after a fault, `Some(None)` if the
     /// table lacks them all.
-    fn leading_cell(&mut self, column: &str, others: &[&str]) -> Option<Option<String>> {
+    fn asking_cell(&mut self, column: &str, others: &[&str]) -> Option<Option<String>> {
         if let Some(text) = self.optional_cell(column) {
             return Some(Some(text.to_owned()));
         }
@@ -101,11 +181,10 @@ impl Row<'_> {
         stray.is_none().then_some(None)
     }
 
-    /// Returns the row's strength of anisotropy, turn in radians and law of widths, if the table
-    /// has any; `None` after a fault.
-    pub(super) fn anisotropy(&mut self) -> Option<Option<(f64, f64, WidthLaw)>> {
+    /// Returns the row's anisotropy, if it has any; `None` after a fault.
+    fn anisotropy(&mut self) -> Option<Option<Anisotropy>> {
         let others = ["anisotropy_rotation_deg", "anisotropy_widths"];
-        let Some(text) = self.leading_cell("anisotropy", &others)? else {
+        let Some(text) = self.asking_cell("anisotropy", &others)? else {
             return Some(None);
         };
         let strength = self.number("anisotropy", &text)?;
@@ -113,10 +192,8 @@ impl Row<'_> {
             self.fault("anisotropy", format!("{text} is outside [0, 1]"));
         }
         let turn = self.optional_cell(others[0]).unwrap_or("0").to_owned();
-        let (turn, law) = (
-            self.number(others[0], &turn)?,
-            *self.optional::<WidthLaw>(others[1])?,
-        );
+        let turn = self.number(others[0], &turn)?;
+        let law = *self.optional::<WidthLaw>(others[1])?;
         if strength > 0.0
             && let Some(what) = self
                 .model()
@@ -125,22 +202,25 @@ impl Row<'_> {
         {
             self.fault("anisotropy", what);
         }
-        Some(Some((strength, turn.to_radians(), law)).filter(|(strength, ..)| *strength > 0.0))
+        let anisotropy = Anisotropy {
+            strength,
+            turn: turn.to_radians(),
+            law,
+        };
+        Some((strength > 0.0).then_some(anisotropy))
     }
 
     /// Returns the row's coat, if the table has any; `None` after a fault.
-    pub(super) fn coat(&mut self) -> Option<Option<Coat>> {
-        let Some(text) = self.leading_cell("coat", &["coat_alpha", "coat_layering"])? else {
+    fn coat(&mut self) -> Option<Option<Coat>> {
+        let Some(text) = self.asking_cell("coat", &["coat_alpha", "coat_layering"])? else {
             return Some(None);
         };
         let weight = self.number("coat", &text)?;
         if !(0.0..=1.0).contains(&weight) {
             self.fault("coat", format!("{text} is outside [0, 1]"));
         }
-        let (alpha, layering) = (
-            self.alpha("coat_alpha"),
-            self.optional("coat_layering").copied(),
-        );
+        let alpha = self.alpha("coat_alpha");
+        let layering = self.optional("coat_layering").copied();
         Some(Some(Coat {
             weight,
             alpha: alpha?,
@@ -149,16 +229,15 @@ impl Row<'_> {
     }
 
     /// Returns the row's sheen, if the table has any; `None` after a fault.
-    pub(super) fn sheen(&mut self) -> Option<Option<Sheen>> {
-        let Some(text) = self.leading_cell("sheen_color", &["sheen_alpha", "sheen_visibility"])?
+    fn sheen(&mut self) -> Option<Option<Sheen>> {
+        let Some(text) = self.asking_cell("sheen_color", &["sheen_alpha", "sheen_visibility"])?
         else {
             return Some(None);
         };
-        let (color, alpha) = (
-            self.color("sheen_color", &text),
-            self.above_zero_to_one("sheen_alpha"),
-        );
-        let (alpha, visibility) = (alpha?, self.optional("sheen_visibility"));
+        let color = self.color("sheen_color", &text);
+        let alpha = self.above_zero_to_one("sheen_alpha");
+        let alpha = alpha?;
+        let visibility = self.optional("sheen_visibility");
         if alpha < SHEEN_ALPHA_MIN {
             self.fault(
                 "sheen_alpha",
@@ -172,7 +251,7 @@ impl Row<'_> {
         }))
     }
 
-    pub(super) fn f0(&mut self) -> Option<DVec3> {
+    fn f0(&mut self) -> Option<DVec3> {
         let text = self.cell("f0").to_owned();
         self.color("f0", &text)
     }
@@ -197,13 +276,13 @@ impl Row<'_> {
         is_inside.then_some(color)
     }
 
-    pub(super) fn model(&mut self) -> Option<&'static dyn Brdf> {
+    fn model(&mut self) -> Option<&'static dyn Brdf> {
         let name = self.cell("brdf").to_owned();
         self.listed("brdf", &name)
     }
 
     /// Returns the levels of the prefiltered map, by default as in the default tables.
-    pub(super) fn levels(&mut self) -> Option<u32> {
+    fn levels(&mut self) -> Option<u32> {
         let Some(text) = self
             .optional_cell("levels")
             .filter(|text| !text.is_empty())
@@ -213,7 +292,8 @@ impl Row<'_> {
         };
         let levels = text.parse().ok().filter(|levels| LEVELS.contains(levels));
         if levels.is_none() {
-            let (least, most) = (LEVELS.start(), LEVELS.end());
+            let least = LEVELS.start();
+            let most = LEVELS.end();
             self.fault(
                 "levels",
                 format!("{text:?} is not a count from {least} to {most}"),
@@ -222,11 +302,11 @@ impl Row<'_> {
         levels
     }
 
-    pub(super) fn masking(&mut self) -> Option<MaskingShadowing> {
+    fn masking(&mut self) -> Option<MaskingShadowing> {
         self.optional("masking").copied()
     }
 
-    pub(super) fn weight(&mut self) -> Option<&'static Weight> {
+    fn weight(&mut self) -> Option<&'static Weight> {
         self.optional("weight")
     }
 
@@ -248,7 +328,7 @@ impl Row<'_> {
     }
 
     /// Parses a unit vector from three columns and normalises it in f64.
-    pub(super) fn direction(&mut self, columns: [&str; 3]) -> Option<DVec3> {
+    fn direction(&mut self, columns: [&str; 3]) -> Option<DVec3> {
         let numbers = columns.map(|column| {
             let text = self.cell(column).to_owned();
             self.number(column, &text)
@@ -256,17 +336,21 @@ impl Row<'_> {
         let [Some(x), Some(y), Some(z)] = numbers else {
             return None;
         };
-        let (vector, place) = (DVec3::new(x, y, z), columns.join(","));
+        let vector = DVec3::new(x, y, z);
+        let joined_columns = columns.join(",");
         let length = vector.length();
         if length == 0.0 {
-            self.fault(&place, "the vector is zero; expected a unit vector");
+            self.fault(
+                &joined_columns,
+                "the vector is zero; expected a unit vector",
+            );
             return None;
         }
         if (length - 1.0).abs() > LENGTH_TOLERANCE {
             let what = format!(
                 "({x}, {y}, {z}) has length {length}; expected 1 within {LENGTH_TOLERANCE}"
             );
-            self.fault(&place, what);
+            self.fault(&joined_columns, what);
             return None;
         }
         Some(vector / length)

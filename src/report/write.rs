@@ -6,7 +6,7 @@ use crate::base::files::holds;
 use crate::base::pixels::Staged;
 use crate::draw::figure::svg::{FILE_WIDTH, svg};
 use crate::draw::figure::{Figure, ScaleKind};
-use crate::instrument::shade::words_in;
+use crate::draw::method_titles::words_in;
 use crate::run::store::ANSWERS_FOLDER;
 use crate::study::finished::Finished;
 use crate::study::questions::Answer;

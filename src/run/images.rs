@@ -5,7 +5,7 @@ use super::store::Store;
 use super::tables::{CellResult, Results, RunTable};
 use crate::base::csv::Cell as Field;
 use crate::base::files::content_hash;
-use crate::base::names::short_number;
+use crate::base::numbers::short_number;
 use crate::base::pixels::{PixelsError, exr};
 use crate::experiment::axis::{
     ALPHA, AXES, Axis, AxisId, BRDF, DIFFUSE_METHOD, ENVIRONMENT, METHOD, Named, Point, SAMPLES,

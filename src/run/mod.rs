@@ -16,7 +16,6 @@ mod scoring;
 pub mod seal;
 pub mod shard;
 pub mod split;
-pub mod statistics;
 pub mod store;
 pub mod tables;
 pub mod timing;

@@ -1,7 +1,7 @@
 //! Records of cells and references.
 
-use crate::base::csv::rounded;
 use crate::base::names::listed;
+use crate::base::numbers::round_to_significant;
 use crate::instrument::ladder::{Attribution, StepNumbers};
 use crate::instrument::metrics::{METRICS, Metric, linear_metrics};
 use crate::instrument::shade::reference_pass::Convergence;
@@ -152,7 +152,7 @@ const STEP_DIGITS: usize = 4;
 impl StepScores {
     /// Rounds the numbers of a step; `noise` is the `relmse` of an exact image.
     fn new(numbers: &StepNumbers, noise: f64) -> Self {
-        let exact = |number: f64| Exact(rounded(number, STEP_DIGITS));
+        let exact = |number: f64| Exact(round_to_significant(number, STEP_DIGITS));
         Self {
             first_in: exact(numbers.first_in),
             last_out: exact(numbers.last_out),
@@ -171,7 +171,7 @@ impl StepRecord {
     pub fn of(attributions: &[Attribution]) -> Vec<Self> {
         let mut records = Vec::new();
         for band in attributions {
-            let [lo, hi] = band.seen_at;
+            let [lo, hi] = band.n_dot_v;
             records.extend(band.steps.iter().map(|numbers| Self {
                 lo,
                 hi,

@@ -6,12 +6,12 @@ use super::columns::{
     BinColumns, CELL, Columns, ErrorColumns, FAILED, PassColumns, SteadinessColumns, StepColumns,
     TimedColumns,
 };
-use super::statistics::{median, median_interval};
 use super::store::{
     BinRecord, CellRecord, FailureRecord, KeptCell, Scores, StepRecord, Store, StoreError,
 };
 use super::timing::{PassSamples, TimingRecord};
 use crate::base::csv::Cell as Field;
+use crate::base::math::order_statistics::{median, median_interval};
 use crate::base::names::Listed;
 use crate::experiment::axis::named::{columns, fields};
 use crate::experiment::axis::{AXES, AxisId, FRAMES, SIZE};

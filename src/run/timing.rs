@@ -3,7 +3,7 @@
 //! Passes of a frame are timed once for each configuration that can change their cost, apart from
 //! passes that run once per environment or model.
 
-use super::statistics::median;
+use crate::base::math::order_statistics::median;
 use crate::base::names::Listed;
 use crate::experiment::axis::{AXES, AxisId, ENVIRONMENT, METHOD, SAMPLES, SCENE, SIZE};
 use crate::experiment::plan::{Cell, Plan};

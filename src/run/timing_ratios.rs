@@ -1,7 +1,7 @@
 //! Two methods timed in the same rounds: the ratio of their times.
 
-use super::statistics::{median, median_interval};
 use super::timing::{FRAME, TimingRecord, is_alike};
+use crate::base::math::order_statistics::{median, median_interval};
 use crate::experiment::axis::SAMPLES;
 use crate::instrument::shade::METHODS;
 

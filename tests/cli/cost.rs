@@ -3,14 +3,14 @@
 
 use super::{assert_ends, command, ok};
 use splitsum::base::names::Listed;
-use splitsum::cost::child::{CompileFault, Job, available, compile};
+use splitsum::cost::child::{CompileFault, available, compile};
 use splitsum::cost::family::Family;
 use splitsum::cost::isa::Counts;
 use splitsum::cost::pass::Pass;
 use splitsum::experiment::axis::{LAYOUT, METHOD, Point};
 use splitsum::instrument::brdf::MaskingShadowing;
 use splitsum::instrument::environment::layout::{LAYOUTS, MapLayout};
-use splitsum::instrument::gpu::shader_names;
+use splitsum::instrument::gpu::{ShaderVariant, shader_names};
 use splitsum::instrument::shade::{METHODS, Method};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -32,15 +32,15 @@ fn families() -> Vec<&'static Family> {
 }
 
 fn counted(family: &'static Family, constants: [u32; 5]) -> Pass {
-    let job = Job::new("probe/counted.comp".to_owned(), &constants);
+    let job = ShaderVariant::new("probe/counted.comp".to_owned(), &constants);
     let compiled = compile(program(), family, &[job]).unwrap();
     Pass::new(&compiled[0]).unwrap().unwrap()
 }
 
-fn job(method: &Method, layout: &MapLayout) -> Job {
+fn job(method: &Method, layout: &MapLayout) -> ShaderVariant {
     let mut point = Point::default();
     (point[METHOD], point[LAYOUT]) = (method.name.into(), layout.name.into());
-    point.settings().specular_job()
+    point.settings().specular_variant()
 }
 
 #[test]
@@ -87,8 +87,8 @@ fn every_compute_shader_compiles_for_every_family_and_twice_to_the_same_bytes() 
         let compute = shader_names()
             .filter(|name| name.contains(".comp"))
             .enumerate();
-        let jobs: Vec<Job> = compute
-            .map(|(index, shader)| Job::new(shader.to_owned(), &[masking(index)]))
+        let jobs: Vec<ShaderVariant> = compute
+            .map(|(index, shader)| ShaderVariant::new(shader.to_owned(), &[masking(index)]))
             .collect();
         let compiled = compile(program(), family, &jobs).unwrap();
         assert_eq!(compiled.len(), jobs.len());
@@ -109,7 +109,7 @@ fn every_compute_shader_compiles_for_every_family_and_twice_to_the_same_bytes() 
             }
         }
         // Not from a cache: the second child compiles again.
-        let some: Vec<Job> = jobs.iter().step_by(20).cloned().collect();
+        let some: Vec<ShaderVariant> = jobs.iter().step_by(20).cloned().collect();
         let again = compile(program(), family, &some).unwrap();
         assert!(
             again.iter().eq(compiled.iter().step_by(20)),
@@ -180,7 +180,7 @@ fn a_pass_reads_and_writes_as_in_its_code() {
         let methods = METHODS
             .iter()
             .filter(|method| method.has_pass() && !method.name.starts_with("ladder"));
-        let jobs: Vec<Job> = methods.map(|method| job(method, &LAYOUTS[0])).collect();
+        let jobs: Vec<ShaderVariant> = methods.map(|method| job(method, &LAYOUTS[0])).collect();
         for (job, compiled) in jobs.iter().zip(compile(program(), family, &jobs).unwrap()) {
             let counts = Pass::new(&compiled).unwrap().unwrap().counts.outside;
             assert_eq!(

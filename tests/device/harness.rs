@@ -213,7 +213,6 @@ impl Probe<'_> {
             .unwrap();
         let push = ProbeParams {
             count: count as u32,
-            ..Default::default()
         }
         .to_bytes();
         let binds = [&[Bind::Read(&input), Bind::Write(&output)], self.rest].concat();

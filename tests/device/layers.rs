@@ -147,8 +147,9 @@ fn lookups_of_sheen_are_means_along_their_directions() {
             let frame = pipeline.render(&request).unwrap();
             for sight in sights(&request, 5) {
                 let Surface { model, n, v, .. } = sight.surface;
-                let (direction, level) = lookup.place([n, v], ALPHA.into());
-                let mean = |kernel| prefilter(&quadrature, kernel, level, direction, EXACT).value;
+                let tap = lookup.tap([n, v], ALPHA.into());
+                let mean =
+                    |kernel| prefilter(&quadrature, kernel, tap.alpha, tap.direction, EXACT).value;
                 let mean = match lookup.map {
                     SheenMap::Levels => mean(Kernel::cosine(model)),
                     SheenMap::Charlie => mean(Kernel::cosine(&SheenVisibility::Charlie)),
@@ -161,8 +162,8 @@ fn lookups_of_sheen_are_means_along_their_directions() {
                     ALPHA.into(),
                 )
                 .albedo();
-                let [under, over] = shares(Some(lookup), color, ALPHA.into(), n.dot(v), albedo);
-                let exact = under * radiance(&base, sight.pixel) + over * mean;
+                let shares = shares(Some(lookup), color, ALPHA.into(), n.dot(v), albedo);
+                let exact = shares.base * radiance(&base, sight.pixel) + shares.sheen * mean;
                 let (own, off) = (
                     radiance(&frame, sight.pixel),
                     (radiance(&frame, sight.pixel) - exact).abs().max_element(),

@@ -6,7 +6,7 @@ use splitsum::instrument::environment::layout::LAYOUTS;
 use splitsum::instrument::gpu::names_read;
 use splitsum::instrument::scene::CameraKind;
 use splitsum::instrument::shade::pass::specular_shader;
-use splitsum::instrument::shade::{METHODS, Method, own};
+use splitsum::instrument::shade::{METHODS, Method, from_file};
 use std::path::Path;
 
 /// The stated parameters of a listed method equal the parameters found in its compiled shader.
@@ -14,9 +14,9 @@ use std::path::Path;
 fn a_shader_determines_the_parameters_of_its_method() {
     for method in METHODS.iter().filter(|method| method.has_pass()) {
         let shader = specular_shader(&LAYOUTS[0], method, splitsum::instrument::brdf::MODELS[0]);
-        let found = own::of_names_read(
+        let found = from_file::of_names_read(
             *method,
-            &names_read(&shader, own::FUNCTION).unwrap(),
+            &names_read(&shader, from_file::FUNCTION).unwrap(),
             String::new(),
         );
         let facts = |m: &splitsum::instrument::shade::Method| {
@@ -31,10 +31,10 @@ fn a_shader_determines_the_parameters_of_its_method() {
 #[test]
 fn a_copied_method_makes_the_same_image() {
     with_pipeline(|pipeline| {
-        let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("shaders/shade/method");
+        let folder = Path::new("shaders/shade/method");
         for name in ["split-sum", "sampled"] {
             let copy =
-                own::load(&format!("file:{}.glsl", name.replace('-', "_")), &folder).unwrap();
+                from_file::load(&format!("file:{}.glsl", name.replace('-', "_")), folder).unwrap();
             let listed = Method::listed(name);
             let base = request(
                 &golden_environment(),

@@ -1,14 +1,18 @@
 //! `shader_check`: a known error of a function is found, with its size and sign.
 
 use crate::harness::with_pipeline;
-use splitsum::bake::shader_check::{Row, View, check, verdict};
+use splitsum::bake::judge::shader::{ErrorKind, Row, ShaderVerdict, View, check};
 use splitsum::base::names::Listed;
 use splitsum::instrument::brdf::MaskingShadowing;
 use splitsum::instrument::pipeline::Pipeline;
-use splitsum::instrument::shade::{Method, own};
+use splitsum::instrument::shade::{Method, from_file};
 
 fn rows(pipeline: &mut Pipeline, method: &'static Method) -> Vec<Row> {
     check(pipeline, method, MaskingShadowing::Correlated).unwrap()
+}
+
+fn verdict(rows: &[Row]) -> String {
+    ShaderVerdict::new(rows).to_string()
 }
 
 fn rows_of_file(pipeline: &mut Pipeline, name: &str, text: &str) -> Vec<Row> {
@@ -16,7 +20,7 @@ fn rows_of_file(pipeline: &mut Pipeline, name: &str, text: &str) -> Vec<Row> {
     std::fs::write(dir.path().join(name), text).unwrap();
     rows(
         pipeline,
-        own::load_function(&format!("file:{name}"), dir.path(), "ibl").unwrap(),
+        from_file::load_function(&format!("file:{name}"), dir.path(), "ibl").unwrap(),
     )
 }
 
@@ -71,9 +75,9 @@ fn the_textbook_errs_by_the_angle_of_the_view_at_alpha_1() {
             .unwrap();
         let row = &rows[row..=row];
         assert_small(row, row, 0.4, |_, own, _| {
-            own.errors[2] - own.n_dot_v.acos().to_degrees()
+            own.errors.direction - own.n_dot_v.acos().to_degrees()
         });
-        assert_small(&rows, &rows, 2e-3, |_, own, _| own.errors[0]);
+        assert_small(&rows, &rows, 2e-3, |_, own, _| own.errors.gain);
         let words = verdict(&rows);
         assert!(
             words.contains("degrees towards the mirror direction at alpha 1, f0 1"),
@@ -88,8 +92,8 @@ fn a_fitted_lookup_errs_less_than_the_textbook() {
         let [one, textbook] =
             ["split-sum-one", "split-sum"].map(|name| rows(pipeline, Method::listed(name)));
         for (one, textbook) in one.iter().zip(&textbook) {
-            let [error, textbook_error] =
-                [one, textbook].map(|row| row.ranked(2)[0].errors[2].abs());
+            let [error, textbook_error] = [one, textbook]
+                .map(|row| row.ranked(ErrorKind::Direction)[0].errors.direction.abs());
             assert!(
                 error < textbook_error,
                 "alpha {}, f0 {}: {error} {textbook_error}",
@@ -104,13 +108,13 @@ fn a_fitted_lookup_errs_less_than_the_textbook() {
 fn a_known_error_is_found_with_its_size() {
     with_pipeline(|pipeline| {
         let plain = rows(pipeline, Method::listed("split-sum"));
-        assert_small(&plain, &plain, 2e-3, |_, own, _| own.errors[0]);
+        assert_small(&plain, &plain, 2e-3, |_, own, _| own.errors.gain);
         let bright = rows_of_file(pipeline, "bright.glsl", &glsl("", "1.1"));
         assert_small(&bright, &plain, 1e-3, |_, own, base| {
-            (1.0 + own.errors[0]) / (1.0 + base.errors[0]) - 1.1
+            (1.0 + own.errors.gain) / (1.0 + base.errors.gain) - 1.1
         });
         assert_small(&bright, &plain, 1e-2, |_, own, base| {
-            own.errors[2] - base.errors[2]
+            own.errors.direction - base.errors.direction
         });
         assert!(
             verdict(&bright).starts_with("wrong: 10.")
@@ -128,10 +132,10 @@ fn a_known_error_is_found_with_its_size() {
             direction = cos(radians(5.0)) * direction + sin(radians(5.0)) * side;";
         let turned = rows_of_file(pipeline, "turned.glsl", &glsl(turn, "1.0"));
         assert_small(&turned, &plain, 0.8, |_, own, base| {
-            base.errors[2] - own.errors[2] - 5.0
+            base.errors.direction - own.errors.direction - 5.0
         });
         assert_small(&turned, &plain, 1e-3, |_, own, base| {
-            own.errors[0] - base.errors[0]
+            own.errors.gain - base.errors.gain
         });
 
         // The next rougher level of the five.
@@ -170,10 +174,10 @@ fn a_function_in_wgsl_is_the_same_function() {
         let [glsl, wgsl] = [("a.glsl", &*glsl), ("a.wgsl", wgsl)]
             .map(|(name, text)| rows_of_file(pipeline, name, text));
         assert_small(&wgsl, &glsl, 1e-4, |_, own, base| {
-            own.errors[0] - base.errors[0]
+            own.errors.gain - base.errors.gain
         });
         assert_small(&wgsl, &glsl, 1e-2, |_, own, base| {
-            own.errors[2] - base.errors[2]
+            own.errors.direction - base.errors.direction
         });
     });
 }

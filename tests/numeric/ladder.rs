@@ -12,11 +12,9 @@ use splitsum::instrument::brdf::{MODELS, MaskingShadowing, g2, reflect, schlick_
 use splitsum::instrument::environment::Environment;
 use splitsum::instrument::environment::layout::{FilteredMap, LAYOUTS};
 use splitsum::instrument::ladder::attribution::{Attribution, Case, attributions};
-use splitsum::instrument::ladder::game::{
-    Coalition, before, coalitions, is_feasible, shapley, without,
-};
-use splitsum::instrument::ladder::radiance::{Radiance, Setting};
-use splitsum::instrument::ladder::{FRESNEL, LEVELS, MASKING, STEPS, STORAGE, TABLE, VIEW, needs};
+use splitsum::instrument::ladder::game::{Coalition, Game};
+use splitsum::instrument::ladder::radiance::{ByKernel, KernelRadiance, Radiance, Setting};
+use splitsum::instrument::ladder::{FRESNEL, LEVELS, MASKING, STEPS, STORAGE, TABLE, VIEW, game};
 use splitsum::instrument::metrics::Epsilon;
 use splitsum::instrument::precompute::dfg::{Albedos, reference::dfg};
 use splitsum::instrument::precompute::prefilter::{Kernel, harmonic};
@@ -27,31 +25,29 @@ use splitsum::instrument::shade::twin::Twin;
 use std::f64::consts::{PI, TAU};
 
 fn scattered(coalition: Coalition) -> f64 {
-    (f64::from(coalition) * 0.754_877_666).fract() + f64::from(coalition.count_ones())
+    (coalition.index() as f64 * 0.754_877_666).fract() + f64::from(coalition.len())
 }
 
 /// Every order in which each player comes after the players it needs.
-fn orders(needs: &[Coalition], so_far: &[usize]) -> Vec<Vec<usize>> {
-    let there = so_far.iter().fold(0, |all, player| all | 1 << player);
-    if so_far.len() == needs.len() {
+fn orders(game: &Game, so_far: &[usize]) -> Vec<Vec<usize>> {
+    if so_far.len() == game.player_count() {
         return vec![so_far.to_vec()];
     }
-    let can_join = |player: &usize| there >> player & 1 == 0 && needs[*player] & !there == 0;
-    (0..needs.len())
-        .filter(can_join)
-        .flat_map(|player| orders(needs, &[so_far, &[player]].concat()))
+    (0..game.player_count())
+        .filter(|player| game.can_join(Coalition::of(so_far), *player))
+        .flat_map(|player| orders(game, &[so_far, &[player]].concat()))
         .collect()
 }
 
 /// The contribution of each player, averaged over these orders.
-fn by_orders(needs: &[Coalition], value: fn(Coalition) -> f64) -> Vec<f64> {
-    let orders = orders(needs, &[]);
-    let mut sums = vec![0.0; needs.len()];
+fn by_orders(game: &Game, value: fn(Coalition) -> f64) -> Vec<f64> {
+    let orders = orders(game, &[]);
+    let mut sums = vec![0.0; game.player_count()];
     for order in &orders {
-        let mut there = 0;
-        for player in order {
-            sums[*player] += (value(there | 1 << player) - value(there)) / orders.len() as f64;
-            there |= 1 << player;
+        let mut joined = Coalition::EMPTY;
+        for &player in order {
+            sums[player] += (value(joined.with(player)) - value(joined)) / orders.len() as f64;
+            joined = joined.with(player);
         }
     }
     sums
@@ -59,31 +55,31 @@ fn by_orders(needs: &[Coalition], value: fn(Coalition) -> f64) -> Vec<f64> {
 
 #[test]
 fn coalitions_contain_the_players_they_need() {
-    let needs = needs();
-    let all = coalitions(&needs);
+    let game = game();
+    let all = game.coalitions();
     // Three free steps beside n = v = r: 2³; with it four more: 2³ · 2⁴.
     assert_eq!(all.len(), 8 + 128);
-    let rungs = (0..=STEPS.len()).map(|count| (1u32 << count) - 1);
     assert!(
-        rungs.clone().all(|rung| is_feasible(rung, &needs)),
+        (0..=STEPS.len()).all(|count| game.is_feasible(Coalition::first(count))),
         "the ladder's order is one of them"
     );
     for step in 0..STEPS.len() {
-        let (least, most) = (before(step, &needs), without(step, &needs));
+        let least = game.smallest_before(step);
+        let most = game.largest_without(step);
         assert!(
-            is_feasible(least | 1 << step, &needs) && is_feasible(most, &needs),
+            game.is_feasible(least.with(step)) && game.is_feasible(most),
             "{step}"
         );
         assert!(
             all.iter()
-                .filter(|one| *one >> step & 1 == 1)
-                .all(|one| one & least == least),
+                .filter(|coalition| coalition.contains(step))
+                .all(|coalition| coalition.contains_all(least)),
             "{step}: least"
         );
         assert!(
             all.iter()
-                .filter(|one| *one >> step & 1 == 0)
-                .all(|one| one & !most == 0),
+                .filter(|coalition| !coalition.contains(step))
+                .all(|coalition| most.contains_all(*coalition)),
             "{step}: most"
         );
     }
@@ -91,11 +87,19 @@ fn coalitions_contain_the_players_they_need() {
 
 #[test]
 fn shapley_values_are_means_over_all_orders() {
-    for needs in [vec![0; 4], vec![0, 1, 1, 0b110, 0], vec![0, 1, 0b10]] {
-        let (found, right) = (shapley(&needs, scattered), by_orders(&needs, scattered));
-        let all = (1 << needs.len()) - 1;
+    const NONE: &[usize] = &[];
+    let games: [&[&[usize]]; 3] = [
+        &[NONE, NONE, NONE, NONE],
+        &[NONE, &[0], &[0], &[1, 2], NONE],
+        &[NONE, &[0], &[1]],
+    ];
+    for needs in games {
+        let game = Game::new(needs.iter().map(|players| Coalition::of(players)).collect());
+        let found = game.shapley(scattered);
+        let right = by_orders(&game, scattered);
+        let whole = scattered(game.everybody()) - scattered(Coalition::EMPTY);
         assert!(
-            (found.iter().sum::<f64>() - scattered(all) + scattered(0)).abs() < 1e-12,
+            (found.iter().sum::<f64>() - whole).abs() < 1e-12,
             "{needs:?}: the sum"
         );
         assert!(
@@ -127,7 +131,7 @@ fn a_step_between_rungs_of_the_same_scrambles_has_its_own_error() {
     // The reference is 1, with an error that every rung shares. A step with a size per pixel is
     // drawn with 1 % noise, from 3 scrambles.
     let step = |pixel: usize| 0.1 + 0.2 * (pixel % 7) as f64;
-    let rungs = |coalition: Coalition| coalition >> MASKING & 1 == 1;
+    let rungs = |coalition: Coalition| coalition.contains(MASKING);
     let estimate = |coalition: Coalition, k: usize, pixel: usize| {
         let shared = [0.3, -0.1, -0.2][k] * (1.0 + (pixel % 3) as f64);
         let own = [0.01, -0.01, 0.0][k];
@@ -177,13 +181,20 @@ fn a_share_is_known_as_well_as_its_steps() {
     // / (1 + b), slope 1 / (1 + b)².
     let by = [0.02, -0.01, -0.03, 0.02];
     let radiance = |coalition: Coalition| {
-        vec![DVec3::splat(1.0 + [0.0, 1.0, 0.5, 1.5][(coalition & 3) as usize]); PIXELS]
+        let steps = [coalition.contains(FRESNEL), coalition.contains(MASKING)];
+        let added = match steps {
+            [false, false] => 0.0,
+            [true, false] => 1.0,
+            [false, true] => 0.5,
+            [true, true] => 1.5,
+        };
+        vec![DVec3::splat(1.0 + added); PIXELS]
     };
     let scrambles = |coalition: Coalition| -> Vec<Vec<DVec3>> {
         by.map(|by| {
             radiance(coalition)
                 .iter()
-                .map(|x| x + if coalition & 2 == 2 { by } else { 0.0 })
+                .map(|x| x + if coalition.contains(MASKING) { by } else { 0.0 })
                 .collect()
         })
         .to_vec()
@@ -224,7 +235,7 @@ fn made(added: &dyn Fn(usize, usize) -> f64, bands: &[[f64; 2]]) -> Vec<Attribut
     let radiance = |coalition: Coalition| -> Vec<DVec3> {
         let sum = |pixel| {
             (0..STEPS.len())
-                .filter(|i| coalition >> i & 1 == 1)
+                .filter(|i| coalition.contains(*i))
                 .map(|i| added(i, pixel))
                 .sum::<f64>()
         };
@@ -386,8 +397,14 @@ fn radiance(
         frames.par_iter().map(of_frame).collect()
     };
     let reference = splitsum::instrument::shade::Method::listed("reference");
-    let drawn =
-        [reference, &ladder::MASKING_ALONE].map(|method| [mean(method, 0.0), mean(method, 1.0)]);
+    let drawn = |method| KernelRadiance {
+        f0_0: mean(method, 0.0),
+        f0_1: mean(method, 1.0),
+    };
+    let drawn = ByKernel {
+        exact: drawn(reference),
+        weighted: drawn(&ladder::MASKING_ALONE),
+    };
     let albedos = Albedos::new(Kernel::cosine(model), masking, alpha);
     let harmonics = harmonic::harmonics(&environment.image, harmonic::degree(alpha.min(0.0625)));
     Radiance::new(Setting {
@@ -417,10 +434,6 @@ fn harmonic_tables() -> PrecomputeSettings {
     }
 }
 
-fn of(steps: &[usize]) -> Coalition {
-    steps.iter().fold(0, |all, step| all | 1 << step)
-}
-
 #[test]
 fn rungs_match_their_f64_twins() {
     let environment = Environment::from_image("golden", golden_environment());
@@ -429,14 +442,17 @@ fn rungs_match_their_f64_twins() {
     for alpha in [0.1, 0.45] {
         let found = radiance(&environment, alpha, &frames, &tables);
         let rungs = [
-            (&ladder::FRESNEL, of(&[FRESNEL])),
-            (&ladder::MASKING, of(&[FRESNEL, MASKING])),
-            (&ladder::VIEW, of(&[FRESNEL, MASKING, VIEW])),
-            (&ladder::LEVELS, of(&[FRESNEL, MASKING, VIEW, LEVELS])),
+            (&ladder::FRESNEL, Coalition::of(&[FRESNEL])),
+            (&ladder::MASKING, Coalition::of(&[FRESNEL, MASKING])),
+            (&ladder::VIEW, Coalition::of(&[FRESNEL, MASKING, VIEW])),
+            (
+                &ladder::LEVELS,
+                Coalition::of(&[FRESNEL, MASKING, VIEW, LEVELS]),
+            ),
             // Nothing is rounded or sampled here, and the table is exact.
             (
                 &ladder::LEVELS,
-                of(&[FRESNEL, MASKING, VIEW, LEVELS, STORAGE, TABLE]),
+                Coalition::of(&[FRESNEL, MASKING, VIEW, LEVELS, STORAGE, TABLE]),
             ),
         ];
         for (method, coalition) in rungs {
@@ -464,7 +480,8 @@ fn the_view_alone_is_the_lobe_about_r() {
     // (f0 A + B) <K F, L> with K = D/4 G1(l) for n = v = r, by sums over latitude and longitude.
     let environment = Environment::from_image("golden", golden_environment());
     let (alpha, f0, frames) = (0.45, DVec3::new(0.04, 0.3, 1.0), frames(6));
-    let found = radiance(&environment, alpha, &frames, &harmonic_tables()).of(of(&[VIEW]), f0);
+    let found =
+        radiance(&environment, alpha, &frames, &harmonic_tables()).of(Coalition::of(&[VIEW]), f0);
     let (model, masking) = (MODELS[0], MaskingShadowing::Separable);
     for ([n, v], own) in frames.iter().zip(&found) {
         let frame = Frame::from_normal(reflect(*v, *n));
@@ -503,12 +520,13 @@ fn the_view_alone_is_the_lobe_about_r() {
 fn a_white_lobe_has_no_step_of_fresnel() {
     let environment = Environment::from_image("golden", golden_environment());
     let found = radiance(&environment, 0.3, &frames(12), &harmonic_tables());
-    for coalition in coalitions(&needs())
+    for coalition in game()
+        .coalitions()
         .into_iter()
-        .filter(|one| one >> FRESNEL & 1 == 0)
+        .filter(|coalition| !coalition.contains(FRESNEL))
     {
-        let [inside, outside] =
-            [coalition, coalition | 1 << FRESNEL].map(|one| found.of(one, DVec3::ONE));
+        let inside = found.of(coalition, DVec3::ONE);
+        let outside = found.of(coalition.with(FRESNEL), DVec3::ONE);
         for (inside, outside) in inside.iter().zip(&outside) {
             assert!(
                 ((*inside - *outside) / *outside).abs().max_element() < 1e-9,
@@ -524,8 +542,8 @@ fn constant_light_has_no_step_but_the_table() {
     let environment = Environment::from_image("constant", image);
     let (frames, f0) = (frames(16), DVec3::new(0.04, 0.3, 1.0));
     let found = radiance(&environment, 0.3, &frames, &harmonic_tables());
-    let exact = found.of(0, f0);
-    for coalition in coalitions(&needs()) {
+    let exact = found.of(Coalition::EMPTY, f0);
+    for coalition in game().coalitions() {
         for (own, right) in found.of(coalition, f0).iter().zip(&exact) {
             assert!(
                 ((own - right) / right).abs().max_element() < 2e-5,

@@ -12,7 +12,7 @@ use splitsum::instrument::brdf::{
 };
 use splitsum::instrument::precompute::dfg::{Albedos, reference::dfg};
 use splitsum::instrument::precompute::prefilter::Kernel;
-use splitsum::instrument::shade::sheen::{SHEEN_LOOKUPS, SheenLookup, shares};
+use splitsum::instrument::shade::sheen::{SHEEN_LOOKUPS, SheenLookup, SheenShares, shares};
 use std::f64::consts::TAU;
 
 const ALPHAS: [f64; 5] = [SHEEN_ALPHA_MIN, 0.04, 0.16, 0.36, 1.0];
@@ -136,11 +136,11 @@ fn the_moment_is_the_mean_direction_of_the_lobe() {
             let f = weight * lobe(visibility, alpha, v, l);
             (moment, albedo) = (moment + f * l, albedo + f);
         });
-        let (direction, level) = SheenLookup::listed("moment").place([DVec3::Y, v], alpha);
-        let degrees = direction.angle_between(moment).to_degrees();
+        let tap = SheenLookup::listed("moment").tap([DVec3::Y, v], alpha);
+        let degrees = tap.direction.angle_between(moment).to_degrees();
         let most = if albedo > 0.25 { 2.0 } else { 4.0 };
         assert!(
-            degrees < most && level == 1.0,
+            degrees < most && tap.alpha == 1.0,
             "{visibility:?} {alpha} {n_dot_v}: {degrees}"
         );
         // The lobe is on the side of the viewer, and wide: the clamped cosine has 2/3.
@@ -164,7 +164,6 @@ fn fits_of_engines_have_their_values() {
             n_dot_v,
             9.0,
         )
-        .map(|share| share.x)
     };
     for (name, alpha, n_dot_v, base, sheen) in [
         ("three", 0.25, 0.5, 1.0 - 0.1353144, 0.1353144),
@@ -174,7 +173,7 @@ fn fits_of_engines_have_their_values() {
     ] {
         let own = of(name, alpha, n_dot_v);
         assert!(
-            (own[0] - base).abs() < 1e-6 && (own[1] - sheen).abs() < 1e-6,
+            (own.base.x - base).abs() < 1e-6 && (own.sheen.x - sheen).abs() < 1e-6,
             "{name}: {own:?}"
         );
     }
@@ -183,7 +182,7 @@ fn fits_of_engines_have_their_values() {
         .flat_map(|alpha| VIEWS[..3].iter().map(move |v| (alpha, *v)))
     {
         let exact = dfg(&SheenVisibility::Ashikhmin, CORRELATED, n_dot_v, alpha).albedo();
-        let off = of("materialx", alpha, n_dot_v)[1] / exact - 1.0;
+        let off = of("materialx", alpha, n_dot_v).sheen.x / exact - 1.0;
         assert!(off.abs() < 0.09, "{alpha} {n_dot_v}: {off}");
     }
 }
@@ -195,7 +194,7 @@ fn a_white_furnace_stays_white() {
     let color = DVec3::new(0.9, 0.4, 0.0);
     for lookup in [Some(&SHEEN_LOOKUPS[0]), None] {
         for albedo in [0.0, 0.3, 1.0, 1.2] {
-            let [base, sheen] = shares(lookup, color, 0.25, 0.3, albedo);
+            let SheenShares { base, sheen } = shares(lookup, color, 0.25, 0.3, albedo);
             let total = base + sheen * if lookup.is_some() { 1.0 } else { albedo };
             let most = (0.9 * albedo).max(1.0);
             assert!(
@@ -206,7 +205,10 @@ fn a_white_furnace_stays_white() {
     }
     assert_eq!(
         shares(None, DVec3::ZERO, 0.25, 0.3, 0.7),
-        [DVec3::ONE, DVec3::ZERO]
+        SheenShares {
+            base: DVec3::ONE,
+            sheen: DVec3::ZERO
+        }
     );
 }
 

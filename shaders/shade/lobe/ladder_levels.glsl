@@ -4,7 +4,7 @@
 #include "lib/directional_albedo.glsl"
 #include "lib/frame.glsl"
 #include "lib/lobe.glsl"
-#include "lib/masking.glsl"
+#include "generated/specialization/masking.glsl"
 #include "lib/prefilter_mapping.glsl"
 #include "lib/surface.glsl"
 

@@ -5,17 +5,11 @@
 // drawn by D have unbounded weights or lie below it. Here the weight 2 pi D V n.l is at most (2 +
 // p)/4 for `ashikhmin`.
 
+#include "generated/specialization/sheen_visibility.glsl"
 #include "lib/elementary.glsl"
 #include "lib/frame.glsl"
 #include "lib/lobe.glsl"
 #include "lib/surface.glsl"
-
-// One of SHEEN_VISIBILITY_*; in GLSL ES a uniform.
-#ifdef GL_ES
-uniform uint SHEEN_VISIBILITY;
-#else
-layout(constant_id = 8) const uint SHEEN_VISIBILITY = SHEEN_VISIBILITY_CHARLIE;
-#endif
 
 // Gives this lobe other points than the others, so that their errors are independent.
 const uint LOBE_STREAM = 3u;

@@ -7,7 +7,7 @@
 
 #include "lib/filtered_sample.glsl"
 #include "lib/frame.glsl"
-#include "lib/masking.glsl"
+#include "generated/specialization/masking.glsl"
 #include "lib/microfacet.glsl"
 #include "lib/sampling.glsl"
 #include "lib/surface.glsl"

@@ -1,18 +1,14 @@
 // The split sum of a lobe of two widths about a bent normal; src/instrument/shade/bend.rs has the
 // sources.
 
+#include "generated/specialization/bend.glsl"
 #include "lib/split_sum.glsl"
 
-// Parameters | normal << 4 | toward << 8, of BEND_*; 1 << 12 reads A and B at the root mean square
-// width. In GLSL ES a uniform.
-#ifdef GL_ES
-uniform uint BEND;
-#else
-layout(constant_id = 8) const uint BEND = BEND_PARAMETERS_SQUARE;
-#endif
+// The parts of BEND (src/base/glsl/specialization.rs).
 #define BEND_PARAMETERS (BEND & 15u)
 #define BEND_NORMAL ((BEND >> 4u) & 15u)
 #define BEND_TOWARD ((BEND >> 8u) & 15u)
+#define BEND_DFG_WIDTH (BEND >> 12u)
 
 float frostbite_share(float alpha) {
     return (1.0 - alpha) * (sqrt(1.0 - alpha) + alpha);
@@ -85,6 +81,6 @@ vec3 specular_radiance(Surface s) {
         vec3 wide = normalize(mix(z, reflect(-v, z), frostbite_share(alpha)));
         direction = mix(direction, wide, clamp((alpha - 0.4) / 0.4, 0.0, 1.0));
     }
-    vec2 a_b = albedo_pair(dfg, s.n_dot_v, (BEND >> 12u) == 0u ? alpha : s.alpha);
+    vec2 a_b = albedo_pair(dfg, s.n_dot_v, BEND_DFG_WIDTH == 0u ? alpha : s.alpha);
     return prefiltered_radiance(frame * normalize(direction), perceptual_roughness) * (s.f0 * a_b.x + a_b.y);
 }

@@ -14,61 +14,84 @@ const LITTLE_ENDIAN: u32 = 0x0403_0201;
 const WORDS: usize = 13;
 const HEADER: usize = IDENTIFIER.len() + 4 * WORDS;
 
-pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
-    let whole = || Fault::new("has no complete KTX 1 header", "a KTX 1 file");
-    let header = bytes
-        .get(..HEADER)
-        .filter(|header| header.starts_with(&IDENTIFIER))
-        .ok_or_else(whole)?;
-    let words: Vec<u32> = header[IDENTIFIER.len()..]
-        .as_chunks()
-        .0
-        .iter()
-        .map(|word| u32::from_le_bytes(*word))
-        .collect();
-    let [
-        order,
-        ..,
-        internal,
-        _,
-        width,
-        height,
-        depth,
-        layers,
-        faces,
-        levels,
-        keys,
-    ] = words[..]
-    else {
-        return Err(whole());
-    };
-    if order != LITTLE_ENDIAN {
-        return Err(Fault::new(
-            format!("its byte order is {order:#010x}"),
-            "a little-endian file, 0x04030201",
-        ));
+/// The words of a header that are read.
+struct Header {
+    internal_format: u32,
+    claim: Claim,
+    /// Bytes of keys and values.
+    key_bytes: usize,
+}
+
+impl Header {
+    fn read(bytes: &[u8]) -> Result<Self, Fault> {
+        let incomplete = || Fault::new("has no complete KTX 1 header", "a KTX 1 file");
+        let header = bytes
+            .get(..HEADER)
+            .filter(|header| header.starts_with(&IDENTIFIER))
+            .ok_or_else(incomplete)?;
+        let words: Vec<u32> = header[IDENTIFIER.len()..]
+            .as_chunks()
+            .0
+            .iter()
+            .map(|word| u32::from_le_bytes(*word))
+            .collect();
+        let [
+            order,
+            ..,
+            internal_format,
+            _,
+            width,
+            height,
+            depth,
+            layers,
+            faces,
+            levels,
+            key_bytes,
+        ] = words[..]
+        else {
+            return Err(incomplete());
+        };
+        if order != LITTLE_ENDIAN {
+            return Err(Fault::new(
+                format!("its byte order is {order:#010x}"),
+                "a little-endian file, 0x04030201",
+            ));
+        }
+        Ok(Self {
+            internal_format,
+            claim: Claim {
+                width,
+                height,
+                depth,
+                layers,
+                faces,
+                levels: levels.max(1),
+            },
+            key_bytes: key_bytes as usize,
+        })
     }
-    let claim = Claim {
-        width,
-        height,
-        depth,
-        layers,
-        faces,
-        levels: levels.max(1),
-    };
-    let faces = claim.check()?;
-    let texel = Texel::of(
-        |texel| texel.gl == internal,
-        || format!("its glInternalFormat is {internal:#06x}"),
+}
+
+/// Reads a file of 1 or 6 faces.
+pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
+    let Header {
+        internal_format,
+        claim,
+        key_bytes,
+    } = Header::read(bytes)?;
+    let face_count = claim.check()?;
+    let texel = Texel::with_code(
+        |texel| texel.gl == internal_format,
+        || format!("its glInternalFormat is {internal_format:#06x}"),
     )?;
-    let mut at = HEADER.saturating_add(keys as usize);
-    let keys = unjoined(bytes.get(HEADER..at).unwrap_or_default());
-    let mut read = Vec::new();
+    let mut position = HEADER.saturating_add(key_bytes);
+    let keys = unjoined(bytes.get(HEADER..position).unwrap_or_default());
+    let mut levels = Vec::new();
     for level in 0..claim.levels {
         let [width, height] = claim.size(level).map(|side| side as usize);
         let row = width * texel.bytes;
         let face_bytes = row.next_multiple_of(4) * height;
-        let rest = bytes.get(at..).unwrap_or_default();
+        let rest = bytes.get(position..).unwrap_or_default();
         let Some((length, data)) = rest.split_first_chunk() else {
             return Err(truncated(level, 4, rest.len()));
         };
@@ -80,7 +103,7 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
                 format!("{face_bytes}, of its size in {}", texel.name),
             ));
         }
-        let needed = face_bytes * faces;
+        let needed = face_bytes * face_count;
         let data = data
             .get(..needed)
             .ok_or_else(|| truncated(level, needed, data.len()))?;
@@ -88,16 +111,17 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
         let rows = data
             .chunks(row.next_multiple_of(4))
             .flat_map(|padded| &padded[..row]);
-        read.push(claim.faces_of(level, texel, &rows.copied().collect::<Vec<_>>())?);
-        at += 4 + needed;
+        levels.push(claim.faces_of(level, texel, &rows.copied().collect::<Vec<_>>())?);
+        position += 4 + needed;
     }
     Ok(Texture {
-        levels: read,
+        levels,
         texel: texel.name,
         keys,
     })
 }
 
+/// Writes header, keys, and the levels, largest first.
 pub fn write(encoding: &Encoding) -> Vec<u8> {
     let Encoding {
         texel,
@@ -106,24 +130,25 @@ pub fn write(encoding: &Encoding) -> Vec<u8> {
         ..
     } = encoding;
     let pairs = pairs(*keys);
-    let (first, faces) = (&levels[0][0], levels[0].len() as u32);
-    let ((kind, size), format) = (texel.gl_type, texel.gl_format());
-    let (counts, bytes) = ([0, 0, faces, levels.len() as u32], pairs.len() as u32);
-    let words = [
+    let first = &levels[0][0];
+    // Depth and layers are 0 without an array or a volume.
+    let words: [u32; WORDS] = [
         LITTLE_ENDIAN,
-        kind,
-        size,
-        format,
+        texel.gl_type.code,
+        texel.gl_type.size,
+        texel.gl_format(),
         texel.gl,
-        format,
+        texel.gl_format(),
         first.width,
         first.height,
+        0,
+        0,
+        levels[0].len() as u32,
+        levels.len() as u32,
+        pairs.len() as u32,
     ];
-    let words = words.iter().chain(&counts).chain([&bytes]);
-    let mut file: Vec<u8> = IDENTIFIER
-        .into_iter()
-        .chain(words.flat_map(|word| word.to_le_bytes()))
-        .collect();
+    let words = words.iter().flat_map(|word| word.to_le_bytes());
+    let mut file: Vec<u8> = IDENTIFIER.into_iter().chain(words).collect();
     file.extend(pairs);
     for level in *levels {
         let row = level[0].width as usize * texel.bytes;

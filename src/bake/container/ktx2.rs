@@ -3,7 +3,7 @@
 use super::texel::Texel;
 use super::{Claim, Encoding, Texture, pairs, truncated, unjoined};
 use crate::base::names::Listed;
-use crate::base::pixels::{Fault, Pixels, RgbImage, reserved};
+use crate::base::pixels::{Fault, Pixels, reserved};
 use half::f16;
 use ktx2::dfd::{Basic, Block};
 use ktx2::{Header, Index, LevelIndex, ParseError, SupercompressionScheme};
@@ -12,17 +12,14 @@ use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 use std::borrow::Cow;
 use std::io::Read;
 
+/// Reads a file of 1 or 6 faces.
 pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
-    let no_file = |error: ParseError| {
-        Fault::new(format!("cannot be read ({error})"), "a complete KTX 2 file")
-    };
-    let whole = |found: Option<_>| found.ok_or(ParseError::UnexpectedEnd).map_err(no_file);
     // The crate's own reader panics at unexpected data format descriptors.
     let header = bytes
         .first_chunk()
         .ok_or(ParseError::UnexpectedEnd)
         .and_then(Header::from_bytes)
-        .map_err(no_file)?;
+        .map_err(unreadable)?;
     let claim = Claim {
         width: header.pixel_width,
         height: header.pixel_height,
@@ -31,72 +28,93 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
         faces: header.face_count,
         levels: header.level_count.max(1),
     };
-    let faces = claim.check()?;
-    let found = || {
-        header
-            .format
-            .map_or("undefined".to_owned(), |format| format!("{format:?}"))
-    };
-    let texel = Texel::of(
-        |texel| Some(texel.vulkan) == header.format,
-        || format!("its pixel format is {}", found()),
-    )?;
-    let is_zstd = match header.supercompression_scheme {
-        None => false,
-        Some(SupercompressionScheme::Zstandard) => true,
-        Some(other) => {
-            return Err(Fault::new(
-                format!("its supercompression is {other:?}"),
-                "none, or zstd",
-            ));
-        }
-    };
-    let index = whole(
-        bytes.get(Header::LENGTH..Header::LENGTH + LevelIndex::LENGTH * claim.levels as usize),
-    )?;
-    let data = |entry: &[u8; LevelIndex::LENGTH]| {
-        let LevelIndex {
-            byte_offset,
-            byte_length,
-            ..
-        } = LevelIndex::from_bytes(entry);
-        let end = byte_offset
-            .checked_add(byte_length)
-            .and_then(|end| usize::try_from(end).ok())?;
-        bytes.get(byte_offset as usize..end)
-    };
+    let face_count = claim.check()?;
+    let texel = texel_of(&header)?;
+    let is_packed = is_packed(&header)?;
+    let stored = stored_levels(bytes, claim.levels)?;
+    check_apart(bytes, &stored)?;
     let mut levels = Vec::new();
-    for entry in index.as_chunks().0 {
-        levels.push(whole(data(entry))?);
-    }
-    check_apart(bytes, &levels)?;
-    let mut read = Vec::new();
-    for (level, found) in (0..).zip(levels) {
-        let face_bytes = claim.face_bytes(level, texel);
-        let needed = face_bytes * faces;
-        let data = if is_zstd {
-            Cow::Owned(unpacked(found, needed, level)?)
+    for (level, stored) in (0..).zip(stored) {
+        let needed = claim.face_bytes(level, texel) * face_count;
+        let data = if is_packed {
+            Cow::Owned(unpacked(stored, needed, level)?)
         } else {
-            Cow::Borrowed(found)
+            Cow::Borrowed(stored)
         };
         if data.len() != needed {
             return Err(truncated(level, needed, data.len()));
         }
-        read.push(claim.faces_of(level, texel, &data)?);
+        levels.push(claim.faces_of(level, texel, &data)?);
     }
+    Ok(Texture {
+        levels,
+        texel: texel.name,
+        keys: keys(bytes, &header),
+    })
+}
+
+fn unreadable(error: ParseError) -> Fault {
+    Fault::new(format!("cannot be read ({error})"), "a complete KTX 2 file")
+}
+
+fn texel_of(header: &Header) -> Result<&'static Texel, Fault> {
+    let name = || match header.format {
+        Some(format) => format!("{format:?}"),
+        None => "undefined".to_owned(),
+    };
+    Texel::with_code(
+        |texel| Some(texel.vulkan) == header.format,
+        || format!("its pixel format is {}", name()),
+    )
+}
+
+/// Whether levels are compressed by zstd.
+fn is_packed(header: &Header) -> Result<bool, Fault> {
+    match header.supercompression_scheme {
+        None => Ok(false),
+        Some(SupercompressionScheme::Zstandard) => Ok(true),
+        Some(other) => Err(Fault::new(
+            format!("its supercompression is {other:?}"),
+            "none, or zstd",
+        )),
+    }
+}
+
+/// Finds the bytes of each level.
+fn stored_levels(bytes: &[u8], level_count: u32) -> Result<Vec<&[u8]>, Fault> {
+    let truncated = || unreadable(ParseError::UnexpectedEnd);
+    let end = Header::LENGTH + LevelIndex::LENGTH * level_count as usize;
+    let index = bytes.get(Header::LENGTH..end).ok_or_else(truncated)?;
+    index
+        .as_chunks()
+        .0
+        .iter()
+        .map(|entry| stored_level(bytes, entry).ok_or_else(truncated))
+        .collect()
+}
+
+fn stored_level<'b>(bytes: &'b [u8], entry: &[u8; LevelIndex::LENGTH]) -> Option<&'b [u8]> {
+    let LevelIndex {
+        byte_offset,
+        byte_length,
+        ..
+    } = LevelIndex::from_bytes(entry);
+    let end = byte_offset.checked_add(byte_length)?;
+    bytes.get(byte_offset as usize..usize::try_from(end).ok()?)
+}
+
+/// Reads the metadata; empty if its place is outside the file.
+fn keys(bytes: &[u8], header: &Header) -> Vec<(String, String)> {
     let Index {
         kvd_byte_offset,
         kvd_byte_length,
         ..
     } = header.index;
-    let keys = bytes
+    bytes
         .get(kvd_byte_offset as usize..)
-        .and_then(|keys| keys.get(..kvd_byte_length as usize));
-    Ok(Texture {
-        levels: read,
-        texel: texel.name,
-        keys: keys.map(unjoined).unwrap_or_default(),
-    })
+        .and_then(|keys| keys.get(..kvd_byte_length as usize))
+        .map(unjoined)
+        .unwrap_or_default()
 }
 
 /// Writes header, level index, format descriptor, keys, and the levels, smallest first [KTX 2.0,
@@ -109,16 +127,16 @@ pub fn write(encoding: &Encoding) -> Vec<u8> {
         is_packed,
     } = encoding;
     let first = &levels[0][0];
-    let bytes =
-        |faces: &Vec<RgbImage>| faces.iter().flat_map(|face| texel.bytes_of(face)).collect();
-    let bytes: Vec<Vec<u8>> = levels.iter().map(bytes).collect();
-    file(
-        texel,
-        [first.width, first.height, levels[0].len() as u32],
-        &bytes,
-        keys,
-        *is_packed,
-    )
+    let bytes: Vec<Vec<u8>> = levels
+        .iter()
+        .map(|faces| faces.iter().flat_map(|face| texel.bytes_of(face)).collect())
+        .collect();
+    let size = Size {
+        width: first.width,
+        height: first.height,
+        face_count: levels[0].len() as u32,
+    };
+    file(texel, size, &bytes, keys, *is_packed)
 }
 
 /// Writes a table of four channels as a KTX 2 file in half floats.
@@ -129,19 +147,25 @@ pub fn write_table(table: &Pixels<[f32; 4]>) -> Vec<u8> {
         .flatten()
         .flat_map(|value| f16::from_f32(*value).to_le_bytes())
         .collect();
-    file(
-        Texel::listed("rgba16f"),
-        [table.width, table.height, 1],
-        &[bytes],
-        &[],
-        false,
-    )
+    let size = Size {
+        width: table.width,
+        height: table.height,
+        face_count: 1,
+    };
+    file(Texel::listed("rgba16f"), size, &[bytes], &[], false)
 }
 
-/// Lays out a file of the bytes of its levels; `size` is width, height and number of faces.
+/// Size of a texture, texels and faces.
+struct Size {
+    width: u32,
+    height: u32,
+    face_count: u32,
+}
+
+/// Lays out a file of the bytes of its levels.
 fn file(
     texel: &Texel,
-    [width, height, face_count]: [u32; 3],
+    size: Size,
     levels: &[Vec<u8>],
     keys: &[(String, String)],
     is_packed: bool,
@@ -157,11 +181,11 @@ fn file(
     let header = Header {
         format: Some(texel.vulkan),
         type_size,
-        pixel_width: width,
-        pixel_height: height,
+        pixel_width: size.width,
+        pixel_height: size.height,
         pixel_depth: 0,
         layer_count: 0,
-        face_count,
+        face_count: size.face_count,
         level_count: levels.len() as u32,
         supercompression_scheme: is_packed.then_some(SupercompressionScheme::Zstandard),
         index: Index {
@@ -173,19 +197,41 @@ fn file(
             sgd_byte_length: 0,
         },
     };
+    let data_start = kvd_start + kvd.len();
+    let (index, data) = laid_out(texel, levels, data_start, is_packed);
+    [
+        &header.as_bytes()[..],
+        index.as_flattened(),
+        &dfd,
+        &kvd,
+        &data,
+    ]
+    .concat()
+}
+
+type IndexEntry = [u8; LevelIndex::LENGTH];
+
+/// Lays out levels, smallest first, from a position of the file: their index and bytes.
+fn laid_out(
+    texel: &Texel,
+    levels: &[Vec<u8>],
+    start: usize,
+    is_packed: bool,
+) -> (Vec<IndexEntry>, Vec<u8>) {
     // Levels are aligned to a texel's bytes and 4; packed ones are not (KTX 2, section 3.9.7).
     let alignment = if is_packed {
         1
     } else {
         texel.bytes << 2u32.saturating_sub(texel.bytes.trailing_zeros())
     };
-    let mut end = kvd_start + kvd.len();
+    let mut end = start;
     let mut data = Vec::new();
     let mut index = vec![[0; LevelIndex::LENGTH]; levels.len()];
     for (level, plain) in levels.iter().enumerate().rev() {
-        let stored = match is_packed {
-            true => Cow::Owned(compress_to_vec(&plain[..], CompressionLevel::Fastest)),
-            false => Cow::Borrowed(&plain[..]),
+        let stored = if is_packed {
+            Cow::Owned(compress_to_vec(&plain[..], CompressionLevel::Fastest))
+        } else {
+            Cow::Borrowed(&plain[..])
         };
         let start = end.next_multiple_of(alignment);
         data.resize(data.len() + start - end, 0);
@@ -198,30 +244,40 @@ fn file(
         .as_bytes();
         data.extend_from_slice(&stored);
     }
-    [
-        &header.as_bytes()[..],
-        index.as_flattened(),
-        &dfd,
-        &kvd,
-        &data,
-    ]
-    .concat()
+    (index, data)
+}
+
+/// The bytes of a level in a file.
+#[derive(PartialEq, Eq, PartialOrd, Ord)]
+struct LevelRange {
+    start: usize,
+    end: usize,
+    level: usize,
 }
 
 /// Refuses levels that share bytes: a file of a kilobyte could claim gigabytes.
 fn check_apart(bytes: &[u8], levels: &[&[u8]]) -> Result<(), Fault> {
-    let start = |data: &[u8]| data.as_ptr() as usize - bytes.as_ptr() as usize;
-    let mut ranges: Vec<_> = levels
+    let mut ranges: Vec<LevelRange> = levels
         .iter()
         .enumerate()
-        .map(|(level, data)| (start(data), data.len(), level))
+        .map(|(level, data)| {
+            let start = data.as_ptr() as usize - bytes.as_ptr() as usize;
+            LevelRange {
+                start,
+                end: start + data.len(),
+                level,
+            }
+        })
         .collect();
     ranges.sort_unstable();
     for pair in ranges.windows(2) {
-        let [(from, length, a), (next, _, b)] = [pair[0], pair[1]];
-        if from + length > next {
+        let [before, next] = [&pair[0], &pair[1]];
+        if before.end > next.start {
             return Err(Fault::new(
-                format!("levels {a} and {b} share bytes {next} to {}", from + length),
+                format!(
+                    "levels {} and {} share bytes {} to {}",
+                    before.level, next.level, next.start, before.end
+                ),
                 "levels apart",
             ));
         }

@@ -19,11 +19,14 @@ use std::path::Path;
 pub const TEXELS_MAX: u64 = (1 << 25) / 3;
 const LEVELS_MAX: u32 = 16;
 
+/// The contents of a texture file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Texture {
     /// Largest level first, each with one image or the faces +x, -x, +y, -y, +z, -z.
     pub levels: Vec<Vec<RgbImage>>,
+    /// Name of the pixel format.
     pub texel: &'static str,
+    /// Metadata: keys and values.
     pub keys: Vec<(String, String)>,
 }
 
@@ -33,8 +36,10 @@ impl Texture {
     }
 }
 
+/// Faces of a cube.
 pub const FACE_COUNT: usize = 6;
 
+/// A container of textures.
 #[derive(Debug)]
 pub struct Format {
     pub name: &'static str,
@@ -46,6 +51,7 @@ pub struct Format {
     pub write: fn(&Encoding) -> Vec<u8>,
 }
 
+/// What a container writes.
 #[derive(Clone, Copy, Debug)]
 pub struct Encoding<'a> {
     pub texel: &'static Texel,
@@ -81,6 +87,7 @@ pub static FORMATS: &[Format] = &[
     },
 ];
 
+/// Lists the extensions of every texture file.
 pub fn extensions() -> Vec<&'static str> {
     let images = IMAGES.iter().map(|format| format.extension);
     FORMATS
@@ -127,13 +134,13 @@ pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Texture, PixelsError> {
     };
     let extension = extension(path)?;
     let container = FORMATS.iter().find(|format| format.extension == extension);
-    let texture = match (
-        container,
-        IMAGES.iter().find(|format| format.extension == extension),
-    ) {
-        (Some(format), _) => (format.read)(bytes).map_err(|fault| fault.at(path))?,
-        (None, Some(format)) => image(format.read(path, bytes)?, format.name),
-        (None, None) => image(png::read_linear(path, bytes)?, PNG),
+    let image_format = IMAGES.iter().find(|format| format.extension == extension);
+    let texture = if let Some(format) = container {
+        (format.read)(bytes).map_err(|fault| fault.at(path))?
+    } else if let Some(format) = image_format {
+        image(format.read(path, bytes)?, format.name)
+    } else {
+        image(png::read_linear(path, bytes)?, PNG)
     };
     // Containers check their claims; other images may be as large as an environment.
     let texels: usize = texture
@@ -149,31 +156,34 @@ pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Texture, PixelsError> {
         );
         return Err(fault.at(path));
     }
-    first_oddity(&texture).map_or(Ok(()), |fault| Err(fault.at(path)))?;
-    Ok(texture)
+    match first_oddity(&texture) {
+        Some(fault) => Err(fault.at(path)),
+        None => Ok(texture),
+    }
 }
 
+/// Describes the first texel that is not finite.
 fn first_oddity(texture: &Texture) -> Option<Fault> {
-    let levels = texture.levels.iter().enumerate();
-    let mut images = levels.flat_map(|(level, faces)| {
-        (0..)
-            .zip(faces)
-            .map(move |(face, image)| (level, face, image))
-    });
-    images.find_map(|(level, face, image): (usize, u32, &RgbImage)| {
-        let at = image
-            .data
-            .iter()
-            .position(|texel| texel.iter().any(|value| !value.is_finite()))?;
-        let (x, y) = (at % image.width as usize, at / image.width as usize);
-        let what = format!(
-            "level {level}, face {face}, column {x}, row {y} is {:?}",
-            image.data[at]
-        );
-        let expected = "finite values (a sun above 65504 overflows a half: clip the environment \
-                        before the bake)";
-        Some(Fault::new(what, expected))
-    })
+    for (level, faces) in texture.levels.iter().enumerate() {
+        for (face, image) in faces.iter().enumerate() {
+            let is_odd = |texel: &[f32; 3]| texel.iter().any(|value| !value.is_finite());
+            let Some(index) = image.data.iter().position(is_odd) else {
+                continue;
+            };
+            let width = image.width as usize;
+            return Some(Fault::new(
+                format!(
+                    "level {level}, face {face}, column {}, row {} is {:?}",
+                    index % width,
+                    index / width,
+                    image.data[index]
+                ),
+                "finite values (a sun above 65504 overflows a half: clip the environment before \
+                 the bake)",
+            ));
+        }
+    }
+    None
 }
 
 /// A texture's size as its header claims it.
@@ -190,13 +200,19 @@ struct Claim {
 impl Claim {
     /// Checks the claim and returns the number of faces.
     fn check(&self) -> Result<usize, Fault> {
+        self.check_images()?;
+        self.check_levels()?;
+        Ok(self.faces as usize)
+    }
+
+    fn check_images(&self) -> Result<(), Fault> {
         let Self {
             width,
             height,
             depth,
             layers,
             faces,
-            levels,
+            ..
         } = *self;
         if width == 0 || height == 0 {
             return Err(Fault::new(
@@ -220,6 +236,17 @@ impl Claim {
                 "square faces",
             ));
         }
+        Ok(())
+    }
+
+    fn check_levels(&self) -> Result<(), Fault> {
+        let Self {
+            width,
+            height,
+            faces,
+            levels,
+            ..
+        } = *self;
         let most = LEVELS_MAX.min(u32::BITS - width.max(height).leading_zeros());
         if levels == 0 || levels > most {
             let what = format!("the header claims {levels} levels of {width}x{height} texels");
@@ -242,7 +269,7 @@ impl Claim {
                 format!("at most {TEXELS_MAX} texels in all; bake a smaller map"),
             ));
         }
-        Ok(faces as usize)
+        Ok(())
     }
 
     fn size(&self, level: u32) -> [u32; 2] {

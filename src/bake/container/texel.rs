@@ -15,8 +15,8 @@ pub struct Texel {
     pub vulkan: Format,
     /// `glInternalFormat` in KTX 1.
     pub gl: u32,
-    /// `glType` and `glTypeSize` in KTX 1.
-    pub gl_type: (u32, u32),
+    /// Component type in KTX 1.
+    pub gl_type: GlType,
     /// `DXGI_FORMAT` in DDS; three halves have none.
     pub dxgi: Option<u32>,
     pub largest: f32,
@@ -26,6 +26,14 @@ pub struct Texel {
     encode: fn([f32; 4], &mut [u8]),
 }
 
+/// `glType` and `glTypeSize` of KTX 1.
+#[derive(Clone, Copy, Debug)]
+pub struct GlType {
+    pub code: u32,
+    pub size: u32,
+}
+
+/// Every pixel format.
 pub static TEXELS: &[Texel] = &[
     half("rgba16f", 4, Format::R16G16B16A16_SFLOAT, 0x881a, Some(10)),
     half("rgb16f", 3, Format::R16G16B16_SFLOAT, 0x881b, None),
@@ -39,7 +47,10 @@ pub static TEXELS: &[Texel] = &[
         channels: 3,
         vulkan: Format::E5B9G9R9_UFLOAT_PACK32,
         gl: 0x8c3d,
-        gl_type: (0x8c3e, 4),
+        gl_type: GlType {
+            code: 0x8c3e,
+            size: 4,
+        },
         dxgi: Some(67),
         largest: SHARED_MAX,
         decode: shared_exponent,
@@ -66,45 +77,52 @@ const fn half(
     gl: u32,
     dxgi: Option<u32>,
 ) -> Texel {
-    let (bytes, gl_type, largest) = (2 * channels, (0x140b, 2), HALF_MAX);
     Texel {
         name,
-        bytes,
+        bytes: 2 * channels,
         channels,
         vulkan,
         gl,
-        gl_type,
+        gl_type: GlType {
+            code: 0x140b,
+            size: 2,
+        },
         dxgi,
-        largest,
+        largest: HALF_MAX,
         decode: halves,
         encode: to_halves,
     }
 }
 
 const fn float(name: &'static str, channels: usize, vulkan: Format, gl: u32, dxgi: u32) -> Texel {
-    let (bytes, gl_type, dxgi, largest) = (4 * channels, (0x1406, 4), Some(dxgi), f32::MAX);
     Texel {
         name,
-        bytes,
+        bytes: 4 * channels,
         channels,
         vulkan,
         gl,
-        gl_type,
-        dxgi,
-        largest,
+        gl_type: GlType {
+            code: 0x1406,
+            size: 4,
+        },
+        dxgi: Some(dxgi),
+        largest: f32::MAX,
         decode: floats,
         encode: to_floats,
     }
 }
 
 impl Texel {
-    /// Finds a format by its code in a container.
-    pub(super) fn of(
-        is: impl Fn(&Self) -> bool,
+    /// Finds a format by its code in a container; `found` describes an unknown code.
+    pub(super) fn with_code(
+        has_code: impl Fn(&Self) -> bool,
         found: impl FnOnce() -> String,
     ) -> Result<&'static Self, Fault> {
         let unknown = || Fault::new(found(), format!("one of {}", Self::names().join(", ")));
-        TEXELS.iter().find(|texel| is(texel)).ok_or_else(unknown)
+        TEXELS
+            .iter()
+            .find(|texel| has_code(texel))
+            .ok_or_else(unknown)
     }
 
     /// Decodes `width` x `height` texels from the front of `bytes`.
@@ -122,9 +140,9 @@ impl Texel {
     /// Encodes an image; clips to [0, largest].
     pub(super) fn bytes_of(&self, image: &RgbImage) -> Vec<u8> {
         let mut bytes = vec![0; image.data.len() * self.bytes];
-        for (texel, place) in image.data.iter().zip(bytes.chunks_exact_mut(self.bytes)) {
+        for (texel, encoded) in image.data.iter().zip(bytes.chunks_exact_mut(self.bytes)) {
             let [r, g, b] = texel.map(|value| value.clamp(0.0, self.largest));
-            (self.encode)([r, g, b, 1.0], place);
+            (self.encode)([r, g, b, 1.0], encoded);
         }
         bytes
     }
@@ -138,9 +156,11 @@ impl Texel {
     }
 }
 
-/// Filament's reader and cmgen identify 10-11-11 floats by the internal format in the place of the
-/// type.
-const CMGEN: (u32, u32) = (0x8c3a, 1);
+/// Filament's reader and cmgen identify 10-11-11 floats by the internal format, stored as the type.
+const CMGEN: GlType = GlType {
+    code: 0x8c3a,
+    size: 1,
+};
 
 listed!(Texel, "texel format", TEXELS);
 

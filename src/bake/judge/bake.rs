@@ -1,32 +1,36 @@
 //! Judges a whole bake: every part against its integral.
 
 use super::chain::{self, Chain};
+use super::doubt::{AxesDoubt, Doubt, MapPart, RankedAxes, Warning};
 use super::guess::{self, AxesFit};
-use super::level::{self, GOOD_WORDS, LevelScore, UNEXPLAINED};
+use super::level::{self, LevelScore};
 use super::sh::{self, ShScore};
 use super::table::{self, TableScore};
+use super::verdict::{Part, PartVerdict, Verdict};
 use super::{Cause, EXPLAINED, GOOD, Truth};
 use crate::bake::convention::{Axes, Convention, PRESETS, Preset};
-use crate::bake::parts::{Bake, Map, Stated};
+use crate::bake::parts::{Bake, Map, Stated, TexelOrder};
 use crate::base::names::Listed;
 use crate::instrument::brdf::{Brdf, Ggx, MaskingShadowing};
 use crate::instrument::environment::Environment;
 use crate::instrument::precompute::prefilter::{Kernel, Weight};
 use glam::{DQuat, DVec3};
 
+/// The model and the conventions that a bake is judged by.
 #[derive(Clone, Debug)]
 pub struct Judging {
     pub brdf: &'static dyn Brdf,
     pub convention: Convention,
 }
 
+/// The scores of a bake.
 #[derive(Clone, Debug)]
 pub struct Judged {
     pub convention: Convention,
-    /// Name of each map, and its fits, best first.
-    pub axes: Vec<(&'static str, Vec<AxesFit>)>,
+    /// The axes of each map: of the prefiltered map first.
+    pub axes: Vec<RankedAxes>,
     /// How the file orders its texels, if that explains why the light does not fit.
-    pub order: Option<&'static str>,
+    pub order: Option<TexelOrder>,
     /// Finest level first.
     pub levels: Vec<LevelScore>,
     /// The chain that the widths of all levels have, unless it is the assumed one.
@@ -38,40 +42,26 @@ pub struct Judged {
     pub fixed: Option<Box<Self>>,
 }
 
-/// Why the axes or the light seem wrong.
-#[derive(Clone, Debug)]
-pub struct Doubt {
-    pub words: String,
-    /// Details of the warning, after `words`.
-    pub more: String,
-    /// The axes that fit; `None` for another map.
-    pub axes: Option<Axes>,
-}
-
-/// Before the name of a part that is judged by the axes or the chain that fit.
-const IF_FIXED: &str = "if fixed, ";
-
-/// Name of the irradiance map in [`Judged::axes`].
-pub const IRRADIANCE: &str = "irradiance map";
-
 impl Judging {
     /// Judges GGX by the conventions that the files state, else by the conventions of `splitsum
     /// bake`. Fails on an unknown name.
     pub fn stated(stated: &Stated) -> Result<Self, String> {
-        Self::by(
-            stated
-                .preset
-                .as_deref()
-                .map_or(Ok(&PRESETS[0]), Preset::parse)?,
-            stated,
-        )
+        let preset = match stated.preset.as_deref() {
+            Some(name) => Preset::parse(name)?,
+            None => &PRESETS[0],
+        };
+        Self::by(preset, stated)
     }
 
     /// Judges GGX by the conventions of a preset; statements of the files override them, unless
     /// they name another preset.
     pub fn by(preset: &Preset, stated: &Stated) -> Result<Self, String> {
-        let is_own = preset.name == stated.preset.as_deref().unwrap_or(PRESETS[0].name);
-        let stated = if is_own { stated } else { &Stated::default() };
+        let is_stated = preset.name == stated.preset.as_deref().unwrap_or(PRESETS[0].name);
+        let stated = if is_stated {
+            stated
+        } else {
+            &Stated::default()
+        };
         let mut convention = preset.convention();
         convention.alphas = stated.alphas.clone().or(convention.alphas);
         if let Some(name) = &stated.masking {
@@ -98,37 +88,52 @@ impl Judging {
     ) -> Result<Judged, String> {
         let convention = &self.convention;
         let kernel = Kernel::new(self.brdf, convention.weight, convention.masking);
-        let alphas = bake
-            .specular
-            .as_ref()
-            .map_or(Ok(Vec::new()), |map| convention.alphas(map.levels.len()))?;
+        let alphas = match &bake.specular {
+            Some(map) => convention.alphas(map.levels.len())?,
+            None => Vec::new(),
+        };
         doing("integrating the exact maps");
-        let truth = &mut Truth::judging(environment, kernel, &alphas);
+        let mut truth = Truth::judging(environment, kernel, &alphas);
         doing("comparing the axes");
         let mut axes = Vec::new();
+        let mut order = None;
         if let Some(map) = &bake.specular {
-            axes.push(("prefiltered map", guess::axes(truth, map, convention)?));
+            let fits = guess::axes(&truth, map, convention)?;
+            truth.is_other = fits[0].correlation < guess::SAME_LIGHT;
+            if truth.is_other {
+                order = fitting_order(&truth, map, convention);
+            }
+            axes.push(RankedAxes {
+                map: MapPart::Prefiltered,
+                fits,
+            });
         }
         if let Some(map) = &bake.irradiance {
-            axes.push((IRRADIANCE, guess::irradiance_axes(truth, map)));
+            axes.push(RankedAxes {
+                map: MapPart::Irradiance,
+                fits: guess::irradiance_axes(&truth, map),
+            });
         }
-        truth.is_other = bake.specular.is_some() && axes[0].1[0].correlation < guess::SAME_LIGHT;
-        let fits = |map: &Map| {
-            guess::axes(truth, map, convention).is_ok_and(|fits| fits[0].correlation >= guess::SURE)
-        };
-        let order = bake
-            .specular
-            .iter()
-            .filter(|_| truth.is_other)
-            .flat_map(Map::reordered)
-            .find(|(_, map)| fits(map))
-            .map(|(words, _)| words);
         doing("scoring levels");
-        let mut judged = scored(truth, self.brdf, bake, convention.clone())?;
-        (judged.axes, judged.order) = (axes, order);
-        judged.fix_convention(truth, self.brdf, bake, &doing)?;
+        let judged = scored(&truth, self.brdf, bake, convention.clone())?;
+        let mut judged = Judged {
+            axes,
+            order,
+            ..judged
+        };
+        judged.fix_convention(&truth, self.brdf, bake, &doing)?;
         Ok(judged)
     }
+}
+
+/// Finds the order of the file's texels in which the light fits.
+fn fitting_order(truth: &Truth, map: &Map, convention: &Convention) -> Option<TexelOrder> {
+    let is_sure = |map: &Map| {
+        guess::axes(truth, map, convention).is_ok_and(|fits| fits[0].correlation >= guess::SURE)
+    };
+    TexelOrder::ALL
+        .into_iter()
+        .find(|order| is_sure(&map.reordered(*order)))
 }
 
 fn scored(
@@ -173,33 +178,27 @@ impl Judged {
         doing: &impl Fn(&'static str),
     ) -> Result<(), String> {
         let doubt = self.first_doubt();
-        let mut convention = self.convention.clone();
-        match (&doubt, &self.chain) {
-            (
-                Some(Doubt {
-                    axes: Some(axes), ..
-                }),
-                _,
-            ) => convention.axes = *axes,
-            (None, Some(chain)) => convention.alphas = Some(chain.alphas.clone()),
-            _ => {}
-        }
+        let convention = self.fixed_convention(doubt.as_ref());
         if convention.axes != self.convention.axes || convention.alphas != self.convention.alphas {
             doing("looking for further slips");
             let mut fixed = scored(truth, brdf, bake, convention)?;
             if doubt.is_some() && self.is_simpler_than(&fixed) {
                 let used = self.convention.axes;
-                self.axes[0].1.retain(|fit| fit.axes == used);
+                self.axes[0].fits.retain(|fit| fit.axes == used);
                 return self.fix_convention(truth, brdf, bake, doing);
             }
             fixed.axes.clone_from(&self.axes);
-            // A part that is good as it is needs no mending.
-            fixed.irradiance = fixed
+            // A part that is good needs no fix.
+            if self
                 .irradiance
-                .filter(|_| self.irradiance.iter().all(|own| own.errors.relmse > GOOD));
-            fixed.sh = fixed
-                .sh
-                .filter(|_| self.sh.iter().all(|own| own.errors.relmse > GOOD));
+                .iter()
+                .any(|score| score.errors.relmse <= GOOD)
+            {
+                fixed.irradiance = None;
+            }
+            if self.sh.iter().any(|score| score.errors.relmse <= GOOD) {
+                fixed.sh = None;
+            }
             fixed.fix_convention(truth, brdf, bake, doing)?;
             self.fixed = Some(Box::new(fixed));
         }
@@ -214,237 +213,206 @@ impl Judged {
         Ok(())
     }
 
+    /// Returns the convention with the axes or the chain that fit.
+    fn fixed_convention(&self, doubt: Option<&Doubt>) -> Convention {
+        let mut convention = self.convention.clone();
+        if let Some(doubt) = doubt {
+            convention.axes = doubt.axes().unwrap_or(convention.axes);
+        } else if let Some(chain) = &self.chain {
+            convention.alphas = Some(chain.alphas.clone());
+        }
+        convention
+    }
+
     /// Whether its slips explain all that is wrong, and by less than other axes with the slips that
     /// these leave.
     fn is_simpler_than(&self, other: &Self) -> bool {
-        let most = |of: &Self| of.maps().map(|score| score.causes.len()).max();
         let left: f64 = self
             .maps()
             .map(|score| score.left().unwrap_or(score.errors.relmse))
             .sum();
+        let other_error: f64 = other.maps().map(|score| score.errors.relmse).sum();
+        let is_other_unknown = other.maps().any(|score| score.has(Cause::is_unknown));
         self.maps().all(LevelScore::is_explained)
-            && left < EXPLAINED * other.maps().map(|score| score.errors.relmse).sum::<f64>()
-            && (other.maps().any(|score| score.names("unknown")) || most(self) <= most(other))
+            && left < EXPLAINED * other_error
+            && (is_other_unknown || self.most_causes() <= other.most_causes())
     }
 
-    fn maps(&self) -> impl Iterator<Item = &LevelScore> {
+    /// Returns the largest number of causes of a level.
+    fn most_causes(&self) -> Option<usize> {
+        self.maps().map(|score| score.verdict.causes().len()).max()
+    }
+
+    /// Lists the levels, and the irradiance map.
+    pub(super) fn maps(&self) -> impl Iterator<Item = &LevelScore> {
         self.levels.iter().chain(&self.irradiance)
     }
 
-    /// The doubt of the prefiltered map, else of the irradiance map: beside a prefiltered map, a
-    /// turned irradiance map is a slip of its own.
+    /// The doubt of the prefiltered map, else of the irradiance map: with a prefiltered map, a
+    /// turned irradiance map is a slip of that part alone.
     fn first_doubt(&self) -> Option<Doubt> {
-        self.axes
-            .first()
-            .and_then(|(what, fits)| self.doubt(what, fits))
+        self.axes.first().and_then(|ranked| self.doubt(ranked))
     }
 
-    /// Describes why the axes or the light seem wrong, if they do.
-    pub fn doubt(&self, what: &str, fits: &[AxesFit]) -> Option<Doubt> {
-        let used: Axes = self.convention.axes;
-        let hint = if what == IRRADIANCE {
-            "; if it is the map itself, name it specular=FILE"
-        } else {
-            ""
-        };
+    /// Describes why the axes or the light of a map seem wrong, if they do.
+    pub fn doubt(&self, ranked: &RankedAxes) -> Option<Doubt> {
+        let fits = &ranked.fits;
+        let best = fits[0];
         // A good level proves the light, as does one that a slip explains. With a constant light
         // nothing correlates.
         let is_wrong = self.maps().all(|score| !score.is_explained());
-        let best: Vec<String> = fits
+        let alike: Vec<Axes> = fits
             .iter()
-            .filter(|fit| !guess::is_clear(fits[0], **fit))
-            .map(|fit| fit.axes.to_string())
+            .filter(|fit| !guess::is_clear(best, **fit))
+            .map(|fit| fit.axes)
             .collect();
-        let is_sure = fits[0].correlation >= guess::SURE;
-        let is_like =
-            fits[0].correlation >= guess::SAME_LIGHT && (is_sure || best.len() < guess::ALIKE_MAX);
-        if is_wrong && !is_like || self.order.is_some() && what != IRRADIANCE {
-            let AxesFit {
-                axes,
-                correlation: c,
-            } = fits[0];
-            let other = format!(
-                "seems to be a bake of another map: its best axes, {axes}, have correlation {c:.2}"
-            );
-            let words = self.order.map_or(other, str::to_owned);
-            return Some(Doubt {
-                words,
-                more: hint.to_owned(),
-                axes: None,
-            });
+        let is_sure = best.correlation >= guess::SURE;
+        let is_same_light =
+            best.correlation >= guess::SAME_LIGHT && (is_sure || alike.len() < guess::ALIKE_MAX);
+        let is_reordered = self.order.is_some() && ranked.map != MapPart::Irradiance;
+        if is_wrong && !is_same_light || is_reordered {
+            return Some(self.order.map_or(Doubt::OtherLight(best), Doubt::Order));
         }
-        let own = *fits.iter().find(|fit| fit.axes == used)?;
-        let is_explained =
-            !is_sure && (self.levels.iter().all(LevelScore::is_explained) || !is_like && !is_wrong);
-        let is_doubtful = fits[0].axes != used && guess::is_clear(fits[0], own) && !is_explained;
-        let (AxesFit { axes, correlation }, of_own) = (fits[0], own.correlation);
-        let alike = if best.len() > 1 {
-            format!("; as good: {}", best[1..].join(", "))
-        } else {
-            String::new()
-        };
-        let turns_by = |degrees: &f64| {
-            let turn = DQuat::from_rotation_y(degrees.to_radians());
-            DVec3::AXES
-                .iter()
-                .all(|d| axes.to_world(used.to_file(*d)).distance(turn * *d) < 1e-6)
-        };
-        let turn = [90.0, 180.0, -90.0]
-            .iter()
-            .find(|degrees| turns_by(degrees));
-        let words = turn.map_or_else(
-            || format!("axes {axes} fit far better than {used}"),
-            |degrees| format!("turned by {degrees}° about y"),
-        );
-        is_doubtful.then(|| Doubt {
-            words: format!("{words}: --axes={axes}"),
-            more: format!("; correlation {correlation:.4}, not {of_own:.4}{alike}{hint}"),
-            axes: Some(axes),
+        let used = *fits.iter().find(|fit| fit.axes == self.convention.axes)?;
+        let is_explained = !is_sure
+            && (self.levels.iter().all(LevelScore::is_explained) || !is_same_light && !is_wrong);
+        let is_doubtful = best.axes != used.axes && guess::is_clear(best, used) && !is_explained;
+        is_doubtful.then(|| {
+            Doubt::Axes(AxesDoubt {
+                best,
+                used,
+                alike: alike.into_iter().skip(1).collect(),
+                turn: turn_about_y(used, best),
+            })
         })
     }
 
-    /// Lists what the verdict names, each once.
-    pub fn causes(&self) -> Vec<Cause> {
-        let whole = |kind, words: &str| {
-            vec![Cause {
-                kind,
-                words: words.to_owned(),
-            }]
-        };
-        let mut causes = match (self.first_doubt(), &self.chain) {
-            (Some(doubt), _) => whole(
-                if doubt.axes.is_some() { "axes" } else { "map" },
-                &doubt.words,
-            ),
-            (None, Some(chain)) => whole("levels", &chain.words),
-            _ => {
-                let levels = self.maps().flat_map(|score| &score.causes);
-                let sh = self.sh.iter().flat_map(|score| &score.causes);
-                levels
-                    .chain(sh)
-                    .chain(self.dfg.iter().flat_map(|score| &score.causes))
-                    .cloned()
-                    .collect()
-            }
-        };
-        causes.extend(self.fixed.iter().flat_map(|fixed| fixed.causes()));
-        let mut seen = Vec::new();
-        for cause in causes {
-            if !seen.contains(&cause) {
-                seen.push(cause);
-            }
-        }
-        seen
+    /// Lists the doubts of the maps.
+    pub fn warnings(&self) -> Vec<Warning> {
+        self.axes
+            .iter()
+            .filter_map(|ranked| self.warning(ranked))
+            .collect()
     }
 
-    /// Lists each part with its verdict; neighbouring levels of one verdict share a line. Levels of
-    /// other axes or another chain are listed as they are if that is fixed.
-    pub fn parts(&self) -> Vec<(String, String)> {
-        let mut parts: Vec<(String, String)> = Vec::new();
-        let mut first = 0;
-        for (level, score) in self
-            .levels
-            .iter()
-            .enumerate()
-            .filter(|_| self.fixed.is_none())
+    /// Describes the doubt of a map, if there is one.
+    pub fn warning(&self, ranked: &RankedAxes) -> Option<Warning> {
+        Some(Warning {
+            map: ranked.map,
+            doubt: self.doubt(ranked)?,
+        })
+    }
+
+    /// Returns the cause in all parts: a doubt, or other widths.
+    pub(super) fn whole_cause(&self) -> Option<Cause> {
+        let chain = || Some(Cause::Chain(self.chain.as_ref()?.slip.clone()));
+        self.first_doubt().map(Cause::Doubt).or_else(chain)
+    }
+
+    /// Lists what the verdict names, each once as printed.
+    pub fn causes(&self) -> Vec<Cause> {
+        let mut causes = match self.whole_cause() {
+            Some(cause) => vec![cause],
+            None => self.causes_of_parts(),
+        };
+        causes.extend(self.fixed.iter().flat_map(|fixed| fixed.causes()));
+        let mut unique: Vec<Cause> = Vec::new();
+        for cause in causes {
+            if !unique.iter().any(|known| known.is_printed_as(&cause)) {
+                unique.push(cause);
+            }
+        }
+        unique
+    }
+
+    fn causes_of_parts(&self) -> Vec<Cause> {
+        let maps = self.maps().map(|score| &score.verdict);
+        let sh = self.sh.iter().map(|score| &score.verdict);
+        let dfg = self.dfg.iter().map(|score| &score.verdict);
+        maps.chain(sh)
+            .chain(dfg)
+            .flat_map(Verdict::causes)
+            .cloned()
+            .collect()
+    }
+
+    /// Lists each part with its verdict; neighbouring levels of one printed verdict share a line.
+    /// Levels of other axes or another chain are listed as they are if that is fixed.
+    pub fn parts(&self) -> Vec<PartVerdict> {
+        let part = |part: Part, verdict: Verdict| PartVerdict {
+            part,
+            is_if_fixed: false,
+            verdict,
+        };
+        let is_listed = |relmse: f64| self.fixed.is_none() || relmse <= GOOD;
+        let mut parts = Vec::new();
+        if self.fixed.is_none() {
+            parts.extend(self.level_parts());
+        }
+        if let Some(score) = &self.irradiance
+            && is_listed(score.errors.relmse)
         {
-            if level > 0 && self.levels[level - 1].verdict == score.verdict {
+            parts.push(part(Part::Irradiance, score.verdict.clone()));
+        }
+        if let Some(score) = &self.sh
+            && is_listed(score.errors.relmse)
+        {
+            parts.push(part(Part::Sh, score.verdict.clone()));
+        }
+        let Some(fixed) = &self.fixed else {
+            let dfg = self.dfg.iter();
+            parts.extend(dfg.map(|score| part(Part::Table, score.verdict.clone())));
+            return parts;
+        };
+        if let Some(cause) = self.whole_cause() {
+            let whole = match cause {
+                Cause::Doubt(_) => Part::Map(self.axes[0].map),
+                _ => Part::Widths,
+            };
+            parts.push(part(whole, Verdict::of(vec![cause])));
+        }
+        for mut part in fixed.parts() {
+            // Axes and widths have no effect on a table.
+            part.is_if_fixed |= part.part != Part::Table;
+            parts.push(part);
+        }
+        parts
+    }
+
+    fn level_parts(&self) -> Vec<PartVerdict> {
+        let mut parts: Vec<PartVerdict> = Vec::new();
+        let mut first = 0;
+        for (level, score) in self.levels.iter().enumerate() {
+            if level > 0 && self.levels[level - 1].verdict.is_printed_as(&score.verdict) {
                 parts.pop();
             } else {
                 first = level;
             }
-            let name = if first == level {
-                format!("level {level}")
+            let part = if first == level {
+                Part::Level(level)
             } else {
-                format!("levels {first} to {level}")
+                Part::Levels(first, level)
             };
-            parts.push((name, score.verdict.clone()));
+            parts.push(PartVerdict {
+                part,
+                is_if_fixed: false,
+                verdict: score.verdict.clone(),
+            });
         }
-        let is_listed = |relmse: f64| self.fixed.is_none() || relmse <= GOOD;
-        let irradiance = self
-            .irradiance
-            .iter()
-            .filter(|own| is_listed(own.errors.relmse));
-        parts.extend(irradiance.map(|own| ("irradiance".to_owned(), own.verdict.clone())));
-        let sh = self.sh.iter().filter(|own| is_listed(own.errors.relmse));
-        parts.extend(sh.map(|own| ("SH".to_owned(), own.verdict.clone())));
-        let Some(fixed) = &self.fixed else {
-            parts.extend(
-                self.dfg
-                    .iter()
-                    .map(|own| ("DFG table".to_owned(), own.verdict.clone())),
-            );
-            return parts;
-        };
-        let chain = self
-            .chain
-            .iter()
-            .map(|chain| ("widths", chain.words.clone()));
-        let cause = self
-            .first_doubt()
-            .map(|doubt| (self.axes[0].0, doubt.words))
-            .into_iter()
-            .chain(chain)
-            .next();
-        let named = |(name, verdict): (String, String)| match name.starts_with(IF_FIXED)
-            || name == "DFG table"
-        {
-            true => (name, verdict),
-            false => (format!("{IF_FIXED}{name}"), verdict),
-        };
-        parts.extend(cause.map(|(name, words)| (name.to_owned(), words)));
-        parts.extend(fixed.parts().into_iter().map(named));
         parts
     }
+}
 
-    /// Summarises the faults in one line, faults of several levels first; `None` without faults.
-    pub fn wrong(&self) -> Option<String> {
-        self.faults().map(|faults| format!("wrong: {faults}"))
-    }
-
-    fn faults(&self) -> Option<String> {
-        let doubt = self.first_doubt().map(|doubt| doubt.words);
-        if let Some(cause) = doubt.or_else(|| Some(self.chain.as_ref()?.words.clone())) {
-            let rest = self.fixed.as_ref().map(|fixed| match fixed.faults() {
-                Some(more) => format!("; besides, {more}"),
-                None => "; nothing else".to_owned(),
-            });
-            return Some(cause + &rest.unwrap_or_default());
-        }
-        let wrong = self
-            .parts()
-            .into_iter()
-            .filter(|(_, verdict)| !verdict.starts_with(GOOD_WORDS));
-        let mut said: Vec<String> = wrong
-            .map(|(name, verdict)| format!("{name}: {verdict}"))
-            .collect();
-        said.sort_by_key(|said| [said.ends_with(UNEXPLAINED), !said.starts_with("levels")]);
-        let is_known = self.causes().iter().all(|cause| cause.kind != "unknown");
-        let left = self
-            .maps()
-            .filter_map(LevelScore::left)
-            .max_by(f64::total_cmp)
-            .filter(|_| is_known);
-        let left = left.map(|left| format!("; {:.1} % rms if fixed", 100.0 * left.sqrt()));
-        (!said.is_empty()).then(|| said.join("; ") + &left.unwrap_or_default())
-    }
-
-    /// Sums up the whole bake in one line.
-    pub fn verdict(&self) -> String {
-        let coarse = self.levels.iter().filter_map(LevelScore::coarseness);
-        let is_table = self.axes.is_empty() && self.sh.is_none();
-        self.wrong()
-            .unwrap_or_else(|| match coarse.max_by(f64::total_cmp) {
-                None if is_table => {
-                    "good: the DFG table is within a step of 8 bits of its integral".to_owned()
-                }
-                None => "good: every part is within 3 % rms of its integral".to_owned(),
-                Some(relmse) => {
-                    format!(
-                        "good, but coarse: lookups between texels err by up to {:.1} % rms",
-                        100.0 * relmse.sqrt()
-                    )
-                }
-            })
-    }
+/// Returns the quarter or half turn about y that takes the used axes to the best, degrees.
+fn turn_about_y(used: AxesFit, best: AxesFit) -> Option<f64> {
+    let turns_by = |degrees: f64| {
+        let turn = DQuat::from_rotation_y(degrees.to_radians());
+        DVec3::AXES.into_iter().all(|world| {
+            let turned = best.axes.to_world(used.axes.to_file(world));
+            turned.distance(turn * world) < 1e-6
+        })
+    };
+    [90.0, 180.0, -90.0]
+        .into_iter()
+        .find(|degrees| turns_by(*degrees))
 }

@@ -11,27 +11,35 @@ pub struct Directions {
     pub world: Vec<DVec3>,
     /// Solid angle of each, sr.
     pub weights: Vec<f64>,
-    /// Places of these texels among all.
+    /// Indices of these texels among all of the level.
     indices: Vec<usize>,
     pub(super) layout: &'static MapLayout,
     pub(super) axes: Axes,
     pub(super) size: [u32; 2],
-    grid: Grid,
+    grid: TexelGrid,
 }
 
-/// Places of texels: `shift` in texels from their centres, or from edge to edge of the face.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Grid {
-    pub shift: f64,
-    pub is_stretched: bool,
+/// Where a texel lies in its face.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub enum TexelGrid {
+    /// `(i + 0.5)/n`
+    #[default]
+    Centres,
+    /// `i/n`
+    Corners,
+    /// `(i + 1)/n`
+    FarCorners,
+    /// `i/(n - 1)`
+    EdgeToEdge,
 }
 
 impl Directions {
+    /// Lists the texel centres of a level of `size` texels a face.
     pub fn new(layout: &'static MapLayout, axes: Axes, size: [u32; 2]) -> Self {
-        let grid = Grid::default();
-        let of = |index: usize| place(layout, size, grid, index, DVec2::splat(0.5));
+        let grid = TexelGrid::default();
+        let centre = |index: usize| file_direction(layout, size, grid, index, DVec2::splat(0.5));
         let count = layout.face_count as usize * size[0] as usize * size[1] as usize;
-        let file: Vec<DVec3> = (0..count).into_par_iter().map(of).collect();
+        let file: Vec<DVec3> = (0..count).into_par_iter().map(centre).collect();
         let weights = file
             .iter()
             .map(|direction| (layout.texel_solid_angle)(*direction, size, 0.0))
@@ -50,20 +58,15 @@ impl Directions {
         }
     }
 
-    /// The same texels at other places.
-    pub fn on(&self, grid: Grid) -> Self {
-        let of = |index: &usize| {
-            self.axes.to_world(place(
-                self.layout,
-                self.size,
-                grid,
-                *index,
-                DVec2::splat(0.5),
-            ))
+    /// Returns the same texels on another grid.
+    pub fn on(&self, grid: TexelGrid) -> Self {
+        let centre = |index: &usize| {
+            let centre = DVec2::splat(0.5);
+            let file = file_direction(self.layout, self.size, grid, *index, centre);
+            self.axes.to_world(file)
         };
-        let world = self.indices.iter().map(of).collect();
         Self {
-            world,
+            world: self.indices.iter().map(centre).collect(),
             weights: self.weights.clone(),
             indices: self.indices.clone(),
             grid,
@@ -87,18 +90,11 @@ impl Directions {
             .map(|k| DVec2::new(f64::from(k % n) + 0.5, f64::from(k / n) + 0.5) / f64::from(n))
             .collect();
         let mean = |index: usize| {
-            let values = points
-                .iter()
-                .map(|point| {
-                    place(
-                        self.layout,
-                        self.size,
-                        self.grid,
-                        self.indices[index],
-                        *point,
-                    )
-                })
-                .map(|place| value(self.axes.to_world(place)));
+            let index = self.indices[index];
+            let values = points.iter().map(|point| {
+                let file = file_direction(self.layout, self.size, self.grid, index, *point);
+                value(self.axes.to_world(file))
+            });
             values.sum::<DVec3>() / points.len() as f64
         };
         (0..self.world.len()).into_par_iter().map(mean).collect()
@@ -109,22 +105,8 @@ impl Directions {
         let [width, height] = self.size.map(|side| side as usize);
         let rows = (count * height) as f64 / (self.layout.face_count as usize * width) as f64;
         let rows = (rows.sqrt() as usize).clamp(1, height);
-        let lines = |side: usize, count: usize| -> Vec<usize> {
-            let at = |i: usize| (2 * i + 1) * side / (2 * count);
-            (0..count)
-                .map(|i| {
-                    if 2 * i < count {
-                        at(i)
-                    } else {
-                        side - 1 - at(count - 1 - i)
-                    }
-                })
-                .collect()
-        };
-        let (rows, columns) = (
-            lines(height, rows),
-            lines(width, (rows * width / height).clamp(1, width)),
-        );
+        let columns = spread(width, (rows * width / height).clamp(1, width));
+        let rows = spread(height, rows);
         let faces = 0..self.world.len() / (width * height);
         let row =
             |face: usize, y: usize| columns.iter().map(move |x| (face * height + y) * width + x);
@@ -133,6 +115,7 @@ impl Directions {
             .collect()
     }
 
+    /// Returns the texels at these indices.
     pub fn only(&self, chosen: &[usize]) -> Self {
         Self {
             world: chosen.iter().map(|index| self.world[*index]).collect(),
@@ -143,26 +126,36 @@ impl Directions {
     }
 }
 
-/// Returns the file's direction at a point of a texel.
-fn place(
+/// Spreads `count` indices over 0 to `side`, symmetric about the middle.
+fn spread(side: usize, count: usize) -> Vec<usize> {
+    let index = |i: usize| (2 * i + 1) * side / (2 * count);
+    let mirrored = |i: usize| side - 1 - index(count - 1 - i);
+    (0..count)
+        .map(|i| if 2 * i < count { index(i) } else { mirrored(i) })
+        .collect()
+}
+
+/// Returns the file's direction at a point of a texel; (0.5, 0.5) is its centre.
+fn file_direction(
     layout: &MapLayout,
     [width, height]: [u32; 2],
-    grid: Grid,
+    grid: TexelGrid,
     index: usize,
     point: DVec2,
 ) -> DVec3 {
-    let (w, h) = (width as usize, height as usize);
-    let (face, x, y) = (index / (w * h), index % w, index / w % h);
-    let (at, size) = (
-        DVec2::new(x as f64, y as f64) + point,
-        DVec2::new(width.into(), height.into()),
-    );
-    let at = if grid.is_stretched {
-        (at - 0.5) / (size - 1.0)
-    } else {
-        (at + grid.shift) / size
+    let columns = width as usize;
+    let rows = height as usize;
+    let face = index / (columns * rows);
+    let corner = DVec2::new((index % columns) as f64, (index / columns % rows) as f64);
+    let texels = corner + point;
+    let size = DVec2::new(width.into(), height.into());
+    let uv = match grid {
+        TexelGrid::Centres => texels / size,
+        TexelGrid::Corners => (texels - 0.5) / size,
+        TexelGrid::FarCorners => (texels + 0.5) / size,
+        TexelGrid::EdgeToEdge => (texels - 0.5) / (size - 1.0),
     };
-    (layout.direction)(face as u32, at)
+    (layout.direction)(face as u32, uv)
 }
 
 /// Lists the texels of a level in the same order, times a scale.

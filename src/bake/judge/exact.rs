@@ -10,17 +10,15 @@ use rayon::prelude::*;
 /// Returns exact texels of a level: prefiltered radiance, or the averaged environment for a mirror
 /// level.
 pub fn exact(truth: &Truth, kernel: Kernel, directions: &Directions, alpha: f64) -> Vec<DVec3> {
-    match has_width(alpha) {
-        true => {
-            let map = truth.prefiltered_by(kernel, alpha);
-            directions
-                .world
-                .par_iter()
-                .map(|direction| map.value(*direction))
-                .collect()
-        }
-        false => mirror(truth.environment, directions),
+    if !has_width(alpha) {
+        return mirror(truth.environment, directions);
     }
+    let map = truth.prefiltered_by(kernel, alpha);
+    directions
+        .world
+        .par_iter()
+        .map(|direction| map.value(*direction))
+        .collect()
 }
 
 /// Averages the environment over each texel, at least two points per texel of the environment.
@@ -31,7 +29,8 @@ pub fn mirror(environment: &Environment, directions: &Directions) -> Vec<DVec3> 
 
 /// Returns how many texels of the environment a texel covers along a side, rounded up.
 pub fn finer(environment: &Environment, directions: &Directions) -> u32 {
-    let (map, [width, height]) = (&environment.image, directions.size);
+    let map = &environment.image;
+    let [width, height] = directions.size;
     // A cube has two faces from pole to pole and four around.
     let (rows, columns) = if directions.layout.face_count > 1 {
         (2, 4)

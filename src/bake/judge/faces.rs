@@ -1,74 +1,122 @@
 //! Finds faces of a cube that are black, swapped, turned or flipped.
 
 use super::directions::Directions;
-use super::{Cause, EXPLAINED, Truth, relative_square};
+use super::{EXPLAINED, Truth, relative_square};
 use crate::bake::container::FACE_COUNT;
 use crate::bake::convention::Axes;
 use glam::DVec3;
 
-/// Faces in the order of a cube map.
-const NAMES: [&str; FACE_COUNT] = ["+x", "-x", "+y", "-y", "+z", "-z"];
-
-const TURNS: [&str; 8] = [
-    "",
-    "turned by 90° clockwise",
-    "turned by 180°",
-    "turned by 90° counter-clockwise",
-    "flipped left to right",
-    "flipped top to bottom",
-    "transposed",
-    "transposed across the other diagonal",
-];
-
-/// Returns the place in the right face of the texel at (x, y) of a turned one.
-fn turned(turn: usize, x: usize, y: usize, last: usize) -> (usize, usize) {
-    let (u, v) = (last - x, last - y);
-    [
-        (x, y),
-        (y, u),
-        (u, v),
-        (v, x),
-        (u, y),
-        (x, v),
-        (y, x),
-        (v, u),
-    ][turn]
+/// A turn or mirror image of a face.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum FaceTurn {
+    None,
+    Clockwise,
+    Half,
+    CounterClockwise,
+    FlippedLeftRight,
+    FlippedTopBottom,
+    Transposed,
+    /// Across the other diagonal.
+    AntiTransposed,
 }
 
-/// Names the faces that are black where the right ones are not, unless all are, and lists the
-/// texels of the others.
-pub fn black(
-    directions: &Directions,
-    found: &[DVec3],
-    exact: &[DVec3],
-) -> (Option<Cause>, Vec<usize>) {
-    let texels = found.len() / directions.layout.face_count as usize;
-    let is_black = |values: &[DVec3], face: usize| {
-        values[face * texels..][..texels]
-            .iter()
-            .all(|x| *x == DVec3::ZERO)
-    };
-    let faces = 0..directions.layout.face_count as usize;
-    let (lost, seen): (Vec<usize>, Vec<usize>) =
-        faces.partition(|face| is_black(found, *face) && !is_black(exact, *face));
-    if lost.is_empty() || seen.is_empty() {
-        return (None, (0..found.len()).collect());
+impl FaceTurn {
+    pub const ALL: [Self; 8] = [
+        Self::None,
+        Self::Clockwise,
+        Self::Half,
+        Self::CounterClockwise,
+        Self::FlippedLeftRight,
+        Self::FlippedTopBottom,
+        Self::Transposed,
+        Self::AntiTransposed,
+    ];
+
+    /// Returns column and row in the right face of the texel at (x, y) of the turned one.
+    fn source(self, x: usize, y: usize, last: usize) -> [usize; 2] {
+        let u = last - x;
+        let v = last - y;
+        match self {
+            Self::None => [x, y],
+            Self::Clockwise => [y, u],
+            Self::Half => [u, v],
+            Self::CounterClockwise => [v, x],
+            Self::FlippedLeftRight => [u, y],
+            Self::FlippedTopBottom => [x, v],
+            Self::Transposed => [y, x],
+            Self::AntiTransposed => [v, u],
+        }
     }
-    let words: Vec<String> = lost
-        .iter()
-        .map(|face| format!("face {} is black", NAMES[*face]))
-        .collect();
-    let seen = seen
-        .into_iter()
-        .flat_map(|face| face * texels..(face + 1) * texels)
-        .collect();
-    (
-        Some(Cause {
-            kind: "black",
-            words: words.join("; "),
-        }),
-        seen,
-    )
+}
+
+/// What a face of the file holds: a face, turned.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HeldFace {
+    pub face: usize,
+    pub turn: FaceTurn,
+}
+
+impl HeldFace {
+    fn unchanged(face: usize) -> Self {
+        Self {
+            face,
+            turn: FaceTurn::None,
+        }
+    }
+}
+
+/// A face of the file that holds the wrong texels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct MovedFace {
+    pub face: usize,
+    pub held: HeldFace,
+}
+
+/// A slip in the faces of a cube; faces are indices of +x, -x, +y, -y, +z, -z.
+#[derive(Clone, Debug, PartialEq)]
+pub enum FaceSlip {
+    /// Other axes move and turn the faces in the same way.
+    Axes(Axes),
+    Every(FaceTurn),
+    Swapped([usize; 2]),
+    /// Unturned faces in this order.
+    Reordered([usize; FACE_COUNT]),
+    Moved(Vec<MovedFace>),
+}
+
+/// The black faces of a level.
+pub struct BlackFaces {
+    /// Faces that are black where the right ones are not; empty if all are.
+    pub faces: Vec<usize>,
+    /// Texels of the other faces.
+    pub other_texels: Vec<usize>,
+}
+
+impl BlackFaces {
+    pub fn new(directions: &Directions, found: &[DVec3], exact: &[DVec3]) -> Self {
+        let face_count = directions.layout.face_count as usize;
+        let texel_count = found.len() / face_count;
+        let is_black = |values: &[DVec3], face: usize| {
+            values[face * texel_count..][..texel_count]
+                .iter()
+                .all(|texel| *texel == DVec3::ZERO)
+        };
+        let (black, others): (Vec<usize>, Vec<usize>) =
+            (0..face_count).partition(|face| is_black(found, *face) && !is_black(exact, *face));
+        if others.is_empty() {
+            return Self {
+                faces: Vec::new(),
+                other_texels: (0..found.len()).collect(),
+            };
+        }
+        Self {
+            faces: black,
+            other_texels: others
+                .into_iter()
+                .flat_map(|face| face * texel_count..(face + 1) * texel_count)
+                .collect(),
+        }
+    }
 }
 
 /// Names the slip in the faces of a grid of texels, with the relMSE that it leaves; `None` if all
@@ -78,10 +126,10 @@ pub fn slip(
     directions: &Directions,
     found: &[DVec3],
     exact: &[DVec3],
-) -> Option<(Cause, f64)> {
+) -> Option<(FaceSlip, f64)> {
     let [width, height] = directions.size;
-    let texels = found.len() / FACE_COUNT;
-    let side = texels.isqrt();
+    let texel_count = found.len() / FACE_COUNT;
+    let side = texel_count.isqrt();
     // Without the black faces of a cube there are fewer.
     if directions.layout.face_count as usize != FACE_COUNT
         || width != height
@@ -89,92 +137,115 @@ pub fn slip(
     {
         return None;
     }
-    let place = |turn: usize, index: usize| {
-        let (x, y) = turned(turn, index % side, index / side, side - 1);
-        y * side + x
+    let cube = Cube {
+        truth,
+        directions,
+        found,
+        exact,
+        side,
     };
-    let off = |face: usize, of: usize, turn: usize| -> f64 {
-        let square = |index: usize| {
-            let at = face * texels + index;
-            directions.weights[at]
-                * relative_square(
-                    found[at],
-                    exact[of * texels + place(turn, index)],
-                    truth.epsilon(),
-                )
-        };
-        (0..texels).map(square).sum()
-    };
-    let (mut left, mut held) = (0.0, [(0, 0); FACE_COUNT]);
+    let mut left = 0.0;
+    let mut held = [HeldFace::unchanged(0); FACE_COUNT];
     for (face, held) in held.iter_mut().enumerate() {
-        let as_it_is = off(face, face, 0);
-        let all = (0..FACE_COUNT).flat_map(|of| (0..TURNS.len()).map(move |turn| (of, turn)));
-        let best = all
-            .map(|(of, turn)| (of, turn, off(face, of, turn)))
-            .min_by(|a, b| a.2.total_cmp(&b.2))?;
-        // A face that resembles another is right where it is.
-        let best = if best.2 > EXPLAINED * as_it_is {
-            (face, 0, as_it_is)
-        } else {
-            best
-        };
-        left += best.2;
-        *held = (best.0, best.1);
+        let (nearest, error) = cube.nearest(face);
+        left += error;
+        *held = nearest;
     }
-    // Other axes move every face.
-    let lands = |axes: Axes, face: usize, (of, turn): (usize, usize)| {
-        let is_at = |index: usize| {
-            let from = directions
-                .axes
-                .to_file(directions.world[face * texels + index]);
-            axes.to_world(from)
-                .distance(directions.world[of * texels + place(turn, index)])
-                < 1e-6
-        };
-        // A face of one texel has no turn.
-        is_at(0) && is_at(1.min(texels - 1))
+    let other_axes = Axes::all()
+        .find(|axes| cube.are_moved_by(*axes, held))
+        .filter(|axes| *axes != directions.axes);
+    let slip = match other_axes {
+        Some(axes) => FaceSlip::Axes(axes),
+        None => named(held)?,
     };
-    let holds = |axes: &Axes| (0..FACE_COUNT).all(|face| lands(*axes, face, held[face]));
-    let cause = match Axes::all()
-        .find(holds)
-        .filter(|axes| *axes != directions.axes)
-    {
-        Some(axes) => Cause {
-            kind: "axes",
-            words: format!("other axes: --axes={axes}"),
-        },
-        None => Cause {
-            kind: "faces",
-            words: words(held)?,
-        },
-    };
-    Some((cause, left / directions.weights.iter().sum::<f64>()))
+    Some((slip, left / directions.weights.iter().sum::<f64>()))
 }
 
-fn words(held: [(usize, usize); FACE_COUNT]) -> Option<String> {
-    let moved = |face: usize| held[face] != (face, 0);
-    let odd: Vec<usize> = (0..FACE_COUNT).filter(|face| moved(*face)).collect();
-    if let Some(turn) =
-        (1..TURNS.len()).find(|turn| (0..FACE_COUNT).all(|face| held[face] == (face, *turn)))
+/// The compared texels of a cube, of `side` x `side` texels a face.
+struct Cube<'a> {
+    truth: &'a Truth<'a>,
+    directions: &'a Directions,
+    found: &'a [DVec3],
+    exact: &'a [DVec3],
+    side: usize,
+}
+
+impl Cube<'_> {
+    fn texel_count(&self) -> usize {
+        self.side * self.side
+    }
+
+    /// Returns the texel of the level that a texel of a face should hold.
+    fn source(&self, held: HeldFace, texel: usize) -> usize {
+        let [x, y] = held
+            .turn
+            .source(texel % self.side, texel / self.side, self.side - 1);
+        held.face * self.texel_count() + y * self.side + x
+    }
+
+    /// Sums the weighted errors of a face as if it held another.
+    fn error(&self, face: usize, held: HeldFace) -> f64 {
+        let epsilon = self.truth.epsilon();
+        let square = |texel: usize| {
+            let index = face * self.texel_count() + texel;
+            let exact = self.exact[self.source(held, texel)];
+            self.directions.weights[index] * relative_square(self.found[index], exact, epsilon)
+        };
+        (0..self.texel_count()).map(square).sum()
+    }
+
+    /// Finds the face, turned, that a face of the file is nearest to, and its error.
+    fn nearest(&self, face: usize) -> (HeldFace, f64) {
+        let unchanged = HeldFace::unchanged(face);
+        let unchanged_error = self.error(face, unchanged);
+        let (best, error) = (0..FACE_COUNT)
+            .flat_map(|face| FaceTurn::ALL.map(|turn| HeldFace { face, turn }))
+            .map(|held| (held, self.error(face, held)))
+            .min_by(|(_, a), (_, b)| a.total_cmp(b))
+            .expect("a cube has faces");
+        // A face that resembles another is right where it is.
+        if error > EXPLAINED * unchanged_error {
+            (unchanged, unchanged_error)
+        } else {
+            (best, error)
+        }
+    }
+
+    /// Whether other axes move every face as it is held.
+    fn are_moved_by(&self, axes: Axes, held: [HeldFace; FACE_COUNT]) -> bool {
+        (0..FACE_COUNT).all(|face| {
+            let is_moved = |texel: usize| {
+                let world = self.directions.world[face * self.texel_count() + texel];
+                let file = self.directions.axes.to_file(world);
+                let source = self.directions.world[self.source(held[face], texel)];
+                axes.to_world(file).distance(source) < 1e-6
+            };
+            // A face of one texel has no turn.
+            is_moved(0) && is_moved(1.min(self.texel_count() - 1))
+        })
+    }
+}
+
+/// Names the simplest slip that leads to these faces; `None` if all are right.
+fn named(held: [HeldFace; FACE_COUNT]) -> Option<FaceSlip> {
+    let every = |turn: FaceTurn| (0..FACE_COUNT).all(|face| held[face] == HeldFace { face, turn });
+    if let Some(turn) = FaceTurn::ALL[1..].iter().find(|turn| every(**turn)) {
+        return Some(FaceSlip::Every(*turn));
+    }
+    let moved: Vec<MovedFace> = held
+        .into_iter()
+        .enumerate()
+        .map(|(face, held)| MovedFace { face, held })
+        .filter(|moved| moved.held != HeldFace::unchanged(moved.face))
+        .collect();
+    if let [a, b] = moved[..]
+        && a.held == HeldFace::unchanged(b.face)
+        && b.held == HeldFace::unchanged(a.face)
     {
-        return Some(format!("every face is {}", TURNS[turn]));
+        return Some(FaceSlip::Swapped([a.face, b.face]));
     }
-    if let [a, b] = odd[..]
-        && [held[a], held[b]] == [(b, 0), (a, 0)]
-    {
-        return Some(format!("faces {} and {} are swapped", NAMES[a], NAMES[b]));
+    if moved.len() > 2 && (0..FACE_COUNT).all(|face| held.contains(&HeldFace::unchanged(face))) {
+        return Some(FaceSlip::Reordered(held.map(|held| held.face)));
     }
-    if odd.len() > 2 && (0..FACE_COUNT).all(|face| held.contains(&(face, 0))) {
-        let order = held.map(|(of, _)| NAMES[of]).join(" ");
-        return Some(format!(
-            "faces in the order {order}; expected {}",
-            NAMES.join(" ")
-        ));
-    }
-    let one = |face: &usize| match held[*face] {
-        (of, turn) if of == *face => format!("face {} is {}", NAMES[*face], TURNS[turn]),
-        (of, 0) => format!("face {} holds {}", NAMES[*face], NAMES[of]),
-        (of, turn) => format!("face {} holds {}, {}", NAMES[*face], NAMES[of], TURNS[turn]),
-    };
-    (!odd.is_empty()).then(|| odd.iter().map(one).collect::<Vec<_>>().join("; "))
+    (!moved.is_empty()).then_some(FaceSlip::Moved(moved))
 }

@@ -9,6 +9,7 @@ use std::f64::consts::PI;
 /// Tries lobes narrower and wider by this factor.
 const REACH: f64 = 5.0;
 const DIRECTIONS: usize = 600;
+/// Largest degree of the harmonics of a fit.
 pub const DEGREE_MAX: usize = 320;
 /// Narrower lobes reach beyond [`DEGREE_MAX`].
 pub const ALPHA_MIN: f64 = 5.0 / DEGREE_MAX as f64;
@@ -19,6 +20,7 @@ const REFINED: u32 = 8;
 /// Largest relMSE that a fit may leave: 20 % rms.
 const CLOSE: f64 = 0.04;
 
+/// The width and gain that best explain a level.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fit {
     pub alpha: f64,
@@ -49,23 +51,25 @@ pub fn is_narrow(alpha: f64) -> bool {
 pub fn fit(
     truth: &Truth,
     directions: &Directions,
-    [found, exact]: [&[DVec3]; 2],
+    found: &[DVec3],
+    exact: &[DVec3],
     alpha: f64,
 ) -> Option<Fit> {
     let chosen = directions.grid(DIRECTIONS);
-    let [found, exact] =
-        [found, exact].map(|all| chosen.iter().map(|index| all[*index]).collect::<Vec<_>>());
+    let found = picked(found, &chosen);
+    let exact = picked(exact, &chosen);
     let directions = directions.only(&chosen);
     let bands = truth.harmonics.bands(DEGREE_MAX, &directions.world);
     let epsilon = truth.epsilon();
-    let own = errors(&directions, &found, &exact, epsilon, 1.0).relmse;
-    let at = |alpha: f64| {
+    let unfitted = errors(&directions, &found, &exact, epsilon, 1.0).relmse;
+    let with_width = |alpha: f64| {
         let exact = truth.of_bands(&bands, alpha);
         let gain = gain(&directions, &found, &exact, epsilon);
+        let fitted = errors(&directions, &found, &exact, epsilon, 1.0 / gain).relmse;
         Fit {
             alpha,
             gain,
-            left: errors(&directions, &found, &exact, epsilon, 1.0 / gain).relmse / own,
+            left: fitted / unfitted,
         }
     };
     let high = if is_narrow(alpha) {
@@ -75,11 +79,13 @@ pub fn fit(
     };
     let low = (alpha / REACH).max(ALPHA_MIN);
     let widths = (0..=GRID).map(|k| low * (high / low).powf(f64::from(k) / f64::from(GRID)));
-    let mut best = widths.map(at).min_by(|a, b| a.left.total_cmp(&b.left))?;
+    let mut best = widths
+        .map(with_width)
+        .min_by(|a, b| a.left.total_cmp(&b.left))?;
     let mut step = (high / low).powf(0.5 / f64::from(GRID));
     for _ in 0..REFINED {
         for alpha in [best.alpha / step, best.alpha * step] {
-            let next = at(alpha.clamp(low, high));
+            let next = with_width(alpha.clamp(low, high));
             if next.left < best.left {
                 best = next;
             }
@@ -89,9 +95,15 @@ pub fn fit(
     Some(best)
 }
 
+/// Returns the texels at these indices.
+pub fn picked(texels: &[DVec3], indices: &[usize]) -> Vec<DVec3> {
+    indices.iter().map(|index| texels[*index]).collect()
+}
+
 /// Returns the gain g of least mean `(found/g - exact)²/(exact² + ε)`.
 pub fn gain(directions: &Directions, found: &[DVec3], exact: &[DVec3], epsilon: Epsilon) -> f64 {
-    let (mut product, mut square) = (0.0, 0.0);
+    let mut product = 0.0;
+    let mut square = 0.0;
     for ((weight, found), exact) in directions.weights.iter().zip(found).zip(exact) {
         let scale = DVec3::from_array(
             exact
@@ -108,19 +120,70 @@ pub fn gain(directions: &Directions, found: &[DVec3], exact: &[DVec3], epsilon: 
     }
 }
 
-/// Factors that are forgotten, and their names.
-pub const KNOWN: [f64; 7] = [PI, 1.0 / PI, 4.0 * PI, 0.25 / PI, 2.0 * PI, 2.0, 0.5];
-const NAMES: [&str; 7] = ["pi", "1/pi", "4 pi", "1/4pi", "2 pi", "2", "1/2"];
+/// A factor that programs forget.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum KnownFactor {
+    Pi,
+    OverPi,
+    FourPi,
+    OverFourPi,
+    TwoPi,
+    Two,
+    Half,
+}
 
-/// Describes a gain, as a forgotten factor if it is near one, and returns what was described.
-pub fn gain_in_words(gain: f64) -> (String, f64) {
-    let is_near = |factor: f64| (gain / factor - 1.0).abs() < 0.01;
-    let power = gain.log2().round().exp2();
-    match KNOWN.iter().position(|factor| is_near(*factor)) {
-        Some(i) => (format!("times {}", NAMES[i]), KNOWN[i]),
-        None if power != 1.0 && is_near(power) => (format!("times {power}"), power),
-        None if gain > 2.0 => (format!("{:.0} % too bright", 100.0 * (gain - 1.0)), gain),
-        None if gain > 1.0 => (format!("{:.1} % too bright", 100.0 * (gain - 1.0)), gain),
-        None => (format!("{:.1} % too dark", 100.0 * (1.0 - gain)), gain),
+impl KnownFactor {
+    pub const ALL: [Self; 7] = [
+        Self::Pi,
+        Self::OverPi,
+        Self::FourPi,
+        Self::OverFourPi,
+        Self::TwoPi,
+        Self::Two,
+        Self::Half,
+    ];
+
+    pub fn value(self) -> f64 {
+        match self {
+            Self::Pi => PI,
+            Self::OverPi => 1.0 / PI,
+            Self::FourPi => 4.0 * PI,
+            Self::OverFourPi => 0.25 / PI,
+            Self::TwoPi => 2.0 * PI,
+            Self::Two => 2.0,
+            Self::Half => 0.5,
+        }
+    }
+}
+
+/// A gain, and the forgotten factor that it is within 1 % of.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Gain {
+    Known(KnownFactor),
+    /// A power of two.
+    Power(f64),
+    Other(f64),
+}
+
+impl Gain {
+    pub fn new(gain: f64) -> Self {
+        let is_near = |factor: f64| (gain / factor - 1.0).abs() < 0.01;
+        let power = gain.log2().round().exp2();
+        let known = KnownFactor::ALL
+            .into_iter()
+            .find(|factor| is_near(factor.value()));
+        match known {
+            Some(factor) => Self::Known(factor),
+            None if power != 1.0 && is_near(power) => Self::Power(power),
+            None => Self::Other(gain),
+        }
+    }
+
+    /// Returns the forgotten factor, or the gain itself.
+    pub fn value(self) -> f64 {
+        match self {
+            Self::Known(factor) => factor.value(),
+            Self::Power(gain) | Self::Other(gain) => gain,
+        }
     }
 }

@@ -29,6 +29,7 @@ pub const SURE: f64 = 0.99;
 /// Number of equally good axes below [`SURE`] that chance gives: a map of another light.
 pub const ALIKE_MAX: usize = 4;
 
+/// An orientation of a map, and how well the light fits it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct AxesFit {
     pub axes: Axes,
@@ -39,12 +40,12 @@ pub struct AxesFit {
 /// Ranks every orientation of a map, best first, by the level whose width is nearest to `ALPHA`.
 pub fn axes(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<AxesFit>, String> {
     let alphas = convention.alphas(map.levels.len())?;
-    let off = |level: &usize| (alphas[*level].max(1e-3) / ALPHA).ln().abs();
+    let distance = |level: &usize| (alphas[*level].max(1e-3) / ALPHA).ln().abs();
     let level = (0..alphas.len())
-        .min_by(|a, b| off(a).total_cmp(&off(b)))
+        .min_by(|a, b| distance(a).total_cmp(&distance(b)))
         .expect("a map has levels");
     // Compares with the light at another width than the level's.
-    let fits = |factor: f64| {
+    let ranked_at = |factor: f64| {
         let light = truth.prefiltered((factor * alphas[level]).clamp(ALPHA / 2.0, 1.0));
         ranked(
             truth,
@@ -59,16 +60,20 @@ pub fn axes(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Axe
         });
         return Ok(ranked(truth, map, level, &light));
     }
-    let better = |best: Vec<AxesFit>, factor| match best[0].correlation >= SURE {
-        true => best,
-        false => [best, fits(factor)]
-            .into_iter()
-            .max_by(|a, b| a[0].correlation.total_cmp(&b[0].correlation))
-            .expect("two"),
-    };
-    Ok([0.5, 0.25, 2.0, 4.0].into_iter().fold(fits(1.0), better))
+    let mut best = ranked_at(1.0);
+    for factor in [0.5, 0.25, 2.0, 4.0] {
+        if best[0].correlation >= SURE {
+            break;
+        }
+        let other = ranked_at(factor);
+        if other[0].correlation.total_cmp(&best[0].correlation).is_ge() {
+            best = other;
+        }
+    }
+    Ok(best)
 }
 
+/// Ranks every orientation of an irradiance map, best first.
 pub fn irradiance_axes(truth: &Truth, map: &Map) -> Vec<AxesFit> {
     let (kernel, alpha) = Truth::of_irradiance();
     let light = truth.prefiltered_by(kernel, alpha);
@@ -87,15 +92,14 @@ fn directions() -> Directions {
 
 fn ranked(truth: &Truth, map: &Map, level: usize, light: &[DVec3]) -> Vec<AxesFit> {
     let directions = directions();
-    let along = |direction: DVec3| {
+    let texel_along = |direction: DVec3| {
         let (face, uv) = (LAYOUTS[0].place)(direction);
         let [x, y] = (uv * f64::from(SIDE))
             .to_array()
-            .map(|at| (at as u32).min(SIDE - 1));
+            .map(|texel| (texel as u32).min(SIDE - 1));
         light[((face * SIDE + y) * SIDE + x) as usize]
     };
     let floor = FLOOR * truth.environment.luminance.mean.max(f64::MIN_POSITIVE);
-    // The floor scales with the bake's own mean, so a gain has no effect.
     let texels = |image: &RgbImage| image.map(|texel| DVec3::from_array(texel.map(f64::from)));
     let found = FilteredMap {
         layout: map.layout,
@@ -107,39 +111,58 @@ fn ranked(truth: &Truth, map: &Map, level: usize, light: &[DVec3]) -> Vec<AxesFi
         .map(|value| value.element_sum() / 3.0)
         .sum::<f64>()
         / values.len() as f64;
-    let own_floor = FLOOR * mean.max(f64::MIN_POSITIVE);
-    let log = |value: DVec3, floor: f64| ((value.element_sum() / 3.0).max(0.0) + floor).ln();
-    let found: Vec<f64> = values.iter().map(|value| log(*value, own_floor)).collect();
-    let of = |axes: Axes| {
-        let light = directions
+    // The floor scales with the bake's mean, so a gain has no effect.
+    let found_floor = FLOOR * mean.max(f64::MIN_POSITIVE);
+    let found: Vec<f64> = values
+        .iter()
+        .map(|value| log_mean(*value, found_floor))
+        .collect();
+    let fit = |axes: Axes| {
+        let light: Vec<f64> = directions
             .world
             .iter()
-            .map(|file| log(along(axes.to_world(*file)), floor));
+            .map(|file| log_mean(texel_along(axes.to_world(*file)), floor))
+            .collect();
         AxesFit {
             axes,
-            correlation: correlation(&directions.weights, &found, &light.collect::<Vec<_>>()),
+            correlation: correlation(&directions.weights, &found, &light),
         }
     };
-    let mut fits: Vec<AxesFit> = Axes::all().map(of).collect();
+    let mut fits: Vec<AxesFit> = Axes::all().map(fit).collect();
     fits.sort_by(|a, b| b.correlation.total_cmp(&a.correlation));
     fits
 }
 
+/// Returns the logarithm of the mean channel plus a floor.
+fn log_mean(value: DVec3, floor: f64) -> f64 {
+    ((value.element_sum() / 3.0).max(0.0) + floor).ln()
+}
+
 fn correlation(weights: &[f64], a: &[f64], b: &[f64]) -> f64 {
-    let sum =
-        |value: &dyn Fn(usize) -> f64| (0..a.len()).map(|i| weights[i] * value(i)).sum::<f64>();
-    let [mean_a, mean_b] = [sum(&|i| a[i]), sum(&|i| b[i])].map(|of| of / sum(&|_| 1.0));
-    let (a, b) = (|i: usize| a[i] - mean_a, |i: usize| b[i] - mean_b);
-    let [ab, aa, bb] = [
-        sum(&|i| a(i) * b(i)),
-        sum(&|i| a(i).powi(2)),
-        sum(&|i| b(i).powi(2)),
-    ];
-    if aa * bb > 0.0 {
-        ab / (aa * bb).sqrt()
+    let whole: f64 = weights.iter().sum();
+    let mean_a = weighted_sum(weights, a, |a| a) / whole;
+    let mean_b = weighted_sum(weights, b, |b| b) / whole;
+    let centred: Vec<[f64; 2]> = a
+        .iter()
+        .zip(b)
+        .map(|(a, b)| [a - mean_a, b - mean_b])
+        .collect();
+    let covariance = weighted_sum(weights, &centred, |[a, b]| a * b);
+    let variance_a = weighted_sum(weights, &centred, |[a, _]| a.powi(2));
+    let variance_b = weighted_sum(weights, &centred, |[_, b]| b.powi(2));
+    if variance_a * variance_b > 0.0 {
+        covariance / (variance_a * variance_b).sqrt()
     } else {
         0.0
     }
+}
+
+fn weighted_sum<T: Copy>(weights: &[f64], values: &[T], term: impl Fn(T) -> f64) -> f64 {
+    weights
+        .iter()
+        .zip(values)
+        .map(|(weight, value)| weight * term(*value))
+        .sum()
 }
 
 /// Whether the best fit leaves far less variance than another.

@@ -1,12 +1,16 @@
 //! The score of a level: errors, the worst direction, and a likely cause.
 
+use super::cause::{CutSlip, Mips, Scale, ScaleFlag, Unknown, WidthSlip};
 use super::directions::{Directions, texels};
 use super::exact::{exact, finer};
-use super::fit::{self, Fit};
-use super::light::{self, Lit, Source};
+use super::faces::BlackFaces;
+use super::fit::{self, Fit, KnownFactor, picked};
+use super::light::{self, OtherLights};
 use super::sample::{self, Level};
 use super::slip::Slip;
-use super::{Cause, Errors, GOOD, Truth, errors, faces, has_width, relative_square, words};
+use super::texel::Cut;
+use super::verdict::{Quality, Verdict};
+use super::{Cause, Errors, GOOD, Truth, errors, has_width, relative_square};
 use crate::bake::convention::{Axes, Convention};
 use crate::bake::parts::Map;
 use crate::base::pixels::RgbImage;
@@ -15,17 +19,29 @@ use glam::DVec3;
 use rayon::prelude::*;
 use std::cell::LazyCell;
 
+/// Largest bias of a good level: a few bright texels carry much of the light, and little of relMSE.
+const GOOD_BIAS: f64 = 0.03;
+/// Smallest shift in levels that a verdict mentions.
+const SHIFT: f64 = 0.05;
+/// Ratios of widths that a verdict mentions, if it is not a shift in levels.
+const WIDTH_BLURRED: f64 = 1.1;
+const WIDTH_SHARP: f64 = 0.9;
+/// Smallest relative gain that a verdict mentions.
+const GAIN_APART: f64 = 0.01;
+
 /// The direction of a level's largest relative error.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Worst {
     /// In the world.
     pub direction: DVec3,
+    /// Face, column and row.
     pub texel: [usize; 3],
     /// Radiance of the bake and of the integral.
     pub found: DVec3,
     pub exact: DVec3,
 }
 
+/// The score of a level, or of an irradiance map.
 #[derive(Clone, Debug, Default)]
 pub struct LevelScore {
     pub size: [u32; 2],
@@ -39,110 +55,112 @@ pub struct LevelScore {
     pub fit: Option<Fit>,
     /// Slip that explains the error, if the fit does not.
     pub slip: Option<Slip>,
-    /// What the verdict names; empty if the level is good.
-    pub causes: Vec<Cause>,
-    pub verdict: String,
+    pub verdict: Verdict,
 }
 
+/// A level of a map as radiance.
+struct Sheet {
+    directions: Directions,
+    found: Vec<DVec3>,
+}
+
+impl Sheet {
+    fn new(map: &Map, level: usize, axes: Axes, scale: f64) -> Self {
+        let faces = &map.levels[level];
+        let size = [faces[0].width, faces[0].height];
+        Self {
+            directions: Directions::new(map.layout, axes, size),
+            found: texels(faces, scale),
+        }
+    }
+
+    fn mean(&self) -> DVec3 {
+        mean(&self.directions, &self.found)
+    }
+}
+
+/// Scores the levels of a prefiltered map, finest first.
 pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<LevelScore>, String> {
+    let alphas = convention.alphas(map.levels.len())?;
+    let read_count = convention.mapping_levels(map.levels.len()) as usize;
+    let sheets: Vec<Sheet> = (0..map.levels.len())
+        .map(|level| Sheet::new(map, level, convention.axes, convention.scale))
+        .collect();
+    let changed = LazyCell::new(|| changed_sources(truth, &sheets, &alphas));
+    let summed = LazyCell::new(|| light::summed(truth.environment));
+    let lights = OtherLights::new(truth, &alphas, &changed, &summed);
     // Of a map of another light, one unexplained level ends the long searches.
     let mut is_lost = false;
-    let alphas = convention.alphas(map.levels.len())?;
-    let read = convention.mapping_levels(map.levels.len()) as usize;
-    let sheets = map
-        .levels
-        .iter()
-        .map(|faces| level_texels(map, faces, convention.axes, convention.scale));
-    let sheets: Vec<(Directions, Vec<DVec3>)> = sheets.collect();
-    // One level may be wrong by itself, so the middle mean counts.
-    let mut means: Vec<DVec3> = sheets
-        .iter()
-        .map(|(directions, found)| mean(directions, found))
-        .collect();
-    means.sort_by(|a, b| a.element_sum().total_cmp(&b.element_sum()));
-    let lights = LazyCell::new(|| {
-        let gain = sample::usual_gain(truth, &sheets[0].0, &sheets[0].1, alphas[0]);
-        let gains = if (gain - 1.0).abs() > light::SAME_MEAN {
-            &[1.0, gain][..]
-        } else {
-            &[1.0]
-        };
-        light::sources(truth.environment, means[means.len() / 2], gains)
-    });
-    let sources = LazyCell::new(|| of_lights(truth, &lights, &alphas));
-    let sums = LazyCell::new(|| light::summed(truth.environment));
-    let summed = LazyCell::new(|| of_lights(truth, &sums, &alphas));
-    let of = |(k, (directions, found)): (usize, &(Directions, Vec<DVec3>))| {
-        let (faces, alpha) = (&map.levels[k], alphas[k]);
-        let scale = ("--scale", convention.scale);
-        let lit = |kind: usize| if kind == 0 { &sources[..] } else { &summed[..] };
-        let (kernel, sources, before) = (truth.kernel, &lit, &alphas[..k]);
-        let own = Level {
+    let mut scores = Vec::new();
+    for (k, sheet) in sheets.iter().enumerate() {
+        let faces = &map.levels[k];
+        let alpha = alphas[k];
+        let level = Level {
             truth,
-            kernel,
-            sources,
-            directions,
-            found,
+            kernel: truth.kernel,
+            lights: &lights,
+            directions: &sheet.directions,
+            found: &sheet.found,
             alpha,
-            before,
-            scale,
+            alphas_before: &alphas[..k],
+            scale: Scale {
+                flag: ScaleFlag::Radiance,
+                value: convention.scale,
+            },
             is_lost,
         };
-        let mut score = own.score(true, |alpha| level_of(convention, alphas.len(), alpha));
-        if let Some(before) = k.checked_sub(1).filter(|_| score.errors.relmse > GOOD)
-            && is_mip(&map.levels[before], faces)
-        {
-            score.set(Cause {
-                kind: "mips",
-                words: "the mean of the level before it: plain mips".to_owned(),
-            });
+        let mut score = level.score(true, |alpha| level_of(convention, alphas.len(), alpha));
+        if k > 0 && score.errors.relmse > GOOD && is_mip(&map.levels[k - 1], faces) {
+            score.verdict = Verdict::of(vec![Cause::Mips(Mips::OfLevelBefore)]);
         }
         is_lost |= truth.is_other && has_width(alpha) && !score.is_explained();
-        let is_read = k < read && has_width(alpha);
-        score.between =
-            is_read.then(|| between_texels(truth, map.layout, faces, convention, alpha));
-        if let Some(relmse) = score.coarseness() {
-            score.verdict = format!(
-                "{GOOD_WORDS} at its texels, {:.1} % rms between them",
-                100.0 * relmse.sqrt()
-            );
+        if k < read_count && has_width(alpha) {
+            let relmse = between_texels(truth, map.layout, faces, convention, alpha);
+            score.between = Some(relmse);
         }
-        score
-    };
-    Ok(sheets.iter().enumerate().map(of).collect())
+        if let Some(between) = score.coarseness() {
+            score.verdict = Verdict::Good(Quality::CoarseMap { between });
+        }
+        scores.push(score);
+    }
+    Ok(scores)
+}
+
+/// Lists the sources with the mean of a map, or with its mean over the gain of its finest level.
+fn changed_sources(truth: &Truth, sheets: &[Sheet], alphas: &[f64]) -> Vec<light::Source> {
+    // One level may be wrong by itself, so the middle mean counts.
+    let mut means: Vec<DVec3> = sheets.iter().map(Sheet::mean).collect();
+    means.sort_by(|a, b| a.element_sum().total_cmp(&b.element_sum()));
+    let mean = means[means.len() / 2];
+    let gain = sample::usual_gain(truth, &sheets[0].directions, &sheets[0].found, alphas[0]);
+    if (gain - 1.0).abs() > light::SAME_MEAN {
+        light::sources(truth.environment, mean, &[1.0, gain])
+    } else {
+        light::sources(truth.environment, mean, &[1.0])
+    }
 }
 
 /// Whether each texel is the mean of four texels of a level twice as large, as far as half floats
 /// hold it.
 fn is_mip(above: &[RgbImage], level: &[RgbImage]) -> bool {
-    let is_near = |a: f32, b: f64| (f64::from(a) - b).abs() <= 0.01 * b.abs() + 1e-4;
-    let is_mean = |above: &RgbImage, own: &RgbImage| {
-        [above.width, above.height] == [2 * own.width, 2 * own.height] && {
-            let means = above.area_means(own.width, own.height, |texel| texel.map(f64::from));
-            own.data
-                .iter()
-                .flatten()
-                .zip(means.data.iter().flatten())
-                .all(|(own, mean)| is_near(*own, *mean))
-        }
-    };
     let is_black = level
         .iter()
         .flat_map(|face| &face.data)
         .all(|texel| *texel == [0.0; 3]);
-    !is_black
-        && above
-            .iter()
-            .zip(level)
-            .all(|(above, own)| is_mean(above, own))
+    let mut faces = above.iter().zip(level);
+    !is_black && faces.all(|(above, face)| is_mip_face(above, face))
 }
 
-/// The truths of other lights by the same kernel.
-fn of_lights<'l>(truth: &Truth, lights: &'l [Source], alphas: &[f64]) -> Vec<Lit<'l>> {
-    lights
+fn is_mip_face(above: &RgbImage, face: &RgbImage) -> bool {
+    if [above.width, above.height] != [2 * face.width, 2 * face.height] {
+        return false;
+    }
+    let means = above.area_means(face.width, face.height, |texel| texel.map(f64::from));
+    face.data
         .iter()
-        .map(|light| light.lit(truth, alphas))
-        .collect()
+        .flatten()
+        .zip(means.data.iter().flatten())
+        .all(|(found, mean)| (f64::from(*found) - mean).abs() <= 0.01 * mean.abs() + 1e-4)
 }
 
 fn mean(directions: &Directions, texels: &[DVec3]) -> DVec3 {
@@ -156,179 +174,181 @@ fn mean(directions: &Directions, texels: &[DVec3]) -> DVec3 {
 }
 
 impl Level<'_, '_> {
-    /// Irradiance has no width to fit.
+    /// Scores the level, and names its slips if it is not good. Irradiance has no width to fit.
     fn score(&self, may_fit: bool, level_of: impl Fn(f64) -> Option<f64>) -> LevelScore {
-        let Self {
-            truth,
-            directions,
-            found,
-            alpha,
-            ..
-        } = *self;
-        let mut exact = exact(truth, self.kernel, directions, alpha);
-        let off = |directions: &Directions, found: &[DVec3], exact: &[DVec3]| {
-            errors(directions, found, exact, truth.epsilon(), 1.0)
-        };
-        let mut errors = off(directions, found, &exact);
-        // Lookups of a level as fine as the environment give the environment back.
-        if !has_width(alpha) && finer(truth.environment, directions) <= 1 {
-            let looked_up: Vec<DVec3> = directions
-                .world
-                .iter()
-                .map(|at| truth.environment.radiance(*at))
-                .collect();
-            let own = off(directions, found, &looked_up);
-            if own.relmse < errors.relmse {
-                (errors, exact) = (own, looked_up);
-            }
-        }
-        let (size, verdict, worst) = (
-            directions.size,
-            GOOD_WORDS.to_owned(),
-            worst(truth, directions, found, &exact),
-        );
+        let (exact, errors) = self.exact_and_errors();
         let mut score = LevelScore {
-            size,
-            alpha,
+            size: self.directions.size,
+            alpha: self.alpha,
             errors,
-            worst,
-            verdict,
+            worst: self.worst(&exact),
             ..LevelScore::default()
         };
-        if errors.relmse <= GOOD {
-            if errors.bias_rel.abs() > GOOD_BIAS {
-                let most = found
-                    .iter()
-                    .map(|texel| texel.max_element())
-                    .fold(0.0, f64::max);
-                let cut: Vec<DVec3> = exact
-                    .iter()
-                    .map(|texel| super::texel::CUTS[0].1(*texel, most))
-                    .collect();
-                let [own, cut] = [found, &cut].map(|texels| mean(directions, texels).element_sum());
-                let is_cut = (own / cut - 1.0).abs() < light::SAME_MEAN;
-                let how = if is_cut {
-                    format!("cut at {}: ", light::rounded(most))
-                } else {
-                    String::new()
-                };
-                let kind = if is_cut { "cut" } else { "unknown" };
-                score.set(Cause {
-                    kind,
-                    words: format!("{how}its mean is off by {:+.0} %", 100.0 * errors.bias_rel),
-                });
-            }
-            return score;
+        if errors.relmse > GOOD || errors.relmse.is_nan() {
+            self.explain(&mut score, &exact, may_fit, level_of);
+        } else if errors.bias_rel.abs() > GOOD_BIAS {
+            score.verdict = Verdict::of(vec![self.bias_cause(&exact, errors.bias_rel)]);
         }
-        // What is wrong besides black faces.
-        let (black, seen) = faces::black(directions, found, &exact);
-        let of_seen =
-            |texels: &[DVec3]| seen.iter().map(|index| texels[*index]).collect::<Vec<_>>();
-        let (directions, found, exact) = (
-            &directions.only(&seen),
-            &of_seen(found)[..],
-            &of_seen(&exact)[..],
-        );
-        let own = Level {
-            directions,
-            found,
+        score
+    }
+
+    fn errors(&self, exact: &[DVec3]) -> Errors {
+        errors(
+            self.directions,
+            self.found,
+            exact,
+            self.truth.epsilon(),
+            1.0,
+        )
+    }
+
+    /// Returns the right texels; for a mirror, means or lookups, whichever are nearer.
+    fn exact_and_errors(&self) -> (Vec<DVec3>, Errors) {
+        let environment = self.truth.environment;
+        let exact = exact(self.truth, self.kernel, self.directions, self.alpha);
+        let errors = self.errors(&exact);
+        // Lookups of a level as fine as the environment give the environment back.
+        if !has_width(self.alpha) && finer(environment, self.directions) <= 1 {
+            let world = self.directions.world.iter();
+            let looked_up: Vec<DVec3> = world.map(|world| environment.radiance(*world)).collect();
+            let errors_of_lookups = self.errors(&looked_up);
+            if errors_of_lookups.relmse < errors.relmse {
+                return (looked_up, errors_of_lookups);
+            }
+        }
+        (exact, errors)
+    }
+
+    /// Names why the mean of a good level is off: a cut of few bright texels, if it is one.
+    fn bias_cause(&self, exact: &[DVec3], bias_rel: f64) -> Cause {
+        let limit = self
+            .found
+            .iter()
+            .map(|texel| texel.max_element())
+            .fold(0.0, f64::max);
+        let cut: Vec<DVec3> = exact
+            .iter()
+            .map(|texel| Cut::EachChannel.apply(*texel, limit))
+            .collect();
+        let found_mean = mean(self.directions, self.found).element_sum();
+        let cut_mean = mean(self.directions, &cut).element_sum();
+        if (found_mean / cut_mean - 1.0).abs() < light::SAME_MEAN {
+            Cause::Cut(CutSlip {
+                limit,
+                bias_rel: Some(bias_rel),
+            })
+        } else {
+            Cause::Unknown(Unknown::Mean { bias_rel })
+        }
+    }
+
+    /// Finds black faces, and a fit or slips of the others.
+    fn explain(
+        &self,
+        score: &mut LevelScore,
+        exact: &[DVec3],
+        may_fit: bool,
+        level_of: impl Fn(f64) -> Option<f64>,
+    ) {
+        let black = BlackFaces::new(self.directions, self.found, exact);
+        let rest = Level {
+            directions: &self.directions.only(&black.other_texels),
+            found: &picked(self.found, &black.other_texels),
             ..*self
         };
-        let relmse = off(directions, found, exact).relmse;
-        let fitted = |is_narrow: bool| {
-            let is_due = may_fit && relmse > GOOD && fit::is_narrow(alpha) == is_narrow;
-            is_due
-                .then(|| fit::fit(truth, directions, [found, exact], alpha))
-                .flatten()
-        };
-        score.fit = fitted(false);
+        let exact = picked(exact, &black.other_texels);
+        let relmse = rest.errors(&exact).relmse;
+        let is_narrow = fit::is_narrow(self.alpha);
+        let may_fit = may_fit && relmse > GOOD;
+        if may_fit && !is_narrow {
+            score.fit = rest.fit(&exact);
+        }
         score.slip = if relmse <= GOOD {
             Some(Slip {
                 causes: Vec::new(),
-                left: relmse / errors.relmse,
+                left: relmse / score.errors.relmse,
                 relmse,
             })
         } else {
-            own.slip(score.fit.map_or(f64::INFINITY, |fit| fit.left))
+            rest.slip(score.fit.map_or(f64::INFINITY, |fit| fit.left))
         };
         // A wide lobe explains much of what is wrong with a mirror.
-        score.fit = score
-            .fit
-            .or_else(|| score.slip.is_none().then(|| fitted(true)).flatten());
-        let one = |kind, words: &str| {
-            vec![Cause {
-                kind,
-                words: words.to_owned(),
-            }]
-        };
-        let rest = match (&score.slip, score.fit) {
-            (Some(slip), _) => slip.causes.clone(),
-            (None, Some(fit)) if fit.explains(relmse) => own.fitted(fit, level_of),
-            _ if own.is_noisy(exact) => one("noise", "noise from texel to texel: too few samples"),
-            _ => one("unknown", UNEXPLAINED),
-        };
-        score.causes = black.into_iter().chain(rest).collect();
-        score.verdict = words(&score.causes);
-        if let Some(slip) = &mut score.slip {
-            slip.causes.clone_from(&score.causes);
+        if may_fit && is_narrow && score.slip.is_none() {
+            score.fit = rest.fit(&exact);
         }
-        score
+        let causes = match (&score.slip, score.fit) {
+            (Some(slip), _) => slip.causes.clone(),
+            (None, Some(fit)) if fit.explains(relmse) => rest.fit_causes(fit, level_of),
+            _ if rest.is_noisy(&exact) => vec![Cause::Noise],
+            _ => vec![Cause::Unknown(Unknown::NoSlip)],
+        };
+        let black = (!black.faces.is_empty()).then_some(Cause::BlackFaces(black.faces));
+        let causes: Vec<Cause> = black.into_iter().chain(causes).collect();
+        if let Some(slip) = &mut score.slip {
+            slip.causes.clone_from(&causes);
+        }
+        score.verdict = Verdict::of(causes);
+    }
+
+    fn fit(&self, exact: &[DVec3]) -> Option<Fit> {
+        fit::fit(self.truth, self.directions, self.found, exact, self.alpha)
     }
 
     /// Whether errors of neighbours in a row differ as if by chance: then half of their squares,
     /// else far less.
     fn is_noisy(&self, exact: &[DVec3]) -> bool {
-        let (width, epsilon) = (self.directions.size[0] as usize, self.truth.epsilon());
+        let width = self.directions.size[0] as usize;
+        let epsilon = self.truth.epsilon();
         let error = |index: usize| {
             let scale = exact[index]
                 .to_array()
                 .map(|exact| epsilon.relative(1.0, exact).sqrt());
             (self.found[index] - exact[index]) * DVec3::from_array(scale)
         };
-        let pairs = (1..exact.len())
-            .filter(|index| index % width > 0)
-            .map(|index| [error(index - 1), error(index)]);
-        let [apart, whole] = pairs.fold([0.0; 2], |[apart, whole], [a, b]| {
-            [
-                apart + a.distance_squared(b),
-                whole + a.length_squared() + b.length_squared(),
-            ]
-        });
+        let mut apart = 0.0;
+        let mut whole = 0.0;
+        for index in (1..exact.len()).filter(|index| index % width > 0) {
+            let left = error(index - 1);
+            let right = error(index);
+            apart += left.distance_squared(right);
+            whole += left.length_squared() + right.length_squared();
+        }
         has_width(self.alpha) && apart > 0.5 * whole
     }
 
-    fn fitted(&self, fit: Fit, level_of: impl Fn(f64) -> Option<f64>) -> Vec<Cause> {
-        let alpha = self.alpha;
+    /// Names the width and the gain of a fit that explains the level.
+    fn fit_causes(&self, fit: Fit, level_of: impl Fn(f64) -> Option<f64>) -> Vec<Cause> {
         let shift = level_of(fit.alpha)
-            .zip(level_of(alpha))
-            .map(|(found, own)| found - own);
-        let widths = format!("alpha {:.3} for {alpha:.3}", fit.alpha);
-        let width = match shift {
-            Some(shift) if shift >= SHIFT => {
-                Some(format!("{shift:.1} levels too blurred ({widths})"))
-            }
-            Some(shift) if shift <= -SHIFT => {
-                Some(format!("{:.1} levels too sharp ({widths})", -shift))
-            }
-            None if fit.alpha > 1.1 * alpha => Some(format!("too blurred ({widths})")),
-            None if fit.alpha < 0.9 * alpha => Some(format!("too sharp ({widths})")),
-            _ => None,
+            .zip(level_of(self.alpha))
+            .map(|(found, expected)| found - expected);
+        let has_other_width = match shift {
+            Some(shift) => shift.abs() >= SHIFT,
+            None => fit.alpha > WIDTH_BLURRED * self.alpha || fit.alpha < WIDTH_SHARP * self.alpha,
         };
-        let gain = ((fit.gain - 1.0).abs() >= 0.01).then(|| self.gain_in_words(fit.gain));
-        let causes = [("width", width), ("gain", gain)].map(|(kind, words)| {
-            Some(Cause {
-                kind,
-                words: words?,
-            })
-        });
-        let causes: Vec<Cause> = causes.into_iter().flatten().collect();
-        if causes.is_empty() {
-            vec![Cause {
-                kind: "small",
-                words: "slightly off".to_owned(),
-            }]
-        } else {
-            causes
+        let width = has_other_width.then_some(Cause::Width(WidthSlip {
+            found_alpha: fit.alpha,
+            alpha: self.alpha,
+            shift,
+        }));
+        let has_gain = (fit.gain - 1.0).abs() >= GAIN_APART;
+        let gain = has_gain.then(|| self.gain_cause(fit.gain));
+        if width.is_none() && gain.is_none() {
+            return vec![Cause::SlightlyOff];
+        }
+        width.into_iter().chain(gain).collect()
+    }
+
+    fn worst(&self, exact: &[DVec3]) -> Worst {
+        let epsilon = self.truth.epsilon();
+        let square = |index: usize| relative_square(self.found[index], exact[index], epsilon);
+        let index = (0..self.found.len())
+            .max_by(|a, b| square(*a).total_cmp(&square(*b)))
+            .expect("a level has texels");
+        Worst {
+            direction: self.directions.world[index],
+            texel: self.directions.texel(index),
+            found: self.found[index],
+            exact: exact[index],
         }
     }
 }
@@ -347,122 +367,79 @@ pub fn between_texels(
         layout,
         levels: vec![faces.iter().map(|face| face.map(texel)).collect()],
     };
-    let directions = Directions::new(
-        layout,
-        convention.axes,
-        [2 * faces[0].width, 2 * faces[0].height],
-    );
-    let found = directions
+    let size = [2 * faces[0].width, 2 * faces[0].height];
+    let directions = Directions::new(layout, convention.axes, size);
+    let found: Vec<DVec3> = directions
         .world
         .par_iter()
-        .map(|world| level.value(convention.axes.to_file(*world), 0.0));
+        .map(|world| level.value(convention.axes.to_file(*world), 0.0))
+        .collect();
     let exact = exact(truth, truth.kernel, &directions, alpha);
-    errors(
-        &directions,
-        &found.collect::<Vec<_>>(),
-        &exact,
-        truth.epsilon(),
-        1.0,
-    )
-    .relmse
+    errors(&directions, &found, &exact, truth.epsilon(), 1.0).relmse
 }
 
+/// Scores an irradiance map of one level.
 pub fn score_irradiance(truth: &Truth, map: &Map, convention: &Convention) -> LevelScore {
-    let (directions, found) = level_texels(
-        map,
-        &map.levels[0],
-        convention.axes,
-        convention.irradiance_scale,
-    );
+    let sheet = Sheet::new(map, 0, convention.axes, convention.irradiance_scale);
     let (kernel, alpha) = Truth::of_irradiance();
-    // Irradiance alone does not tell a gain from a cut, so only usual gains are tried.
-    let gains = [&[1.0], &fit::KNOWN[..]].concat();
-    let lights =
-        LazyCell::new(|| light::sources(truth.environment, mean(&directions, &found), &gains));
-    let sources = LazyCell::new(|| of_lights(truth, &lights, &[]));
-    let sums = LazyCell::new(|| light::summed(truth.environment));
-    let summed = LazyCell::new(|| of_lights(truth, &sums, &[]));
-    let scale = ("--irradiance-scale", convention.irradiance_scale);
-    let lit = |kind: usize| if kind == 0 { &sources[..] } else { &summed[..] };
-    let (sources, directions, found) = (&lit, &directions, &found);
-    Level {
+    let changed = LazyCell::new(|| {
+        // Irradiance alone does not distinguish a gain from a cut, so only usual gains are tried.
+        let known = KnownFactor::ALL.map(KnownFactor::value);
+        let gains = [&[1.0], &known[..]].concat();
+        light::sources(truth.environment, sheet.mean(), &gains)
+    });
+    let summed = LazyCell::new(|| light::summed(truth.environment));
+    let level = Level {
         truth,
         kernel,
-        sources,
-        directions,
-        found,
+        lights: &OtherLights::new(truth, &[], &changed, &summed),
+        directions: &sheet.directions,
+        found: &sheet.found,
         alpha,
-        before: &[],
-        scale,
+        alphas_before: &[],
+        scale: Scale {
+            flag: ScaleFlag::Irradiance,
+            value: convention.irradiance_scale,
+        },
         is_lost: false,
-    }
-    .score(false, |_| None)
-}
-
-fn level_texels(map: &Map, faces: &[RgbImage], axes: Axes, scale: f64) -> (Directions, Vec<DVec3>) {
-    (
-        Directions::new(map.layout, axes, [faces[0].width, faces[0].height]),
-        texels(faces, scale),
-    )
-}
-
-fn worst(truth: &Truth, directions: &Directions, found: &[DVec3], exact: &[DVec3]) -> Worst {
-    let square = |i: usize| relative_square(found[i], exact[i], truth.epsilon());
-    let i = (0..found.len())
-        .max_by(|a, b| square(*a).total_cmp(&square(*b)))
-        .expect("a level has texels");
-    Worst {
-        direction: directions.world[i],
-        texel: directions.texel(i),
-        found: found[i],
-        exact: exact[i],
-    }
+    };
+    level.score(false, |_| None)
 }
 
 /// Returns the fractional level of a width by the convention's mapping; `None` if widths are given
 /// one by one.
 fn level_of(convention: &Convention, count: usize, alpha: f64) -> Option<f64> {
-    let by_mapping = convention.alphas.is_none() && count > 1;
-    by_mapping.then(|| {
+    let has_mapping = convention.alphas.is_none() && count > 1;
+    has_mapping.then(|| {
         convention
             .mapping
             .mip_from_alpha(alpha, convention.mapping_levels(count))
     })
 }
 
-/// Largest bias of a good level: a few bright texels carry much of the light, and little of relMSE.
-const GOOD_BIAS: f64 = 0.03;
-/// Smallest shift in levels that a verdict mentions.
-const SHIFT: f64 = 0.05;
-
-pub(super) const DOUBT: &str = "its axes or its light do not fit";
-/// Start of the verdict of a part within [`GOOD`].
-pub(super) const GOOD_WORDS: &str = "good";
-pub(super) const UNEXPLAINED: &str = "no known slip explains it";
-
 impl LevelScore {
     /// Returns relMSE between its good texels where it is not good: the level has few texels for
     /// its width.
     pub fn coarseness(&self) -> Option<f64> {
         self.between
-            .filter(|relmse| self.causes.is_empty() && *relmse > GOOD)
+            .filter(|relmse| self.verdict.is_good() && *relmse > GOOD)
     }
 
     /// Returns the relMSE that is left without the causes; `None` if they are unknown or there are
     /// none.
     pub fn left(&self) -> Option<f64> {
+        if let Some(slip) = &self.slip
+            && slip.causes == self.verdict.causes()
+        {
+            return Some(slip.relmse);
+        }
+        if self.verdict.is_good() || self.has(Cause::is_mips) {
+            return None;
+        }
         let relmse = self.errors.relmse;
-        let of_fit = || {
-            self.fit
-                .filter(|fit| fit.explains(relmse))
-                .map(|fit| fit.left * relmse)
-        };
-        let own = self
-            .slip
-            .as_ref()
-            .filter(|slip| slip.causes == self.causes)
-            .map(|slip| slip.relmse);
-        own.or_else(|| of_fit().filter(|_| !self.names("mips") && !self.causes.is_empty()))
+        self.fit
+            .filter(|fit| fit.explains(relmse))
+            .map(|fit| fit.left * relmse)
     }
 
     /// Whether it is good, or a slip explains it. A fit alone does not, because it says nothing of
@@ -470,24 +447,18 @@ impl LevelScore {
     pub fn is_explained(&self) -> bool {
         self.errors.relmse <= GOOD
             || self.slip.is_some()
-            || self.names("black") && !self.names("unknown")
+            || self.has(Cause::is_black) && !self.has(Cause::is_unknown)
     }
 
-    pub fn names(&self, kind: &str) -> bool {
-        self.causes.iter().any(|cause| cause.kind == kind)
+    /// Whether the verdict names such a cause.
+    pub fn has(&self, is_such: impl Fn(&Cause) -> bool) -> bool {
+        self.verdict.causes().iter().any(is_such)
     }
 
     /// Removes width and gain from the verdict because the axes or the light do not fit.
     pub fn doubt(&mut self) {
         if !self.is_explained() {
-            self.set(Cause {
-                kind: "unknown",
-                words: DOUBT.to_owned(),
-            });
+            self.verdict = Verdict::of(vec![Cause::Unknown(Unknown::Doubt)]);
         }
-    }
-
-    fn set(&mut self, cause: Cause) {
-        (self.verdict, self.causes) = (cause.words.clone(), vec![cause]);
     }
 }

@@ -1,12 +1,13 @@
 //! Other sources of a bake: the light with its lamps cut, another encoding, half of it, or summed
 //! by other weights.
 
-use super::texel::{CURVES, CUTS, Change, Cut, TONES};
-use super::{Cause, Truth};
+use super::Truth;
+use super::texel::{Curve, Cut, Tone};
 use crate::base::color::luminance;
 use crate::base::pixels::RgbImage;
 use crate::instrument::environment::Environment;
 use glam::DVec3;
+use std::cell::LazyCell;
 use std::f64::consts::PI;
 
 /// Largest relative difference of a bake's mean and its source's.
@@ -15,178 +16,291 @@ pub const SAME_MEAN: f64 = 0.02;
 pub const UNCUT: f64 = 0.98;
 /// Rows of a map whose mean is searched.
 const ROWS: u32 = 64;
+/// Rows of a map whose mean decides.
+const ROWS_SURE: u32 = 8 * ROWS;
+/// Range of exposures, and the smallest value of a cut.
+const EXPOSURES: [f64; 2] = [1e-3, 1e3];
 
-pub fn rounded(x: f64) -> f64 {
-    let digits = 10.0_f64.powf(2.0 - x.max(1e-9).log10().floor());
-    (x * digits).round() / digits
+/// What happened to the environment before the bake.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SourceSlip {
+    Cut {
+        cut: Cut,
+        limit: f64,
+    },
+    Curve(Curve),
+    /// Cut at 1, then a curve.
+    CutAndCurve(Curve),
+    Tone {
+        tone: Tone,
+        exposure: f64,
+    },
+    /// Half of the map is black.
+    WithoutHalf(Half),
+    /// Pixels are summed without their solid angle.
+    WithoutSolidAngle,
+    /// Samples are weighted by 1/(1 + luminance).
+    DarkWeighted,
 }
 
-/// Another source, and what its convolution is divided by.
+/// A half of a lat-long map.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Half {
+    Upper,
+    Lower,
+}
+
+impl SourceSlip {
+    /// Changes a colour in row `y` of a map. Sums by other weights change no colour by itself.
+    fn apply(self, color: DVec3, y: u32, height: u32) -> DVec3 {
+        match self {
+            Self::Cut { cut, limit } => cut.apply(color, limit),
+            Self::Curve(curve) => color.map(|x| curve.apply(x)),
+            Self::CutAndCurve(curve) => color.min(DVec3::ONE).map(|x| curve.apply(x)),
+            Self::Tone { tone, exposure } => tone.apply(exposure * color),
+            Self::WithoutHalf(half) => {
+                let is_lower = 2 * y >= height;
+                if is_lower == (half == Half::Lower) {
+                    DVec3::ZERO
+                } else {
+                    color
+                }
+            }
+            Self::WithoutSolidAngle | Self::DarkWeighted => color,
+        }
+    }
+}
+
+/// Another source of a bake.
 pub struct Source {
-    pub cause: Cause,
+    pub slip: SourceSlip,
     pub light: Environment,
-    pub whole: Option<Environment>,
+    /// What the convolution is divided by, if the source is a weighted sum.
+    pub divisor: Option<Environment>,
 }
 
 /// The truths of a [`Source`].
 pub struct Lit<'l> {
-    pub cause: Cause,
+    pub slip: SourceSlip,
     pub truth: Truth<'l>,
-    pub whole: Option<Truth<'l>>,
+    pub divisor: Option<Truth<'l>>,
 }
 
 impl Source {
-    fn new(of: &Environment, words: String, image: RgbImage, whole: Option<RgbImage>) -> Self {
-        let named = |image: RgbImage| Environment::from_image(of.name.clone(), image);
+    fn new(
+        environment: &Environment,
+        slip: SourceSlip,
+        image: RgbImage,
+        divisor: Option<RgbImage>,
+    ) -> Self {
+        let named = |image: RgbImage| Environment::from_image(environment.name.clone(), image);
         Self {
-            cause: Cause {
-                kind: "source",
-                words,
-            },
+            slip,
             light: named(image),
-            whole: whole.map(named),
+            divisor: divisor.map(named),
         }
     }
 
-    pub fn lit(&self, truth: &Truth, alphas: &[f64]) -> Lit<'_> {
-        let of = |light| Truth::new(light, truth.kernel, alphas);
+    fn lit(&self, truth: &Truth, alphas: &[f64]) -> Lit<'_> {
         Lit {
-            cause: self.cause.clone(),
-            truth: of(&self.light),
-            whole: self.whole.as_ref().map(of),
+            slip: self.slip,
+            truth: Truth::new(&self.light, truth.kernel, alphas),
+            divisor: self
+                .divisor
+                .as_ref()
+                .map(|light| Truth::new(light, truth.kernel, alphas)),
+        }
+    }
+}
+
+/// A value that is computed when it is first read.
+type Lazy<'l, T> = LazyCell<T, Box<dyn FnOnce() -> T + 'l>>;
+
+/// Truths of other sources by the kernel of a bake. Each takes a second, so they wait for a level
+/// that needs them.
+pub struct OtherLights<'l> {
+    /// Sources with the mean of the bake.
+    pub changed: Lazy<'l, Vec<Lit<'l>>>,
+    /// Sources that are sums by other weights.
+    pub summed: Lazy<'l, Vec<Lit<'l>>>,
+}
+
+impl<'l> OtherLights<'l> {
+    /// Convolves sources when a level reads them.
+    pub fn new<F: FnOnce() -> Vec<Source>, G: FnOnce() -> Vec<Source>>(
+        truth: &'l Truth,
+        alphas: &'l [f64],
+        changed: &'l LazyCell<Vec<Source>, F>,
+        summed: &'l LazyCell<Vec<Source>, G>,
+    ) -> Self {
+        let lit = move |sources: &'l [Source]| -> Vec<Lit<'l>> {
+            sources
+                .iter()
+                .map(|source| source.lit(truth, alphas))
+                .collect()
+        };
+        Self {
+            changed: LazyCell::new(Box::new(move || lit(changed))),
+            summed: LazyCell::new(Box::new(move || lit(summed))),
         }
     }
 }
 
 /// Finds where a rising function comes nearest to a value, by its logarithm.
-pub fn solved([mut low, mut high]: [f64; 2], value: f64, of: impl Fn(f64) -> f64) -> f64 {
+pub fn solved([mut low, mut high]: [f64; 2], value: f64, rising: impl Fn(f64) -> f64) -> f64 {
     for _ in 0..24 {
         let middle = f64::sqrt(low * high);
-        if of(middle) > value {
+        if rising(middle) > value {
             high = middle
         } else {
             low = middle
         }
     }
-    if value - of(low) < of(high) - value {
+    if value - rising(low) < rising(high) - value {
         low
     } else {
         high
     }
 }
 
-/// The words of a curve at an exposure.
-pub fn exposed(words: &str, exposure: f64) -> String {
-    if (exposure - 1.0).abs() < 0.02 {
-        words.to_owned()
-    } else {
-        format!("{words}, exposed by {}", rounded(exposure))
+/// Finds the exposure from 0.001 to 1000 under which `mean` of a tone-mapped image has a value.
+pub fn solved_exposure(value: f64, mean: impl Fn(f64) -> f64) -> f64 {
+    solved(EXPOSURES, value, mean)
+}
+
+struct WeightedTexel {
+    /// Solid angle, up to a factor.
+    weight: f64,
+    color: DVec3,
+}
+
+/// Means of a lat-long map by solid angle, as it is and after changes of its texels.
+struct MapMeans<'e> {
+    image: &'e RgbImage,
+    /// Darkest first.
+    texels: Vec<WeightedTexel>,
+    /// Weighted sum of the texels before each index.
+    sums: Vec<DVec3>,
+    weight: f64,
+    /// Largest channel, at least 0.001.
+    largest: f64,
+}
+
+impl<'e> MapMeans<'e> {
+    fn new(image: &'e RgbImage) -> Self {
+        let mut texels: Vec<WeightedTexel> = (0..image.height)
+            .flat_map(|y| (0..image.width).map(move |x| (x, y)))
+            .map(|(x, y)| WeightedTexel {
+                weight: row_weight(image, y),
+                color: color(image, x, y),
+            })
+            .collect();
+        texels.sort_by(|a, b| a.color.max_element().total_cmp(&b.color.max_element()));
+        let mut sums = vec![DVec3::ZERO];
+        for (index, texel) in texels.iter().enumerate() {
+            sums.push(sums[index] + texel.weight * texel.color);
+        }
+        Self {
+            image,
+            weight: texels.iter().map(|texel| texel.weight).sum(),
+            texels,
+            sums,
+            largest: image
+                .data
+                .iter()
+                .flatten()
+                .fold(1e-3, |most: f32, x| most.max(*x))
+                .into(),
+        }
     }
+
+    /// Averages about `rows` rows of the changed map.
+    fn changed(&self, slip: SourceSlip, rows: u32) -> DVec3 {
+        let RgbImage { width, height, .. } = *self.image;
+        let mut sum = DVec3::ZERO;
+        let mut whole = 0.0;
+        for y in (0..height).step_by(height.div_ceil(rows) as usize) {
+            let weight = row_weight(self.image, y);
+            let changed = |x: u32| slip.apply(color(self.image, x, y), y, height);
+            whole += weight * f64::from(width);
+            sum += weight * (0..width).map(changed).sum::<DVec3>();
+        }
+        sum / whole
+    }
+
+    /// Averages the cut map. A cut leaves dark texels as they are, so only bright ones count again.
+    fn cut(&self, cut: Cut, limit: f64) -> DVec3 {
+        let dark = self
+            .texels
+            .partition_point(|texel| texel.color.max_element() <= limit);
+        let bright: DVec3 = self.texels[dark..]
+            .iter()
+            .map(|texel| texel.weight * cut.apply(texel.color, limit))
+            .sum();
+        (self.sums[dark] + bright) / self.weight
+    }
+
+    /// Finds the value at which a cut gives the map this mean.
+    fn cut_with_mean(&self, cut: Cut, mean: DVec3, element_sum: f64) -> Option<SourceSlip> {
+        let limit = solved([EXPOSURES[0], self.largest], element_sum, |limit| {
+            self.cut(cut, limit).element_sum()
+        });
+        let cuts_much = cut.apply(DVec3::splat(self.largest), limit).x < UNCUT * self.largest;
+        let is_found = cuts_much && is_same(self.cut(cut, limit), mean);
+        is_found.then_some(SourceSlip::Cut { cut, limit })
+    }
+
+    fn exposed(&self, tone: Tone, mean: DVec3) -> SourceSlip {
+        let exposure = solved_exposure(mean.element_sum(), |exposure| {
+            self.changed(SourceSlip::Tone { tone, exposure }, ROWS)
+                .element_sum()
+        });
+        SourceSlip::Tone { tone, exposure }
+    }
+
+    fn source(&self, environment: &Environment, slip: SourceSlip) -> Source {
+        let RgbImage { width, height, .. } = *self.image;
+        let image = RgbImage::from_fn(width, height, |x, y| {
+            slip.apply(color(self.image, x, y), y, height)
+                .as_vec3()
+                .to_array()
+        });
+        Source::new(environment, slip, image, None)
+    }
+}
+
+/// Returns the solid angle of a row's pixels, up to a factor.
+fn row_weight(image: &RgbImage, y: u32) -> f64 {
+    (PI * (f64::from(y) + 0.5) / f64::from(image.height)).sin()
+}
+
+fn color(image: &RgbImage, x: u32, y: u32) -> DVec3 {
+    DVec3::from_array(image.get(x, y).map(f64::from))
+}
+
+fn is_same(found: DVec3, mean: DVec3) -> bool {
+    (found - mean).abs().cmple(SAME_MEAN * mean).all()
 }
 
 /// Lists changed maps whose mean is a bake's over a gain: convolutions keep the mean.
 pub fn sources(environment: &Environment, mean: DVec3, gains: &[f64]) -> Vec<Source> {
-    let image = &environment.image;
-    let at = |x, y| DVec3::from_array(image.get(x, y).map(f64::from));
-    let weight_of = |y: u32| (PI * (f64::from(y) + 0.5) / f64::from(image.height)).sin();
-    let mean_of = |step: u32, change: &dyn Fn(DVec3, u32) -> DVec3| {
-        let (mut sum, mut whole) = (DVec3::ZERO, 0.0);
-        for y in (0..image.height).step_by(step as usize) {
-            let weight = weight_of(y);
-            whole += weight * f64::from(image.width);
-            sum += weight * (0..image.width).map(|x| change(at(x, y), y)).sum::<DVec3>();
-        }
-        sum / whole
-    };
-    // A cut leaves dark texels as they are: sorted, only the bright ones count again.
-    let row = |y: u32| (0..image.width).map(move |x| (weight_of(y), at(x, y)));
-    let mut texels: Vec<(f64, DVec3)> = (0..image.height).flat_map(row).collect();
-    texels.sort_by(|(_, a), (_, b)| a.max_element().total_cmp(&b.max_element()));
-    let whole: f64 = texels.iter().map(|(weight, _)| weight).sum();
-    let mut sums = vec![DVec3::ZERO];
-    for (place, (weight, x)) in texels.iter().enumerate() {
-        sums.push(sums[place] + *weight * *x);
-    }
-    let cut_mean = |cut: Cut, most: f64| {
-        let dark = texels.partition_point(|(_, x)| x.max_element() <= most);
-        let bright: DVec3 = texels[dark..]
-            .iter()
-            .map(|(weight, x)| *weight * cut(*x, most))
-            .sum();
-        (sums[dark] + bright) / whole
-    };
-    let largest: f64 = image
-        .data
-        .iter()
-        .flatten()
-        .fold(1e-3, |most: f32, x| most.max(*x))
-        .into();
-    let is_same = |own: DVec3, mean: DVec3| (own - mean).abs().cmple(SAME_MEAN * mean).all();
-    let source = |words: String, change: &dyn Fn(DVec3, u32) -> DVec3| {
-        let texel = |x, y| change(at(x, y), y).as_vec3().to_array();
-        Source::new(
-            environment,
-            words,
-            RgbImage::from_fn(image.width, image.height, texel),
-            None,
-        )
-    };
-    let cut_by = |gain: f64, (how, cut): &(&str, Cut)| {
-        let value = mean.element_sum() / gain;
-        let most = solved([1e-3, largest], value, |most| {
-            cut_mean(*cut, most).element_sum()
-        });
-        let ldr = if how.is_empty() && (most - 1.0).abs() < 0.05 {
-            ": LDR"
-        } else {
-            ""
-        };
-        let change = |x: DVec3, _: u32| cut(x, most);
-        let is_cut = cut(DVec3::splat(largest), most).x < UNCUT * largest
-            && is_same(cut_mean(*cut, most), mean / gain);
-        is_cut.then(|| {
-            source(
-                format!("source cut at {}{how}{ldr}", rounded(most)),
-                &change,
-            )
-        })
-    };
-    let alike = |words: String, change: &dyn Fn(DVec3, u32) -> DVec3| {
-        is_same(mean_of(image.height.div_ceil(8 * ROWS), change), mean)
-            .then(|| source(words, change))
-    };
-    let coded = |(words, curve): &(&str, Change)| {
-        let whole = alike(format!("source {words}"), &|x, _| curve(x));
-        whole
-            .into_iter()
-            .chain(alike(format!("source cut at 1 and {words}"), &|x, _| {
-                curve(x.min(DVec3::ONE))
-            }))
-    };
-    let toned = |(words, curve): &(&str, Change)| {
-        let of = |exposure: f64| {
-            mean_of(image.height.div_ceil(ROWS), &|x, _| curve(exposure * x)).element_sum()
-        };
-        let exposure = solved([1e-3, 1e3], mean.element_sum(), of);
-        alike(format!("source {}", exposed(words, exposure)), &|x, _| {
-            curve(exposure * x)
-        })
-    };
-    let halves = ["upper", "lower"]
+    let means = MapMeans::new(&environment.image);
+    let cuts = gains.iter().flat_map(|gain| {
+        let cuts = Cut::ALL.iter();
+        cuts.filter_map(|cut| means.cut_with_mean(*cut, mean / *gain, mean.element_sum() / *gain))
+    });
+    let halves = [Half::Upper, Half::Lower].map(SourceSlip::WithoutHalf);
+    let curves = Curve::ALL
         .into_iter()
-        .enumerate()
-        .filter_map(|(side, name)| {
-            let is_black = |y: u32| usize::from(2 * y >= image.height) == side;
-            alike(format!("source without its {name} half"), &|x, y| {
-                if is_black(y) { DVec3::ZERO } else { x }
-            })
-        });
-    let cuts = gains
-        .iter()
-        .flat_map(|gain| CUTS.iter().filter_map(|cut| cut_by(*gain, cut)));
-    cuts.chain(halves)
-        .chain(CURVES.iter().flat_map(coded))
-        .chain(TONES.iter().filter_map(toned))
+        .flat_map(|curve| [SourceSlip::Curve(curve), SourceSlip::CutAndCurve(curve)]);
+    let tones = Tone::ALL.into_iter().map(|tone| means.exposed(tone, mean));
+    let others = halves
+        .into_iter()
+        .chain(curves)
+        .chain(tones)
+        .filter(|slip| is_same(means.changed(*slip, ROWS_SURE), mean));
+    cuts.chain(others)
+        .map(|slip| means.source(environment, slip))
         .collect()
 }
 
@@ -194,26 +308,29 @@ pub fn sources(environment: &Environment, mean: DVec3, gains: &[f64]) -> Vec<Sou
 /// pixels.
 pub fn summed(environment: &Environment) -> Vec<Source> {
     let image = &environment.image;
-    let over_sin =
-        |y: u32| 1.0 / (PI * (f64::from(y) + 0.5) / f64::from(image.height)).sin() as f32;
+    let over_sin = |_: u32, y: u32| (1.0 / row_weight(image, y)) as f32;
     let dark = |x: u32, y: u32| (1.0 / (1.0 + luminance(image.get(x, y)))) as f32;
-    let by = |weight: &dyn Fn(u32, u32) -> f32| {
-        let of = |value: &dyn Fn(u32, u32) -> [f32; 3]| {
-            RgbImage::from_fn(image.width, image.height, |x, y| {
-                value(x, y).map(|value| weight(x, y) * value)
-            })
-        };
-        [of(&|x, y| image.get(x, y)), of(&|_, _| [1.0; 3])]
-    };
-    let ([sum, angles], [darker, weights]) = (by(&|_, y| over_sin(y)), by(&dark));
-    let words = "source summed without the solid angle of its pixels, sin θ";
-    let karis = "samples weighted by 1/(1 + luminance), as against fireflies";
-    let of = |words: &str, image: RgbImage, whole| {
-        Source::new(environment, words.to_owned(), image, whole)
-    };
+    let angles = SourceSlip::WithoutSolidAngle;
+    let whole_of_angles = weights(image, over_sin);
+    let sum = weighted(image, over_sin);
     vec![
-        of(words, sum.clone(), None),
-        of(words, sum, Some(angles)),
-        of(karis, darker, Some(weights)),
+        Source::new(environment, angles, sum.clone(), None),
+        Source::new(environment, angles, sum, Some(whole_of_angles)),
+        Source::new(
+            environment,
+            SourceSlip::DarkWeighted,
+            weighted(image, dark),
+            Some(weights(image, dark)),
+        ),
     ]
+}
+
+fn weighted(image: &RgbImage, weight: impl Fn(u32, u32) -> f32) -> RgbImage {
+    RgbImage::from_fn(image.width, image.height, |x, y| {
+        image.get(x, y).map(|value| weight(x, y) * value)
+    })
+}
+
+fn weights(image: &RgbImage, weight: impl Fn(u32, u32) -> f32) -> RgbImage {
+    RgbImage::from_fn(image.width, image.height, |x, y| [weight(x, y); 3])
 }

@@ -4,8 +4,12 @@
 //! below 1e-6). Means weight each texel by its solid angle.
 
 mod bake;
+mod cause;
 mod chain;
+mod clause;
 mod directions;
+mod doubt;
+mod doubt_words;
 pub mod exact;
 mod faces;
 mod fit;
@@ -16,14 +20,29 @@ mod lobe;
 mod sample;
 mod scores;
 pub mod sh;
+#[cfg(feature = "gpu")]
+pub mod shader;
+#[cfg(feature = "gpu")]
+mod shader_words;
 pub mod slip;
+mod summary;
 pub mod table;
+mod table_slip;
+mod table_texels;
+mod table_words;
 mod texel;
+mod texel_words;
+mod verdict;
+mod words;
 
-pub use bake::{IRRADIANCE, Judged, Judging};
+pub use bake::{Judged, Judging};
+pub use cause::Cause;
+pub use clause::{Clause, joined};
 pub use directions::{Directions, texels};
-pub use fit::{Fit, gain_in_words};
+pub use doubt::{Doubt, MapPart, RankedAxes, Warning};
+pub use fit::{Fit, Gain};
 pub use scores::{Limits, as_json};
+pub use verdict::{Part, PartVerdict, Quality, Verdict};
 
 use crate::base::math::harmonics::{Harmonics, SmoothMap};
 use crate::instrument::brdf::Phong;
@@ -38,27 +57,12 @@ pub const GOOD: f64 = 1e-3;
 /// Largest share of the error that an explanation may leave.
 const EXPLAINED: f64 = 0.25;
 
-/// A slip in words, with the flag or setting that fixes it if there is one.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Cause {
-    pub kind: &'static str,
-    pub words: String,
-}
-
-fn words(causes: &[Cause]) -> String {
-    causes
-        .iter()
-        .map(|cause| cause.words.as_str())
-        .collect::<Vec<_>>()
-        .join("; ")
-}
-
 /// The light of a bake, and the kernel that it should have.
 pub struct Truth<'a> {
     pub environment: &'a Environment,
     kernel: Kernel,
     harmonics: Harmonics,
-    /// Multiple of the degree at which a bake is cut off.
+    /// Multiple of the degree at which a bake is cut off: 1, or 2 to judge bakes.
     reach: usize,
     /// Whether the axes of the prefiltered map fit so badly that it seems to be of another light.
     is_other: bool,
@@ -100,9 +104,9 @@ impl<'a> Truth<'a> {
 
     fn factors(&self, kernel: Kernel, alpha: f64, degree: usize) -> Vec<f64> {
         // Other kernels only explain a level.
-        let is_own =
+        let is_expected =
             kernel.brdf.name() == self.kernel.brdf.name() && kernel.weight == self.kernel.weight;
-        let reach = if is_own { self.reach } else { 1 };
+        let reach = if is_expected { self.reach } else { 1 };
         harmonic::factors(kernel, alpha, degree.min(reach * harmonic::degree(alpha)))
     }
 
@@ -138,6 +142,7 @@ impl<'a> Truth<'a> {
         (Kernel::cosine(&Phong), 1.0)
     }
 
+    /// Returns the ε of relative metrics under this light.
     pub fn epsilon(&self) -> Epsilon {
         Epsilon::of_light(self.environment.luminance.mean)
     }
@@ -148,6 +153,7 @@ pub fn has_width(alpha: f64) -> bool {
     alpha >= harmonic::ALPHA_MIN
 }
 
+/// Errors of a map over the sphere.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Errors {
     /// `mean d²/(r² + ε)` over directions and channels.
@@ -164,18 +170,21 @@ pub fn errors(
     epsilon: Epsilon,
     gain: f64,
 ) -> Errors {
-    let (mut relmse, mut whole, mut sums) = (0.0, 0.0, [0.0; 2]);
+    let mut relmse = 0.0;
+    let mut whole = 0.0;
+    let mut found_sum = 0.0;
+    let mut exact_sum = 0.0;
     for ((weight, found), exact) in directions.weights.iter().zip(found).zip(exact) {
         let found = *found * gain;
         relmse += weight * relative_square(found, *exact, epsilon);
         whole += weight;
-        sums[0] += weight * found.element_sum();
-        sums[1] += weight * exact.element_sum();
+        found_sum += weight * found.element_sum();
+        exact_sum += weight * exact.element_sum();
     }
     Errors {
         relmse: relmse / whole,
-        bias_rel: if sums[1] > 0.0 {
-            sums[0] / sums[1] - 1.0
+        bias_rel: if exact_sum > 0.0 {
+            found_sum / exact_sum - 1.0
         } else {
             0.0
         },

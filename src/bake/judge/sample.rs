@@ -1,10 +1,12 @@
 //! The texels of a level that are compared, and what they would be by each slip of the bake.
 
-use super::directions::{Directions, Grid};
+use super::cause::{Cause, Mips, Scale, Turn, TurnAxis};
+use super::directions::{Directions, TexelGrid};
 use super::exact::{exact, mirror};
-use super::light::Lit;
-use super::lobe::{OF_IRRADIANCE, OF_RADIANCE};
-use super::{Cause, Truth, errors, fit, has_width};
+use super::light::{Lit, OtherLights};
+use super::lobe::Lobe;
+use super::{Truth, errors, fit, has_width};
+use crate::base::glsl::constants::PREFILTER_WEIGHT_NONE;
 use crate::base::math::equirect::uv_from_direction;
 use crate::base::math::harmonics::SmoothMap;
 use crate::instrument::brdf::MODELS;
@@ -14,60 +16,70 @@ use glam::{DQuat, DVec2, DVec3};
 
 /// Approximate number of texels that are compared.
 const TEXELS: usize = 864;
-/// Step of the turns that are tried, degrees: any about y, up to 45 about x and z. Then bisections
-/// around the best.
+/// Step of the turns that are tried, degrees.
 const TURN_STEP: f64 = 5.0;
+/// Steps to both sides: any turn about y, up to 45 degrees about x and z.
+pub const TURN_STEPS_Y: i32 = 36;
+const TURN_STEPS_XZ: i32 = 9;
+/// Bisections around the best turn.
 const TURNS_REFINED: u32 = 8;
 /// Points per side of a mirror level's texel.
 const MIRROR_POINTS: u32 = 3;
 /// Smallest turn that is a slip, degrees.
 const TURN_MIN: f64 = 0.5;
+/// Smallest exact value that a ratio is taken of.
+const EXACT_MIN: f64 = 1e-12;
 
 /// Returns the median ratio of a level and its integral: a gain, if only lamps were cut.
 pub fn usual_gain(truth: &Truth, directions: &Directions, found: &[DVec3], alpha: f64) -> f64 {
     let chosen = directions.grid(TEXELS);
     let right = exact(truth, truth.kernel, &directions.only(&chosen), alpha);
     let ratio = |(index, right): (&usize, &DVec3)| {
-        found[*index].element_sum() / right.element_sum().max(1e-12)
+        found[*index].element_sum() / right.element_sum().max(EXACT_MIN)
     };
     let mut ratios: Vec<f64> = chosen.iter().zip(&right).map(ratio).collect();
     ratios.sort_by(f64::total_cmp);
-    ratios[ratios.len() / 2].max(1e-12)
+    ratios[ratios.len() / 2].max(EXACT_MIN)
 }
 
+/// Returns the pixel of a direction, not interpolated.
 fn nearest(environment: &Environment, world: DVec3) -> DVec3 {
     let image = &environment.image;
-    let at = uv_from_direction(world) * DVec2::new(image.width.into(), image.height.into());
-    let [x, y] = [
-        at.x as u32 % image.width,
-        (at.y as u32).min(image.height - 1),
-    ];
+    let pixel = uv_from_direction(world) * DVec2::new(image.width.into(), image.height.into());
+    let x = pixel.x as u32 % image.width;
+    let y = (pixel.y as u32).min(image.height - 1);
     DVec3::from_array(image.get(x, y).map(f64::from))
+}
+
+#[derive(Clone, Copy)]
+struct ScoredTurn {
+    degrees: f64,
+    error: f64,
 }
 
 /// Finds the turn of least error, degrees: in steps to both sides, then by bisections around the
 /// best.
 pub fn least_turn(steps: i32, error: impl Fn(f64) -> f64) -> f64 {
-    let scored = |degrees: f64| (degrees, error(degrees));
-    let nearer = |a: (f64, f64), b: (f64, f64)| if b.1 < a.1 { b } else { a };
-    let mut best = (-steps..=steps)
-        .map(|k| scored(TURN_STEP * f64::from(k)))
-        .fold((0.0, f64::INFINITY), nearer);
+    let scored = |degrees: f64| ScoredTurn {
+        degrees,
+        error: error(degrees),
+    };
+    let better = |a: ScoredTurn, b: ScoredTurn| if b.error < a.error { b } else { a };
+    let mut best = ScoredTurn {
+        degrees: 0.0,
+        error: f64::INFINITY,
+    };
+    for step in -steps..=steps {
+        best = better(best, scored(TURN_STEP * f64::from(step)));
+    }
     let mut step = 0.5 * TURN_STEP;
     for _ in 0..TURNS_REFINED {
-        best = nearer(nearer(best, scored(best.0 - step)), scored(best.0 + step));
+        let below = scored(best.degrees - step);
+        let above = scored(best.degrees + step);
+        best = better(better(best, below), above);
         step *= 0.5;
     }
-    (best.0 + 180.0).rem_euclid(360.0) - 180.0
-}
-
-pub fn turn_in_words(degrees: f64, axis: &str) -> String {
-    let offset = if axis == "y" {
-        format!(": lat-long offset {:.3}", degrees / 360.0)
-    } else {
-        String::new()
-    };
-    format!("turned by {degrees:.0}° about {axis}{offset}")
+    (best.degrees + 180.0).rem_euclid(360.0) - 180.0
 }
 
 /// A level as its file has it.
@@ -75,15 +87,13 @@ pub fn turn_in_words(degrees: f64, axis: &str) -> String {
 pub struct Level<'t, 'd> {
     pub truth: &'t Truth<'t>,
     pub kernel: Kernel,
-    /// Return truths of other sources: with the same mean, and other sums.
-    pub sources: &'t dyn Fn(usize) -> &'t [Lit<'t>],
+    pub lights: &'d OtherLights<'t>,
     pub directions: &'d Directions,
     pub found: &'d [DVec3],
     pub alpha: f64,
     /// Widths of the levels before it.
-    pub before: &'t [f64],
-    /// The flag that scales the file, and its value.
-    pub scale: (&'static str, f64),
+    pub alphas_before: &'d [f64],
+    pub scale: Scale,
     /// Whether only the first slips are tried.
     pub is_lost: bool,
 }
@@ -96,22 +106,23 @@ pub struct Slipped {
 }
 
 impl Slipped {
-    fn one(kind: &'static str, words: String, values: Vec<DVec3>) -> Self {
+    fn one(cause: Cause, values: Vec<DVec3>) -> Self {
         Self {
-            causes: vec![Cause { kind, words }],
+            causes: vec![cause],
             values,
         }
     }
 
-    pub fn with(&self, kind: &'static str, words: String, change: impl Fn(DVec3) -> DVec3) -> Self {
-        let causes = [&self.causes[..], &[Cause { kind, words }]].concat();
+    /// Adds a slip that changes each texel by itself.
+    pub fn with(&self, cause: Cause, change: impl Fn(DVec3) -> DVec3) -> Self {
         Self {
-            causes,
-            values: self.values.iter().map(|x| change(*x)).collect(),
+            causes: [&self.causes[..], &[cause]].concat(),
+            values: self.values.iter().map(|value| change(*value)).collect(),
         }
     }
 }
 
+/// The compared texels of a level.
 pub struct Sample<'a, 't> {
     pub level: &'a Level<'t, 'a>,
     pub directions: Directions,
@@ -125,7 +136,6 @@ pub struct Sample<'a, 't> {
 impl<'a, 't> Sample<'a, 't> {
     pub fn new(level: &'a Level<'t, 'a>) -> Self {
         let chosen = level.directions.grid(TEXELS);
-        let found = chosen.iter().map(|index| level.found[*index]).collect();
         let most = level
             .found
             .iter()
@@ -136,13 +146,13 @@ impl<'a, 't> Sample<'a, 't> {
         Self {
             level,
             directions: level.directions.only(&chosen),
-            found,
+            found: fit::picked(level.found, &chosen),
             map,
             most,
         }
     }
 
-    /// The right texels at these directions, turned.
+    /// Returns the right texels at these directions, turned.
     pub fn right(&self, directions: &Directions, turn: DQuat) -> Vec<DVec3> {
         let light = self.level.truth.environment;
         match &self.map {
@@ -156,263 +166,231 @@ impl<'a, 't> Sample<'a, 't> {
         }
     }
 
-    /// The right texels by a light and a kernel.
-    pub fn of(&self, truth: &Truth, kernel: Kernel) -> Vec<DVec3> {
+    /// Returns the right texels by a light and a kernel.
+    fn right_by(&self, truth: &Truth, kernel: Kernel) -> Vec<DVec3> {
         exact(truth, kernel, &self.directions, self.level.alpha)
     }
 
-    pub fn off(&self, found: &[DVec3], slipped: &[DVec3]) -> f64 {
-        errors(
-            &self.directions,
-            found,
-            slipped,
-            self.level.truth.epsilon(),
-            1.0,
-        )
-        .relmse
+    /// Returns the relMSE of slipped texels.
+    pub fn relmse(&self, slipped: &[DVec3]) -> f64 {
+        let epsilon = self.level.truth.epsilon();
+        errors(&self.directions, &self.found, slipped, epsilon, 1.0).relmse
     }
 
     fn is_irradiance(&self) -> bool {
         self.level.kernel.brdf.name() != self.level.truth.kernel.brdf.name()
     }
 
-    /// Levels of a light, with its causes, by other weights and models; for irradiance, the mean
-    /// over the hemisphere.
-    fn by_others(&self, truth: &Truth, causes: &[Cause]) -> Vec<Slipped> {
+    /// Levels of a light by other weights and models, with a cause of the light; for irradiance,
+    /// the mean over the hemisphere.
+    fn by_others(&self, truth: &Truth, light_cause: Option<&Cause>) -> Vec<Slipped> {
+        if !has_width(self.level.alpha) {
+            return Vec::new();
+        }
+        let other_kernels = if self.is_irradiance() {
+            self.unweighted_irradiance()
+        } else {
+            self.other_kernels()
+        };
+        other_kernels
+            .into_iter()
+            .map(|(cause, kernel)| Slipped {
+                causes: light_cause.cloned().into_iter().chain([cause]).collect(),
+                values: self.right_by(truth, kernel),
+            })
+            .collect()
+    }
+
+    fn unweighted_irradiance(&self) -> Vec<(Cause, Kernel)> {
+        let Kernel { brdf, masking, .. } = self.level.kernel;
+        WEIGHTS
+            .iter()
+            .filter(|weight| weight.code == PREFILTER_WEIGHT_NONE)
+            .map(|weight| (Cause::NoCosine, Kernel::new(brdf, weight, masking)))
+            .collect()
+    }
+
+    fn other_kernels(&self) -> Vec<(Cause, Kernel)> {
         let Kernel {
             brdf,
             weight,
             masking,
         } = self.level.kernel;
-        if !has_width(self.level.alpha) {
-            return Vec::new();
-        }
-        let of = |cause: Cause, kernel| Slipped {
-            causes: [causes, &[cause]].concat(),
-            values: self.of(truth, kernel),
-        };
-        let is_irradiance = self.is_irradiance();
-        let others = WEIGHTS.iter().filter(|other| other.name != weight.name);
-        let weights = others
-            .filter(|other| !is_irradiance || other.name == "none")
-            .map(|other| {
-                let words = match other.name {
-                    "none" if is_irradiance => "not weighted by the cosine".to_owned(),
-                    "none" => "not weighted by n·l: --weight none".to_owned(),
-                    "cosine" => "weighted by n·l: --weight cosine".to_owned(),
-                    name => format!("weighted by G1 of l: --weight {name}"),
-                };
-                of(
-                    Cause {
-                        kind: "weight",
-                        words,
-                    },
-                    Kernel::new(brdf, other, masking),
-                )
-            });
+        let weights = WEIGHTS
+            .iter()
+            .filter(|other| **other != *weight)
+            .map(|other| (Cause::Weight(other), Kernel::new(brdf, other, masking)));
         let models = MODELS
             .iter()
-            .filter(|other| !is_irradiance && other.name() != brdf.name())
+            .filter(|other| other.name() != brdf.name())
             .map(|other| {
-                let words = format!("of another model: --brdf {}", other.name());
-                of(
-                    Cause {
-                        kind: "model",
-                        words,
-                    },
-                    Kernel::new(*other, weight, masking),
-                )
+                let kernel = Kernel::new(*other, weight, masking);
+                (Cause::Model(other.name()), kernel)
             });
         weights.chain(models).collect()
     }
 
     /// Levels by another kernel, and the map itself at the level's size.
     pub fn kernels(&self) -> Vec<Slipped> {
+        let truth = self.level.truth;
+        if !has_width(self.level.alpha) {
+            return self.single_lookups();
+        }
+        let mut all = self.by_others(truth, None);
+        all.extend(self.lobes());
+        if !self.is_irradiance() {
+            let plain = mirror(truth.environment, &self.directions);
+            all.push(Slipped::one(Cause::Mips(Mips::OfEnvironment), plain));
+        }
+        all.extend(self.added_blurs());
+        all
+    }
+
+    /// Mirror levels of one lookup a texel, interpolated or nearest.
+    fn single_lookups(&self) -> Vec<Slipped> {
+        let environment = self.level.truth.environment;
+        let world = &self.directions.world;
+        let linear = world.iter().map(|world| environment.radiance(*world));
+        let nearest = world.iter().map(|world| nearest(environment, *world));
+        [linear.collect(), nearest.collect()]
+            .map(|values| Slipped::one(Cause::Mips(Mips::OneLookup), values))
+            .to_vec()
+    }
+
+    fn lobes(&self) -> Vec<Slipped> {
+        let Level { kernel, alpha, .. } = *self.level;
+        let degree = self
+            .level
+            .truth
+            .harmonics
+            .degree()
+            .min(harmonic::degree(alpha));
+        let lobes = if self.is_irradiance() {
+            Lobe::OF_IRRADIANCE
+        } else {
+            Lobe::OF_RADIANCE
+        };
+        let slipped = |lobe: &Lobe| {
+            let ratio = |cos| lobe.ratio(&kernel, alpha, cos);
+            let factors = harmonic::factors_of(kernel.brdf, alpha, degree, ratio);
+            Slipped::one(Cause::Lobe(*lobe), self.convolved(&factors))
+        };
+        lobes.iter().map(slipped).collect()
+    }
+
+    /// The level as filtered from the level before it by its whole width, and that one likewise.
+    fn added_blurs(&self) -> Option<Slipped> {
         let Level {
             truth,
             kernel,
             alpha,
-            before,
+            alphas_before,
             ..
         } = *self.level;
-        let world = self.directions.world.iter();
-        if !has_width(alpha) {
-            let linear = world
-                .clone()
-                .map(|world| truth.environment.radiance(*world))
-                .collect();
-            let values = [
-                linear,
-                world
-                    .map(|world| nearest(truth.environment, *world))
-                    .collect(),
-            ];
-            let words = "one lookup a texel, not the mean over it";
-            return values
-                .map(|values| Slipped::one("mips", words.to_owned(), values))
-                .to_vec();
-        }
-        let by = |words: &str, factors: &[f64]| {
-            let map = truth.harmonics.convolved(factors);
-            Slipped::one(
-                "lobe",
-                words.to_owned(),
-                world.clone().map(|world| map.value(*world)).collect(),
-            )
-        };
         let degree = truth.harmonics.degree();
-        let lobes = if self.is_irradiance() {
-            OF_IRRADIANCE
-        } else {
-            OF_RADIANCE
-        };
-        let lobes = lobes.iter().map(|(words, weight)| {
-            let most = degree.min(harmonic::degree(alpha));
-            by(
-                words,
-                &harmonic::factors_of(kernel.brdf, alpha, most, |cos| weight(&kernel, alpha, cos)),
-            )
-        });
-        let mut all: Vec<Slipped> = self
-            .by_others(truth, &[])
-            .into_iter()
-            .chain(lobes)
-            .collect();
-        if !self.is_irradiance() {
-            let plain = mirror(truth.environment, &self.directions);
-            all.push(Slipped::one(
-                "mips",
-                "plain mips: not prefiltered".to_owned(),
-                plain,
-            ));
-        }
-        let before: Vec<f64> = before
+        let mut before = alphas_before
             .iter()
-            .copied()
-            .filter(|alpha| has_width(*alpha))
-            .collect();
-        if !before.is_empty() {
-            let own = truth.factors(kernel, alpha, degree);
-            let times = |a: Vec<f64>, b: f64| -> Vec<f64> {
-                a.into_iter()
-                    .zip(truth.factors(kernel, b, degree))
-                    .map(|(a, b)| a * b)
-                    .collect()
-            };
-            let words = "filtered from the level before it by its whole width: blurs add up";
-            all.push(by(words, &before.into_iter().fold(own, times)));
+            .filter(|alpha| has_width(**alpha))
+            .peekable();
+        before.peek()?;
+        let mut factors = truth.factors(kernel, alpha, degree);
+        for alpha in before {
+            let blur = truth.factors(kernel, *alpha, degree);
+            factors = factors.into_iter().zip(blur).map(|(a, b)| a * b).collect();
         }
-        all
+        Some(Slipped::one(Cause::BlursAddUp, self.convolved(&factors)))
+    }
+
+    fn convolved(&self, factors: &[f64]) -> Vec<DVec3> {
+        let map = self.level.truth.harmonics.convolved(factors);
+        let world = self.directions.world.iter();
+        world.map(|world| map.value(*world)).collect()
     }
 
     /// Texels that are taken to lie elsewhere in their face.
     pub fn grids(&self) -> Vec<Slipped> {
-        let grids = [
-            (
-                "texels at their corners, i/n; expected centres, (i + 0.5)/n",
-                -0.5,
-                false,
-            ),
-            (
-                "texels at their corners, (i + 1)/n; expected centres, (i + 0.5)/n",
-                0.5,
-                false,
-            ),
-            (
-                "texels at i/(n - 1), from edge to edge; expected centres, (i + 0.5)/n",
-                0.0,
-                true,
-            ),
-        ];
-        let is_fine = self.directions.size.into_iter().all(|side| side > 1);
-        let on = |(words, shift, is_stretched): &(&str, f64, bool)| {
-            let directions = self.directions.on(Grid {
-                shift: *shift,
-                is_stretched: *is_stretched,
-            });
-            Slipped::one(
-                "shift",
-                (*words).to_owned(),
-                self.right(&directions, DQuat::IDENTITY),
-            )
-        };
-        if is_fine {
-            grids.iter().map(on).collect()
-        } else {
-            Vec::new()
+        if self.directions.size.contains(&1) {
+            return Vec::new();
         }
+        [
+            TexelGrid::Corners,
+            TexelGrid::FarCorners,
+            TexelGrid::EdgeToEdge,
+        ]
+        .map(|grid| {
+            let values = self.right(&self.directions.on(grid), DQuat::IDENTITY);
+            Slipped::one(Cause::Grid(grid), values)
+        })
+        .to_vec()
     }
 
-    pub fn sources(&self, kind: usize) -> Vec<Slipped> {
-        let of = |source: &Lit| {
-            let mut values = self.of(&source.truth, self.level.kernel);
-            if let Some(whole) = &source.whole {
-                let whole = self.of(whole, self.level.kernel);
-                values
-                    .iter_mut()
-                    .zip(whole)
-                    .for_each(|(value, whole)| *value /= whole);
+    /// Levels of other sources.
+    pub fn of_sources(&self, sources: &[Lit]) -> Vec<Slipped> {
+        let slipped = |source: &Lit| {
+            let mut values = self.right_by(&source.truth, self.level.kernel);
+            if let Some(divisor) = &source.divisor {
+                let divisors = self.right_by(divisor, self.level.kernel);
+                for (value, divisor) in values.iter_mut().zip(divisors) {
+                    *value /= divisor;
+                }
             }
-            Slipped {
-                causes: vec![source.cause.clone()],
-                values,
-            }
+            Slipped::one(Cause::Source(source.slip), values)
         };
-        (self.level.sources)(kind).iter().map(of).collect()
+        sources.iter().map(slipped).collect()
     }
 
     /// Levels of the likeliest other source by other kernels. Each further source takes a second.
-    pub fn sources_by_others(&self) -> Vec<Slipped> {
-        let by_others =
-            |source: &Lit| self.by_others(&source.truth, std::slice::from_ref(&source.cause));
-        (self.level.sources)(0)
+    pub fn likeliest_source_by_others(&self) -> Vec<Slipped> {
+        self.level
+            .lights
+            .changed
             .first()
-            .map_or(Vec::new(), by_others)
+            .map_or(Vec::new(), |source| {
+                self.by_others(&source.truth, Some(&Cause::Source(source.slip)))
+            })
     }
 
     /// Turns that are not quarters; about y, the offset of a lat-long map.
     pub fn turns(&self) -> Vec<Slipped> {
-        ["x", "y", "z"]
+        TurnAxis::ALL
             .into_iter()
-            .zip(DVec3::AXES)
-            .filter_map(|(name, axis)| self.turn(name, axis))
+            .filter_map(|axis| self.turn(axis))
             .collect()
     }
 
-    fn turn(&self, name: &str, axis: DVec3) -> Option<Slipped> {
+    fn turn(&self, axis: TurnAxis) -> Option<Slipped> {
         let turned = |degrees: f64| {
-            self.right(
-                &self.directions,
-                DQuat::from_axis_angle(axis, degrees.to_radians()),
-            )
+            let turn = DQuat::from_axis_angle(axis.vector(), degrees.to_radians());
+            self.right(&self.directions, turn)
         };
         let error = |degrees: f64| {
-            let values: Vec<DVec3> = turned(degrees);
+            let values = turned(degrees);
             let gain = self.gain(&values);
-            self.off(
-                &self.found,
-                &values.iter().map(|x| gain * *x).collect::<Vec<_>>(),
-            )
+            let gained: Vec<DVec3> = values.iter().map(|value| gain * *value).collect();
+            self.relmse(&gained)
         };
-        let degrees = least_turn(if name == "y" { 36 } else { 9 }, error);
-        (degrees.abs() >= TURN_MIN)
-            .then(|| Slipped::one("turn", turn_in_words(degrees, name), turned(degrees)))
+        let steps = if axis == TurnAxis::Y {
+            TURN_STEPS_Y
+        } else {
+            TURN_STEPS_XZ
+        };
+        let degrees = least_turn(steps, error);
+        let cause = Cause::Turn(Turn { axis, degrees });
+        (degrees.abs() >= TURN_MIN).then(|| Slipped::one(cause, turned(degrees)))
     }
 
+    /// Sums texels and channels by solid angle.
     pub fn sum(&self, texels: &[DVec3]) -> f64 {
         texels
             .iter()
             .zip(&self.directions.weights)
-            .map(|(x, weight)| weight * x.element_sum())
+            .map(|(texel, weight)| weight * texel.element_sum())
             .sum()
     }
 
+    /// Returns the gain of least error of the level over these values.
     pub fn gain(&self, values: &[DVec3]) -> f64 {
-        fit::gain(
-            &self.directions,
-            &self.found,
-            values,
-            self.level.truth.epsilon(),
-        )
+        let epsilon = self.level.truth.epsilon();
+        fit::gain(&self.directions, &self.found, values, epsilon)
     }
 }

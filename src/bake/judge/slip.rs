@@ -4,18 +4,25 @@
 //! that comes nearest is named if it leaves at most `EXPLAINED` of the error, and at most `CLOSE`;
 //! two slips, if one leaves the level wrong.
 
-use super::light::{SAME_MEAN, UNCUT, exposed, rounded, solved};
+use super::cause::{Cause, CutSlip, Encoding, GainSlip};
+use super::faces::FaceSlip;
+use super::fit::Gain;
+use super::light::{SAME_MEAN, UNCUT, solved_exposure};
 use super::sample::{Level, Sample, Slipped};
-use super::texel::{COLORS, COPIES, CURVES, CUTS, Change, ORDERS, PACKINGS, RGBM, TONES, rgbm};
-use super::{Cause, EXPLAINED, GOOD, faces, fit, has_width};
+use super::texel::{
+    ChannelCopy, ChannelOrder, ColorConversion, Curve, Cut, Packing, Primaries, Rgbm, Tone,
+};
+use super::{EXPLAINED, GOOD, faces, fit, has_width};
 use crate::instrument::precompute::prefilter::{Kernel, harmonic};
-use glam::{DMat3, DQuat, DVec3};
+use glam::{DQuat, DVec3};
 
+/// The slips of a level, at most two besides black faces.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Slip {
     pub causes: Vec<Cause>,
-    /// relMSE that remains, over the level's own and by itself.
+    /// relMSE that remains, over the level's.
     pub left: f64,
+    /// relMSE that remains.
     pub relmse: f64,
 }
 
@@ -27,38 +34,56 @@ const ENOUGH: f64 = 1e-4;
 const SURE: f64 = 1e-6;
 /// Largest share of one slip's rest that two may leave.
 pub const BETTER: f64 = 0.3;
+/// Largest share of a fit's rest that a slip may leave.
+const BETTER_THAN_FIT: f64 = 0.5;
 /// Smallest ratio of two channels' gains that is a slip.
 const CHANNELS_APART: f64 = 1.02;
+/// Smallest sum that a gain is taken of.
+const SUM_MIN: f64 = 1e-12;
+
+/// Slips of the whole level, in the order in which they are tried: the next stage takes longer.
+#[derive(Clone, Copy, PartialEq)]
+enum Stage {
+    /// Only slips that change each texel by itself, and moved faces.
+    Texels,
+    Kernels,
+    Turns,
+    SummedSources,
+}
+
+const STAGES: [Stage; 4] = [
+    Stage::Texels,
+    Stage::Kernels,
+    Stage::Turns,
+    Stage::SummedSources,
+];
 
 impl Level<'_, '_> {
-    /// Describes a gain with the flag that fixes it.
-    pub fn gain_in_words(&self, gain: f64) -> String {
+    /// Names a gain, and the factor of the file that it changes.
+    pub fn gain_cause(&self, gain: f64) -> Cause {
         // Half vectors of density D n·h give l of density D/4 at n = v.
         let Kernel { brdf, .. } = self.kernel;
         let weight = |n_dot_l| self.kernel.weight(self.alpha, n_dot_l);
-        let mean = if has_width(self.alpha) {
+        let mean_weight = if has_width(self.alpha) {
             0.25 * harmonic::integrals(brdf, self.alpha, 1, weight)[0]
         } else {
             1.0
         };
-        if mean < UNCUT && (gain / mean - 1.0).abs() < SAME_MEAN {
-            return "times the mean weight: divide by the sum of the weights, not by their number"
-                .to_owned();
+        if mean_weight < UNCUT && (gain / mean_weight - 1.0).abs() < SAME_MEAN {
+            return Cause::Gain(GainSlip::MeanWeight);
         }
-        let ((flag, scale), (words, gain)) = (self.scale, fit::gain_in_words(gain));
-        format!("{words}: {flag} {}", rounded(scale / gain))
+        Cause::Gain(GainSlip::Level {
+            gain: Gain::new(gain),
+            scale: self.scale,
+        })
     }
 
     /// Returns the slips that leave least, if they explain the level clearly better than its fit,
     /// which leaves a share.
     pub fn slip(&self, fit_left: f64) -> Option<Slip> {
         if self.found.iter().all(|texel| *texel == DVec3::ZERO) {
-            let causes = vec![Cause {
-                kind: "black",
-                words: "every texel is black".to_owned(),
-            }];
             return Some(Slip {
-                causes,
+                causes: vec![Cause::Black],
                 left: 0.0,
                 relmse: 0.0,
             });
@@ -68,58 +93,97 @@ impl Level<'_, '_> {
             causes: Vec::new(),
             values: sample.right(&sample.directions, DQuat::IDENTITY),
         };
-        let own = sample.off(&sample.found, &right.values);
-        let (mut one, mut two): (Option<Slip>, Option<Slip>) = (None, None);
-        let explains = |left: f64, most: f64| left <= EXPLAINED && left * own <= most;
-        let left = |slip: &Option<Slip>| slip.as_ref().map_or(1.0, |slip| slip.left);
-        // What takes longer is tried only if it is needed.
-        for stage in 0..if self.is_lost { 1 } else { 4 } {
-            let known = left(&one).min(left(&two)).min(fit_left);
-            if explains(left(&one), ENOUGH)
-                || fit_left * own <= SURE
-                || stage == 3 && explains(known, GOOD)
+        let relmse = sample.relmse(&right.values);
+        let explains = |left: f64, most: f64| left <= EXPLAINED && left * relmse <= most;
+        let mut best = BestSlips::default();
+        let stages = if self.is_lost { &STAGES[..1] } else { &STAGES };
+        for stage in stages {
+            let known = best.one_left().min(best.two_left()).min(fit_left);
+            if explains(best.one_left(), ENOUGH)
+                || fit_left * relmse <= SURE
+                || *stage == Stage::SummedSources && explains(known, GOOD)
             {
                 break;
             }
-            let bases = match stage {
-                0 => vec![right.clone()],
-                1 => [sample.kernels(), sample.grids(), sample.sources(0)].concat(),
-                2 => [sample.turns(), sample.sources_by_others()].concat(),
-                _ => sample.sources(1),
-            };
-            for (causes, off) in bases
-                .into_iter()
-                .flat_map(|base| sample.finished(sample.coded(base)))
-            {
-                let best = if causes.len() == 1 {
-                    &mut one
-                } else {
-                    &mut two
-                };
-                if !causes.is_empty() && best.as_ref().is_none_or(|best| off / own < best.left) {
-                    *best = Some(Slip {
-                        causes,
-                        left: off / own,
-                        relmse: off,
-                    });
+            for base in sample.bases(*stage, &right) {
+                for coded in sample.coded(base) {
+                    best.add(sample.finished(coded), relmse);
                 }
             }
         }
-        let known = left(&one).min(fit_left);
-        let two = two.filter(|slip| !explains(known, ENOUGH) && slip.left < BETTER * known);
-        let best = two.or(one.filter(|slip| slip.left < 0.5 * fit_left))?;
+        let known = best.one_left().min(fit_left);
+        let two = best
+            .two
+            .filter(|slip| !explains(known, ENOUGH) && slip.left < BETTER * known);
+        let one = best
+            .one
+            .filter(|slip| slip.left < BETTER_THAN_FIT * fit_left);
         // For another map, a slip that flattens the level leaves a small part of a huge error.
-        explains(best.left, CLOSE).then_some(best)
+        two.or(one).filter(|slip| explains(slip.left, CLOSE))
     }
 }
 
+/// The slips that leave least of a level.
+#[derive(Default)]
+struct BestSlips {
+    one: Option<Slip>,
+    two: Option<Slip>,
+}
+
+impl BestSlips {
+    fn one_left(&self) -> f64 {
+        self.one.as_ref().map_or(1.0, |slip| slip.left)
+    }
+
+    fn two_left(&self) -> f64 {
+        self.two.as_ref().map_or(1.0, |slip| slip.left)
+    }
+
+    /// Compares candidates for a level of this relMSE.
+    fn add(&mut self, candidates: Vec<Candidate>, relmse: f64) {
+        for candidate in candidates {
+            let left = candidate.relmse / relmse;
+            let best = match candidate.causes.len() {
+                0 => continue,
+                1 => &mut self.one,
+                _ => &mut self.two,
+            };
+            if best.as_ref().is_none_or(|best| left < best.left) {
+                *best = Some(Slip {
+                    causes: candidate.causes,
+                    left,
+                    relmse: candidate.relmse,
+                });
+            }
+        }
+    }
+}
+
+/// Slips, and the relMSE that they leave.
+struct Candidate {
+    causes: Vec<Cause>,
+    relmse: f64,
+}
+
 impl Sample<'_, '_> {
-    /// The same with another order of channels, another encoding, or both; at most two slips.
+    /// Lists the level under each slip of a stage.
+    fn bases(&self, stage: Stage, right: &Slipped) -> Vec<Slipped> {
+        let lights = self.level.lights;
+        match stage {
+            Stage::Texels => vec![right.clone()],
+            Stage::Kernels => {
+                let sources = self.of_sources(&lights.changed);
+                [self.kernels(), self.grids(), sources].concat()
+            }
+            Stage::Turns => [self.turns(), self.likeliest_source_by_others()].concat(),
+            Stage::SummedSources => self.of_sources(&lights.summed),
+        }
+    }
+
+    /// Lists the same with another order of channels, another encoding, or both; at most two slips.
     fn coded(&self, base: Slipped) -> Vec<Slipped> {
-        let order = |(words, change): &(&str, Change)| {
-            base.with("channels", format!("channels in the order {words}"), change)
-        };
-        let orders: Vec<Slipped> = ORDERS.iter().map(order).collect();
+        let orders =
+            ChannelOrder::WRONG.map(|order| base.with(Cause::Channels(order), |x| order.apply(x)));
         let mut all: Vec<Slipped> = match base.causes.len() {
             0 => self.colors(&base),
             1 => Vec::new(),
@@ -130,18 +194,7 @@ impl Sample<'_, '_> {
             .chain([base])
             .filter(|base| base.causes.len() < 2)
         {
-            for (words, change) in CURVES.iter().chain(TONES).chain(PACKINGS) {
-                all.push(base.with("encoding", (*words).to_owned(), change));
-            }
-            for &(range, exponent) in RGBM {
-                let power = if exponent == 1.0 {
-                    String::new()
-                } else {
-                    format!(" to the power of {exponent}")
-                };
-                let words = format!("RGBM read as linear: decode {range} alpha RGB{power}");
-                all.push(base.with("encoding", words, |x| rgbm(x.powf(1.0 / exponent), range)));
-            }
+            all.extend(encoded(&base));
             all.push(base);
         }
         all
@@ -149,106 +202,146 @@ impl Sample<'_, '_> {
 
     /// One channel in all, other primaries, and curves of the exposure that gives the level's mean.
     fn colors(&self, base: &Slipped) -> Vec<Slipped> {
-        let copies = COPIES
-            .iter()
-            .map(|(words, change)| base.with("channels", (*words).to_owned(), change));
-        let colors = COLORS.iter().flat_map(|(name, rows)| {
-            let to = DMat3::from_cols_array_2d(rows).transpose();
-            [("to", to), ("from", to.inverse())].map(|(way, matrix)| {
-                base.with("colors", format!("converted {way} {name}"), |x| matrix * x)
+        let copies = ChannelCopy::ALL.map(|copy| base.with(Cause::Copy(copy), |x| copy.apply(x)));
+        let colors = Primaries::ALL.into_iter().flat_map(|primaries| {
+            [
+                ColorConversion::To(primaries),
+                ColorConversion::From(primaries),
+            ]
+            .map(|conversion| {
+                let matrix = conversion.matrix();
+                base.with(Cause::Colors(conversion), |x| matrix * x)
             })
         });
-        let tones = TONES.iter().map(|(words, curve)| {
-            let of = |exposure: f64| {
-                self.sum(
-                    &base
-                        .values
-                        .iter()
-                        .map(|x| curve(exposure * *x))
-                        .collect::<Vec<_>>(),
-                )
-            };
-            let exposure = solved([1e-3, 1e3], self.sum(&self.found), of);
-            base.with("encoding", exposed(words, exposure), |x| {
-                curve(exposure * x)
-            })
+        let tones = Tone::ALL.map(|tone| {
+            let exposure = solved_exposure(self.sum(&self.found), |exposure| {
+                let exposed = base.values.iter().map(|x| tone.apply(exposure * *x));
+                self.sum(&exposed.collect::<Vec<_>>())
+            });
+            let cause = Cause::Encoding(Encoding::Tone { tone, exposure });
+            base.with(cause, |x| tone.apply(exposure * x))
         });
-        copies.chain(colors).chain(tones).collect()
+        copies.into_iter().chain(colors).chain(tones).collect()
     }
 
-    /// Adds a gain, gains by channel, a cut or moved faces to those with fewer than two slips.
-    /// Returns what each leaves.
-    fn finished(&self, coded: Vec<Slipped>) -> impl Iterator<Item = (Vec<Cause>, f64)> {
-        let with_gain = |from: &Slipped, gain: f64| {
-            from.with("gain", self.level.gain_in_words(gain), |x| gain * x)
-        };
-        let cut_words = format!("cut at {}", rounded(self.most));
-        let most = self.most;
-        coded.into_iter().flat_map(move |slipped| {
-            let (mut all, mut by_faces) = (Vec::new(), Vec::new());
-            if slipped.causes.len() < 2 {
-                all.push(with_gain(&slipped, self.gain(&slipped.values)));
-                // Beside an encoding they would fit too much.
-                all.extend(
-                    self.channel_gains(&slipped)
-                        .filter(|_| slipped.causes.is_empty()),
-                );
-                // The gain of what is not cut.
-                let uncut = |(found, _): &(&DVec3, &DVec3)| found.max_element() < UNCUT * most;
-                let pairs = self.found.iter().zip(&slipped.values).filter(uncut);
-                let [found, right] = pairs.fold([0.0; 2], |[a, b], (x, y)| {
-                    [a + x.element_sum(), b + y.element_sum()]
-                });
-                let before = slipped
-                    .causes
-                    .is_empty()
-                    .then(|| with_gain(&slipped, found / right.max(1e-12)));
-                for from in [Some(&slipped), before.as_ref()].into_iter().flatten() {
-                    all.extend(
-                        CUTS.map(|(_, cut)| from.with("cut", cut_words.clone(), |x| cut(x, most))),
-                    );
-                }
-                // Moved faces keep the mean.
-                let gain = self.sum(&self.found) / self.sum(&slipped.values).max(1e-12);
-                let gained = slipped.causes.is_empty().then(|| with_gain(&slipped, gain));
-                for from in [Some(&slipped), gained.as_ref()].into_iter().flatten() {
-                    let moved = faces::slip(
-                        self.level.truth,
-                        &self.directions,
-                        &self.found,
-                        &from.values,
-                    );
-                    by_faces.extend(
-                        moved.map(|(cause, off)| ([&[cause], &from.causes[..]].concat(), off)),
-                    );
-                }
+    /// Adds a gain, gains by channel, a cut or moved faces to fewer than two slips, and compares
+    /// each with the level.
+    fn finished(&self, base: Slipped) -> Vec<Candidate> {
+        if base.causes.len() >= 2 {
+            return vec![self.candidate(base)];
+        }
+        let mut all = vec![self.with_gain(&base, self.gain(&base.values))];
+        let is_first = base.causes.is_empty();
+        // Beside an encoding they would fit too much.
+        if is_first {
+            all.extend(self.with_channel_gains(&base));
+        }
+        let gain_of_uncut = is_first.then(|| self.with_gain(&base, self.gain_of_uncut(&base)));
+        for slipped in [Some(&base), gain_of_uncut.as_ref()].into_iter().flatten() {
+            all.extend(self.cuts(slipped));
+        }
+        // Moved faces keep the mean.
+        let gain_of_mean = is_first.then(|| {
+            let gain = self.sum(&self.found) / self.sum(&base.values).max(SUM_MIN);
+            self.with_gain(&base, gain)
+        });
+        let moved: Vec<Candidate> = [Some(&base), gain_of_mean.as_ref()]
+            .into_iter()
+            .flatten()
+            .filter_map(|slipped| self.with_moved_faces(slipped))
+            .collect();
+        all.push(base);
+        all.into_iter()
+            .map(|slipped| self.candidate(slipped))
+            .chain(moved)
+            .collect()
+    }
+
+    fn candidate(&self, slipped: Slipped) -> Candidate {
+        Candidate {
+            relmse: self.relmse(&slipped.values),
+            causes: slipped.causes,
+        }
+    }
+
+    fn with_gain(&self, base: &Slipped, gain: f64) -> Slipped {
+        base.with(self.level.gain_cause(gain), |x| gain * x)
+    }
+
+    /// Returns the gain of the texels that are not cut.
+    fn gain_of_uncut(&self, base: &Slipped) -> f64 {
+        let mut found_sum = 0.0;
+        let mut right_sum = 0.0;
+        for (found, right) in self.found.iter().zip(&base.values) {
+            if found.max_element() < UNCUT * self.most {
+                found_sum += found.element_sum();
+                right_sum += right.element_sum();
             }
-            all.push(slipped);
-            let off = |slipped: Slipped| {
-                let off = self.off(&self.found, &slipped.values);
-                (slipped.causes, off)
+        }
+        found_sum / right_sum.max(SUM_MIN)
+    }
+
+    fn cuts(&self, base: &Slipped) -> [Slipped; 3] {
+        let limit = self.most;
+        Cut::ALL.map(|cut| {
+            let slip = CutSlip {
+                limit,
+                bias_rel: None,
             };
-            all.into_iter().map(off).chain(by_faces).collect::<Vec<_>>()
+            base.with(Cause::Cut(slip), |x| cut.apply(x, limit))
         })
     }
 
-    fn channel_gains(&self, from: &Slipped) -> Option<Slipped> {
-        let only = |texels: &[DVec3], axis: DVec3| {
-            texels.iter().map(|texel| *texel * axis).collect::<Vec<_>>()
-        };
-        let gains = [DVec3::X, DVec3::Y, DVec3::Z].map(|axis| {
-            let (found, right) = (only(&self.found, axis), only(&from.values, axis));
-            let is_black = found.iter().all(|texel| *texel == DVec3::ZERO);
-            if is_black {
-                0.0
-            } else {
-                fit::gain(&self.directions, &found, &right, self.level.truth.epsilon())
-            }
-        });
-        let [red, green, blue] = gains;
-        let words = format!("red, green and blue times {red:.2}, {green:.2} and {blue:.2}");
-        let gains = DVec3::from_array(gains);
-        let is_uneven = gains.max_element() > CHANNELS_APART * gains.min_element();
-        is_uneven.then(|| from.with("gain", words, |x| gains * x))
+    fn with_moved_faces(&self, base: &Slipped) -> Option<Candidate> {
+        let truth = self.level.truth;
+        let (slip, relmse): (FaceSlip, f64) =
+            faces::slip(truth, &self.directions, &self.found, &base.values)?;
+        Some(Candidate {
+            causes: [&[Cause::Faces(slip)], &base.causes[..]].concat(),
+            relmse,
+        })
     }
+
+    /// Applies the best gain to each channel; `None` if they are alike.
+    fn with_channel_gains(&self, base: &Slipped) -> Option<Slipped> {
+        let gains = DVec3::from_array(DVec3::AXES.map(|axis| {
+            let found: Vec<DVec3> = self.found.iter().map(|texel| *texel * axis).collect();
+            let right: Vec<DVec3> = base.values.iter().map(|texel| *texel * axis).collect();
+            if found.iter().all(|texel| *texel == DVec3::ZERO) {
+                return 0.0;
+            }
+            let epsilon = self.level.truth.epsilon();
+            fit::gain(&self.directions, &found, &right, epsilon)
+        }));
+        let is_uneven = gains.max_element() > CHANNELS_APART * gains.min_element();
+        let cause = Cause::Gain(GainSlip::Channels(gains));
+        is_uneven.then(|| base.with(cause, |x| gains * x))
+    }
+}
+
+/// Lists encodings of the values.
+fn encoded(base: &Slipped) -> Vec<Slipped> {
+    let curves = Curve::ALL.map(|curve| {
+        let cause = Cause::Encoding(Encoding::Curve(curve));
+        base.with(cause, |x| x.map(|x| curve.apply(x)))
+    });
+    let tones = Tone::ALL.map(|tone| {
+        let exposure = 1.0;
+        let cause = Cause::Encoding(Encoding::Tone { tone, exposure });
+        base.with(cause, |x| tone.apply(x))
+    });
+    let packings = Packing::ALL.map(|packing| {
+        let cause = Cause::Encoding(Encoding::Packing(packing));
+        base.with(cause, |x| packing.apply(x))
+    });
+    let rgbm = Rgbm::ALL.map(|rgbm| {
+        let cause = Cause::Encoding(Encoding::Rgbm(rgbm));
+        base.with(cause, |x| rgbm.apply(x))
+    });
+    curves
+        .into_iter()
+        .chain(tones)
+        .chain(packings)
+        .chain(rgbm)
+        .collect()
 }

@@ -106,7 +106,7 @@ constants! {
     ANISOTROPY_KULLA: u32 = 2;
     ANISOTROPY_DISNEY: u32 = 3;
     ANISOTROPY_OPENPBR: u32 = 4;
-    /// Ways to look up a lobe of two widths; in the order of `shade::bend`.
+    /// Lookups of a lobe of two widths; in the order of `shade::bend`.
     BEND_PARAMETERS_NARROW: u32 = 0;
     BEND_PARAMETERS_MEAN: u32 = 1;
     BEND_PARAMETERS_GEOMETRIC: u32 = 2;
@@ -136,7 +136,7 @@ constants! {
     SHEEN_TOWARD_NORMAL: u32 = 0;
     SHEEN_TOWARD_MIRROR: u32 = 1;
     SHEEN_TOWARD_MOMENT: u32 = 2;
-    SHEEN_LEVEL_OWN: u32 = 0;
+    SHEEN_LEVEL_ALPHA: u32 = 0;
     SHEEN_LEVEL_ROUGHEST: u32 = 1;
     /// Of the strips of `split-sum-strips-*`: length and breadth over their share of the widths,
     /// and how far the outermost reach.

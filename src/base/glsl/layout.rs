@@ -3,8 +3,19 @@
 //! Members: 16-byte vectors, then 4-byte scalars; no vec3, arrays or bool: std430, scalar and Rust
 //! layouts agree.
 
-/// Name of a struct, and type and name of each member.
-pub type Struct = (&'static str, &'static [(&'static str, &'static str)]);
+/// A shared struct as a shader declares it.
+#[derive(Clone, Copy, Debug)]
+pub struct Struct {
+    pub name: &'static str,
+    pub members: &'static [Member],
+}
+
+/// A member of a shared struct. `ty` is a type of GLSL.
+#[derive(Clone, Copy, Debug)]
+pub struct Member {
+    pub ty: &'static str,
+    pub name: &'static str,
+}
 
 /// A shared struct that can be passed to a shader.
 pub trait SharedStruct {
@@ -22,19 +33,37 @@ macro_rules! shared_structs {
                 fn to_bytes(&self) -> Vec<u8> {
                     let mut bytes = Vec::new();
                     $(shared_structs!(@push $ty bytes self.$member);)*
+                    // std430 rounds the size of a struct up to its largest alignment.
+                    let alignment = [$(shared_structs!(@alignment $ty)),*].into_iter().max();
+                    bytes.resize(bytes.len().next_multiple_of(alignment.unwrap_or(1)), 0);
                     bytes
                 }
             }
         )*
         /// All shared structs, in the order of this file.
-        pub const ALL: &[Struct] = &[$((stringify!($name), &[$((stringify!($ty), stringify!($member))),*])),*];
+        pub const ALL: &[Struct] = &[$(Struct {
+            name: stringify!($name),
+            members: &[$(Member {
+                ty: stringify!($ty),
+                name: stringify!($member),
+            }),*],
+        }),*];
     };
     (@rust vec4) => { [f32; 4] };
     (@rust uvec4) => { [u32; 4] };
     (@rust float) => { f32 };
     (@rust uint) => { u32 };
-    (@push vec4 $bytes:ident $value:expr) => { for x in $value { $bytes.extend_from_slice(&x.to_ne_bytes()); } };
-    (@push uvec4 $bytes:ident $value:expr) => { for x in $value { $bytes.extend_from_slice(&x.to_ne_bytes()); } };
+    (@alignment vec4) => { 16 };
+    (@alignment uvec4) => { 16 };
+    (@alignment float) => { 4 };
+    (@alignment uint) => { 4 };
+    (@push vec4 $bytes:ident $value:expr) => { shared_structs!(@push_vector $bytes $value); };
+    (@push uvec4 $bytes:ident $value:expr) => { shared_structs!(@push_vector $bytes $value); };
+    (@push_vector $bytes:ident $value:expr) => {
+        for x in $value {
+            $bytes.extend_from_slice(&x.to_ne_bytes());
+        }
+    };
     (@push float $bytes:ident $value:expr) => { $bytes.extend_from_slice(&$value.to_ne_bytes()); };
     (@push uint $bytes:ident $value:expr) => { $bytes.extend_from_slice(&$value.to_ne_bytes()); };
 }
@@ -55,12 +84,13 @@ shared_structs! {
         height: uint,
         first_row: uint,
     }
+    /// Push constants of the projection on spherical harmonics, and of the sum of its groups.
     Sh9Params {
         width: uint,
         height: uint,
         group_count: uint,
-        pad: uint,
     }
+    /// Push constants of the irradiance map.
     IrradianceParams {
         width: uint,
         height: uint,
@@ -71,8 +101,8 @@ shared_structs! {
         source_width: uint,
         source_height: uint,
         first_row: uint,
-        pad0: uint,
     }
+    /// Push constants of one level of a prefiltered map.
     PrefilterParams {
         width: uint,
         height: uint,
@@ -81,13 +111,14 @@ shared_structs! {
         sample_count: uint,
         alpha: float,
         lod_bias: float,
-    /// First row of this dispatch: long levels are split over several submissions.
+        /// First row of this dispatch: long levels are split over several submissions.
         first_row: uint,
-    /// First of the `point_count` points of this dispatch. Point 0 starts the sums, the last
-    /// finishes them.
+        /// First of the `point_count` points of this dispatch. Point 0 starts the sums, the last
+        /// finishes them.
         first_point: uint,
         point_count: uint,
     }
+    /// Push constants of the DFG table.
     DfgParams {
         width: uint,
         height: uint,
@@ -136,26 +167,25 @@ shared_structs! {
         height: uint,
         environment_width: uint,
         environment_height: uint,
-    /// Samples a pixel (except for the reference).
+        /// Samples a pixel (except for the reference).
         sample_count: uint,
-    /// First pair of samples of this dispatch in each scramble's net (reference only). Pair 0
-    /// resets the sums.
+        /// First pair of samples of this dispatch in each scramble's net (reference only). Pair 0
+        /// resets the sums.
         first_pair: uint,
         first_row: uint,
         prefilter_level_count: uint,
         environment_scale: float,
         lod_bias: float,
-        pad0: uint,
-    /// Bits: `constants::SHADE_FLAG_*`.
+        /// Bits: `constants::SHADE_FLAG_*`.
         flags: uint,
-    /// Chooses the points of the reference; the set of a sampled method.
+        /// Chooses the points of the reference; the set of a sampled method.
         seed: uint,
-    /// Pairs of samples of this dispatch in each scramble's net; all pairs when the sums are
-    /// resolved (reference only).
+        /// Pairs of samples of this dispatch in each scramble's net; all pairs when the sums are
+        /// resolved (reference only).
         pair_count: uint,
-    /// Sample points of this dispatch (except for the reference): its share of `sample_count`.
+        /// Sample points of this dispatch (except for the reference): its share of `sample_count`.
         point_count: uint,
-    /// Slots of the environment's distribution (reference only).
+        /// Slots of the environment's distribution (reference only).
         slot_count: uint,
     }
     /// Push constants of the background pass. `right` and `up` reach from the image's centre to its
@@ -170,12 +200,11 @@ shared_structs! {
         first_row: uint,
         environment_scale: float,
     }
+    /// Push constants of the probes, the shaders that tests run.
     ProbeParams {
         count: uint,
-        pad0: uint,
-        pad1: uint,
-        pad2: uint,
     }
+    /// Push constants of the tone curve.
     TonemapParams {
         width: uint,
         height: uint,

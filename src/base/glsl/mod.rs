@@ -6,3 +6,4 @@ pub mod constants;
 pub mod layout;
 #[cfg(feature = "gpu")]
 pub mod source;
+pub mod specialization;

@@ -73,7 +73,8 @@ impl Sources {
         entry: &str,
         chosen: &Choice,
     ) -> Result<Vec<(String, Choice)>, String> {
-        let (mut done, mut open) = (Vec::new(), vec![(entry.to_string(), chosen.clone())]);
+        let mut done = Vec::new();
+        let mut open = vec![(entry.to_string(), chosen.clone())];
         while let Some((name, choice)) = open.pop() {
             let Some(include) = self.first_unresolved(entry, &choice)? else {
                 done.push((name, choice));
@@ -104,13 +105,14 @@ impl Sources {
 
     /// Finds the first `selected/` include reached from `entry` that `choice` leaves open.
     fn first_unresolved(&self, entry: &str, choice: &Choice) -> Result<Option<String>, String> {
-        let (mut seen, mut open) = (BTreeSet::new(), vec![entry.to_string()]);
+        let mut visited = BTreeSet::new();
+        let mut open = vec![entry.to_string()];
         while let Some(path) = open.pop() {
             let path = choice.get(&path).cloned().unwrap_or(path);
             if path.starts_with("selected/") {
                 return Ok(Some(path));
             }
-            if seen.insert(path.clone()) {
+            if visited.insert(path.clone()) {
                 for (index, line) in self
                     .text(&path)?
                     .lines()
@@ -246,19 +248,13 @@ pub fn parse(
 ) -> Result<(glslang::Shader<'static>, glslang::ShaderStage), String> {
     let stage = stage(entry).ok_or("not a shader entry point")?;
     let (target, version_profile) = match language {
-        Language::Vulkan => {
-            let (version, spirv_version) = (
-                glslang::VulkanVersion::Vulkan1_3,
-                glslang::SpirvVersion::SPIRV1_6,
-            );
-            (
-                glslang::Target::Vulkan {
-                    version,
-                    spirv_version,
-                },
-                None,
-            )
-        }
+        Language::Vulkan => (
+            glslang::Target::Vulkan {
+                version: glslang::VulkanVersion::Vulkan1_3,
+                spirv_version: glslang::SpirvVersion::SPIRV1_6,
+            },
+            None,
+        ),
         Language::Es => (
             glslang::Target::None(None),
             Some((300, glslang::GlslProfile::ES)),

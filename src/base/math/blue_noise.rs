@@ -40,18 +40,18 @@ static MASK: LazyLock<Vec<f64>> = LazyLock::new(|| {
         }
     }
     let mut ranks = vec![0.0; AREA * DEPTH];
-    let rank = |place: usize| (place as f64 + 0.5) / (AREA * DEPTH) as f64;
+    let rank = |index: usize| (index as f64 + 0.5) / (AREA * DEPTH) as f64;
     let spread = cells.clone();
-    for place in (0..FIRST).rev() {
+    for index in (0..FIRST).rev() {
         let cluster = cells.extreme(true);
         cells.flip(cluster);
-        ranks[cluster] = rank(place);
+        ranks[cluster] = rank(index);
     }
     let mut cells = spread;
-    for place in FIRST..AREA * DEPTH {
+    for index in FIRST..AREA * DEPTH {
         let void = cells.extreme(false);
         cells.flip(void);
-        ranks[void] = rank(place);
+        ranks[void] = rank(index);
     }
     ranks
 });
@@ -82,7 +82,8 @@ impl Cells {
     fn flip(&mut self, cell: usize) {
         self.is_in[cell] = !self.is_in[cell];
         let sign = if self.is_in[cell] { 1.0 } else { -1.0 };
-        let (frame, pixel) = (cell / AREA, cell % AREA);
+        let frame = cell / AREA;
+        let pixel = cell % AREA;
         let around = |a: usize, b: usize, length: usize| a.abs_diff(b).min(length - a.abs_diff(b));
         let along_x: [f64; SIDE] =
             std::array::from_fn(|x| sign * self.repulsion[around(x, pixel % SIDE, SIDE)]);
@@ -114,18 +115,25 @@ impl Cells {
 
     /// Finds the tightest cluster of the set, or its largest void.
     fn extreme(&mut self, is_cluster: bool) -> usize {
-        let (is_in, energy) = (&self.is_in, &self.energy);
-        let order = |a: &usize, b: &usize| match is_cluster {
-            true => energy[*a].total_cmp(&energy[*b]),
-            false => energy[*b].total_cmp(&energy[*a]),
+        let is_in = &self.is_in;
+        let energy = &self.energy;
+        let order = |a: &usize, b: &usize| {
+            let by_energy = energy[*a].total_cmp(&energy[*b]);
+            if is_cluster {
+                by_energy
+            } else {
+                by_energy.reverse()
+            }
         };
         let best = self.best[usize::from(is_cluster)]
             .iter_mut()
             .enumerate()
             .filter_map(|(frame, best)| {
                 if best.is_none() {
-                    let own = frame * AREA..(frame + 1) * AREA;
-                    *best = own.filter(|&cell| is_in[cell] == is_cluster).max_by(order);
+                    let cells_of_frame = frame * AREA..(frame + 1) * AREA;
+                    *best = cells_of_frame
+                        .filter(|&cell| is_in[cell] == is_cluster)
+                        .max_by(order);
                 }
                 *best
             });
@@ -136,7 +144,7 @@ impl Cells {
 
 /// Returns the mask at a column, row and frame; it repeats in all three.
 pub fn value([x, y]: [u32; 2], frame: u32) -> f64 {
-    let [x, y, frame] =
-        [(x, SIDE), (y, SIDE), (frame, DEPTH)].map(|(at, length)| at as usize % length);
+    let [x, y, frame] = [(x, SIDE), (y, SIDE), (frame, DEPTH)]
+        .map(|(coordinate, length)| coordinate as usize % length);
     MASK[frame * AREA + y * SIDE + x]
 }

@@ -23,10 +23,8 @@ const PLASTIC: f64 = 1.324_717_957_244_746;
 pub fn frame(index: u32, count: u32) -> [DVec3; 2] {
     let i = f64::from(index);
     let golden = 0.5 * (1.0 + 5f64.sqrt());
-    let (y, phi) = (
-        1.0 - (2.0 * i + 1.0) / f64::from(count),
-        TAU * (i / golden).fract(),
-    );
+    let y = 1.0 - (2.0 * i + 1.0) / f64::from(count);
+    let phi = TAU * (i / golden).fract();
     let horizontal = (1.0 - y * y).sqrt();
     let r = DVec3::new(horizontal * phi.sin(), y, horizontal * phi.cos());
     let n_dot_v = (0.5 + i / PLASTIC).fract();

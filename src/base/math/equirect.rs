@@ -50,6 +50,7 @@ pub fn texel_solid_angle(row: u32, width: u32, height: u32) -> f64 {
 /// The sine is floored at its value half a texel from a pole: no texel is smaller than in the first
 /// row.
 pub fn texel_solid_angle_at(sin_theta: f64, width: u32, height: u32) -> f64 {
-    let (width, height) = (f64::from(width), f64::from(height));
+    let width = f64::from(width);
+    let height = f64::from(height);
     2.0 * PI * PI * sin_theta.max(0.5 * PI / height) / (width * height)
 }

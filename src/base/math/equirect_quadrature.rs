@@ -87,7 +87,8 @@ impl EquirectQuadrature {
                 .flat_map(|y| (0..width).map(move |x| (x, y)))
                 .map(|(x, y)| texel(x, y)),
         );
-        let (width, height) = (width as usize, height as usize);
+        let width = width as usize;
+        let height = height as usize;
         let root = Region {
             low: DVec2::splat(-0.5),
             high: DVec2::new(width as f64 - 0.5, height as f64 - 0.5),
@@ -109,7 +110,8 @@ impl EquirectQuadrature {
     pub fn radiance(&self, direction: DVec3) -> DVec3 {
         let place =
             uv_from_direction(direction) * DVec2::new(self.width as f64, self.height as f64) - 0.5;
-        let (corner, t) = (place.floor(), place - place.floor());
+        let corner = place.floor();
+        let t = place - place.floor();
         let texel = |x: f64, y: f64| {
             let x = (corner.x + x).rem_euclid(self.width as f64) as usize;
             let y = (corner.y + y).clamp(0.0, self.height as f64 - 1.0) as usize;
@@ -166,15 +168,18 @@ impl EquirectQuadrature {
 
     /// Whether all nodes of a region could miss a feature in it.
     fn is_too_wide(&self, region: &Region, place: &dyn Fn(DVec3) -> DVec3) -> bool {
-        let at = |x, y| {
+        let value = |x, y| {
             place(direction_from_uv(self.uv(
                 region.low + DVec2::new(x, y) * (region.high - region.low)
             )))
         };
-        let (center, corners) = (
-            at(0.5, 0.5),
-            [at(0.0, 0.0), at(1.0, 0.0), at(0.0, 1.0), at(1.0, 1.0)],
-        );
+        let center = value(0.5, 0.5);
+        let corners = [
+            value(0.0, 0.0),
+            value(1.0, 0.0),
+            value(0.0, 1.0),
+            value(1.0, 1.0),
+        ];
         let reach = corners
             .map(|corner| corner.truncate().distance(center.truncate()))
             .into_iter()
@@ -248,12 +253,15 @@ impl EquirectQuadrature {
     ) -> Estimate<K> {
         // Sines and cosines by row and column: a region has 81 points but only 18 angles.
         let coordinates = self.rule.coordinates();
-        let (low, high) = (self.uv(region.low), self.uv(region.high));
-        let at = |low: f64, high: f64, x: f64| 0.5 * (low + high) + 0.5 * (high - low) * x;
-        let azimuths = coordinates.map(|x| (2.0 * PI * (0.5 - at(low.x, high.x, x))).sin_cos());
-        let polar = coordinates.map(|x| (PI * at(low.y, high.y, x)).sin_cos());
+        let low = self.uv(region.low);
+        let high = self.uv(region.high);
+        let coordinate = |low: f64, high: f64, x: f64| 0.5 * (low + high) + 0.5 * (high - low) * x;
+        let azimuths =
+            coordinates.map(|x| (2.0 * PI * (0.5 - coordinate(low.x, high.x, x))).sin_cos());
+        let polar = coordinates.map(|x| (PI * coordinate(low.y, high.y, x)).sin_cos());
         let (values, residual) = self.rule.evaluate(|i, j| {
-            let ((sin_phi, cos_phi), (sin_theta, cos_theta)) = (azimuths[i], polar[j]);
+            let (sin_phi, cos_phi) = azimuths[i];
+            let (sin_theta, cos_theta) = polar[j];
             kernel(DVec3::new(
                 sin_phi * sin_theta,
                 cos_theta,
@@ -272,12 +280,12 @@ impl EquirectQuadrature {
                 error: [DVec3::ZERO; K],
             };
         }
-        let own;
+        let computed;
         let (weights, mass) = match region.node {
             Some(index) => (&self.nodes[index].weights, self.nodes[index].mass),
             None => {
-                own = self.weights(region);
-                (&own.0, own.1)
+                computed = self.weights(region);
+                (&computed.0, computed.1)
             }
         };
         let mut value = [DVec3::ZERO; K];
@@ -460,12 +468,13 @@ fn is_leaf(region: &Region) -> bool {
 /// Splits a node along each axis that is longer than a leaf. A map of one row has no thinner
 /// leaves.
 fn branches(region: &Region) -> Vec<Region> {
-    let parts = |low: f64, high: f64| match high - low > LEAF_CELLS as f64 {
-        true => vec![
-            (low, middle_knot(low, high)),
-            (middle_knot(low, high), high),
-        ],
-        false => vec![(low, high)],
+    let parts = |low: f64, high: f64| {
+        if high - low > LEAF_CELLS as f64 {
+            let middle = middle_knot(low, high);
+            vec![(low, middle), (middle, high)]
+        } else {
+            vec![(low, high)]
+        }
     };
     let columns = parts(region.low.x, region.high.x);
     let rows = parts(region.low.y, region.high.y).into_iter();

@@ -31,7 +31,9 @@ fn scaled_integral(kappa: f64, z: f64) -> f64 {
     // Moments ∫_z^∞ t^(2k) exp(-t²) dt by parts.
     let gauss = (-z * z).exp();
     let mut moment = 0.5 * PI.sqrt() * erfc(z);
-    let (mut sum, mut edge, mut scale) = (moment, 0.5 * gauss * z, 1.0);
+    let mut sum = moment;
+    let mut edge = 0.5 * gauss * z;
+    let mut scale = 1.0;
     for (j, coefficient) in SERIES.iter().enumerate().skip(1) {
         for k in [2 * j - 1, 2 * j] {
             moment = edge + (k as f64 - 0.5) * moment;

@@ -1,5 +1,5 @@
 //! f64 mathematics without rendering: frames, the equirectangular mapping, point sets, quadrature,
-//! spherical harmonics.
+//! spherical harmonics, order statistics.
 
 pub mod blue_noise;
 pub mod design;
@@ -9,6 +9,7 @@ pub mod erf;
 pub mod frame;
 pub mod harmonics;
 pub mod incomplete_beta;
+pub mod order_statistics;
 pub mod quadrature;
 pub mod sampling;
 pub mod sequence;

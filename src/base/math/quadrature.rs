@@ -36,7 +36,8 @@ impl<const N: usize> GaussLegendre<N> {
     }
 
     pub fn integrate(&self, low: f64, high: f64, f: impl Fn(f64) -> f64) -> f64 {
-        let (center, half) = (0.5 * (low + high), 0.5 * (high - low));
+        let center = 0.5 * (low + high);
+        let half = 0.5 * (high - low);
         half * (0..N)
             .map(|k| self.weights[k] * f(center + half * self.nodes[k]))
             .sum::<f64>()
@@ -61,7 +62,8 @@ impl<const N: usize> Default for GaussLegendre<N> {
 
 /// Returns `P_degree(x)` and `P_(degree - 1)(x)`.
 fn legendre_pair(degree: usize, x: f64) -> (f64, f64) {
-    let (mut p, mut previous) = (x, 1.0);
+    let mut p = x;
+    let mut previous = 1.0;
     for k in 2..=degree {
         let k = k as f64;
         (p, previous) = (((2.0 * k - 1.0) * x * p - (k - 1.0) * previous) / k, p);
@@ -174,7 +176,7 @@ pub fn integrate_adaptively<R, I: IntoIterator<Item = R>, const K: usize>(
     let first = parts
         .iter()
         .enumerate()
-        .map(|(place, (_, estimate))| (priority(estimate, &scale), place));
+        .map(|(index, (_, estimate))| (priority(estimate, &scale), index));
     let mut worst_first: BinaryHeap<(u64, usize)> = first.collect();
     while total.relative_error(&scale) > tolerance.relative
         && parts.len() < tolerance.max_part_count
@@ -187,8 +189,8 @@ pub fn integrate_adaptively<R, I: IntoIterator<Item = R>, const K: usize>(
             let part = estimated(region);
             total.add(&part.1, 1.0);
             // The first takes the place of the whole.
-            let place = if k == 0 { worst } else { parts.len() };
-            worst_first.push((priority(&part.1, &scale), place));
+            let index = if k == 0 { worst } else { parts.len() };
+            worst_first.push((priority(&part.1, &scale), index));
             if k == 0 {
                 parts[worst] = part
             } else {
@@ -252,14 +254,13 @@ impl TensorRule {
     ) -> ([Line<K>; NODE_COUNT], [f64; K]) {
         let mut values = [[[0.0; K]; NODE_COUNT]; NODE_COUNT];
         (0..NODE_COUNT).for_each(|i| (0..NODE_COUNT).for_each(|j| values[i][j] = f(i, j)));
-        let (mut residual, mut column) = ([0.0_f64; K], [[0.0; K]; NODE_COUNT]);
+        let mut residual = [0.0_f64; K];
+        let mut column = [[0.0; K]; NODE_COUNT];
         for (b, along_second) in self.lagrange_at_checks.iter().enumerate() {
             (0..NODE_COUNT).for_each(|i| column[i] = combine(along_second, &values[i]));
             for (a, along_first) in self.lagrange_at_checks.iter().enumerate() {
-                let (found, interpolated) = (
-                    f(NODE_COUNT + a, NODE_COUNT + b),
-                    combine(along_first, &column),
-                );
+                let found = f(NODE_COUNT + a, NODE_COUNT + b);
+                let interpolated = combine(along_first, &column);
                 (0..K).for_each(|k| {
                     residual[k] = residual[k].max((found[k] - interpolated[k]).abs())
                 });
@@ -320,7 +321,8 @@ pub fn integrate_columns<C>(
     let rule = TensorRule::default();
     let coordinates = rule.coordinates();
     let estimate = |part: &Rectangle| {
-        let (center, half) = (part.center(), 0.5 * (part.high - part.low));
+        let center = part.center();
+        let half = 0.5 * (part.high - part.low);
         let columns = coordinates.map(|x| column(center.x + half.x * x));
         let (values, residual) =
             rule.evaluate(|i, j| f(&columns[i], center.y + half.y * coordinates[j]).to_array());

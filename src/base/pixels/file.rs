@@ -200,10 +200,11 @@ fn new_part(folder: &Path) -> std::io::Result<(File, PathBuf)> {
 /// Follows a link, so that it stays. Refuses devices and pipes, which must not be replaced.
 fn target_of(path: &Path) -> Result<PathBuf, PixelsError> {
     let is_link = std::fs::symlink_metadata(path).is_ok_and(|metadata| metadata.is_symlink());
-    let target = match is_link {
+    let target = if is_link {
         // A dangling link is replaced.
-        true => std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned()),
-        false => path.to_owned(),
+        std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned())
+    } else {
+        path.to_owned()
     };
     match std::fs::metadata(&target) {
         Ok(metadata) if !metadata.is_file() && !metadata.is_dir() => {

@@ -25,12 +25,15 @@ impl Wrap {
 
     /// Returns the texel at a whole coordinate inside or outside the image.
     fn texel(self, x: f64, y: f64, [width, height]: [f64; 2]) -> [u32; 2] {
-        let at = |edge: Edge, i: f64, count: f64| match edge {
+        let index = |edge: Edge, i: f64, count: f64| match edge {
             Edge::Clamp => i.clamp(0.0, count - 1.0),
             Edge::Repeat => i.rem_euclid(count),
             Edge::Mirror => count - 0.5 - (i.rem_euclid(2.0 * count) + 0.5 - count).abs(),
         };
-        [at(self.0, x, width) as u32, at(self.1, y, height) as u32]
+        [
+            index(self.0, x, width) as u32,
+            index(self.1, y, height) as u32,
+        ]
     }
 }
 
@@ -42,14 +45,14 @@ pub fn bilinear<T: Copy>(
     value: impl Fn(T) -> DVec3,
 ) -> DVec3 {
     let size = [f64::from(image.width), f64::from(image.height)];
-    let at = uv * DVec2::from_array(size) - 0.5;
-    let low = at.floor();
+    let texels = uv * DVec2::from_array(size) - 0.5;
+    let low = texels.floor();
     let texel = |dx: f64, dy: f64| {
         let [x, y] = wrap.texel(low.x + dx, low.y + dy, size);
         value(image.get(x, y))
     };
-    let row = |dy: f64| texel(0.0, dy).lerp(texel(1.0, dy), at.x - low.x);
-    row(0.0).lerp(row(1.0), at.y - low.y)
+    let row = |dy: f64| texel(0.0, dy).lerp(texel(1.0, dy), texels.x - low.x);
+    row(0.0).lerp(row(1.0), texels.y - low.y)
 }
 
 /// Interpolates between the two levels around `lod`, finest first; clamps `lod`.

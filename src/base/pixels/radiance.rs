@@ -43,6 +43,36 @@ struct Layout {
     flip_y: bool,
 }
 
+impl Layout {
+    fn scanline_count(&self) -> usize {
+        if self.columns_first {
+            self.width
+        } else {
+            self.height
+        }
+    }
+
+    fn scanline_length(&self) -> usize {
+        if self.columns_first {
+            self.height
+        } else {
+            self.width
+        }
+    }
+
+    /// Returns the index in row-major order, from the top left, of a texel of a scanline.
+    fn index(&self, scanline: usize, texel: usize) -> usize {
+        let (x, y) = if self.columns_first {
+            (scanline, texel)
+        } else {
+            (texel, scanline)
+        };
+        let x = if self.flip_x { self.width - 1 - x } else { x };
+        let y = if self.flip_y { self.height - 1 - y } else { y };
+        y * self.width + x
+    }
+}
+
 struct Header {
     /// Factor on the pixels, per channel.
     exposure: DVec3,
@@ -53,74 +83,64 @@ struct Header {
 fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {
     let mut input = Input { rest: bytes };
     let header = read_header(&mut input)?;
-    let Layout {
-        width,
-        height,
-        columns_first,
-        flip_x,
-        flip_y,
-    } = header.layout;
+    let layout = header.layout;
     check_claim(
-        width as u64,
-        height as u64,
+        layout.width as u64,
+        layout.height as u64,
         ENVIRONMENT_TEXELS_MAX,
         bytes.len(),
         MAX_TEXELS_PER_BYTE,
     )?;
-
     let mut warnings = Vec::new();
-    let to_rgb = conversion(&header, &mut warnings);
-    let mut out_of_gamut = 0u64;
-    let mut image = RgbImage::new(
-        width as u32,
-        height as u32,
-        filled(width * height, [0.0; 3])?,
-    );
-    let (slow, fast) = if columns_first {
-        (width, height)
-    } else {
-        (height, width)
+    let mut colors = Colors {
+        exposure: header.exposure,
+        to_rec709: conversion(&header, &mut warnings),
+        out_of_gamut_count: 0,
     };
-    let mut scanline = vec![[0u8; 4]; fast];
-    for s in 0..slow {
-        read_scanline(&mut input, &mut scanline).map_err(|problem| {
-            let what = match problem {
-                None => format!("the file ends within scanline {s} of {slow}"),
-                Some(problem) => format!("scanline {s} of {slow}: {problem}"),
-            };
-            Fault::new(
-                what,
-                format!("{slow} scanlines of {fast} texels, flat or run-length coded"),
-            )
-        })?;
-        for (f, &[r, g, b, e]) in scanline.iter().enumerate() {
-            let (x, y) = if columns_first { (s, f) } else { (f, s) };
-            let x = if flip_x { width - 1 - x } else { x };
-            let y = if flip_y { height - 1 - y } else { y };
-            if e == 0 {
-                continue;
-            }
-            let mantissas = DVec3::new(r.into(), g.into(), b.into());
-            let mut value = mantissas * 2f64.powi(i32::from(e) - EXPONENT_BIAS) / header.exposure;
-            if let Some(to_rgb) = to_rgb {
-                value = to_rgb * value;
-                out_of_gamut += u64::from(value.min_element() < 0.0);
-                // As Radiance does: radiance is not negative.
-                value = value.max(DVec3::ZERO);
-            }
-            image.data[y * width + x] = value.as_vec3().to_array();
+    let mut texels = filled(layout.width * layout.height, [0.0; 3])?;
+    let mut scanline = vec![[0; 4]; layout.scanline_length()];
+    for number in 0..layout.scanline_count() {
+        read_scanline(&mut input, &mut scanline)
+            .map_err(|fault| scanline_fault(fault, number, &layout))?;
+        for (i, rgbe) in scanline.iter().enumerate() {
+            texels[layout.index(number, i)] = colors.radiance(*rgbe);
         }
     }
-    if out_of_gamut > 0 {
+    if colors.out_of_gamut_count > 0 {
         warnings.push(format!(
-            "{out_of_gamut} texels lie outside Rec.709; their negative channels were set to 0."
+            "{} texels lie outside Rec.709; their negative channels were set to 0.",
+            colors.out_of_gamut_count
         ));
     }
     Ok(Decoded {
-        rgb: image,
+        rgb: RgbImage::new(layout.width as u32, layout.height as u32, texels),
         alpha: None,
         warnings,
     })
+}
+
+/// Converts stored texels to radiance.
+struct Colors {
+    exposure: DVec3,
+    to_rec709: Option<DMat3>,
+    out_of_gamut_count: u64,
+}
+
+impl Colors {
+    fn radiance(&mut self, [r, g, b, e]: [u8; 4]) -> [f32; 3] {
+        if e == 0 {
+            return [0.0; 3];
+        }
+        let mantissas = DVec3::new(r.into(), g.into(), b.into());
+        let mut value = mantissas * 2f64.powi(i32::from(e) - EXPONENT_BIAS) / self.exposure;
+        if let Some(to_rec709) = self.to_rec709 {
+            value = to_rec709 * value;
+            self.out_of_gamut_count += u64::from(value.min_element() < 0.0);
+            // As Radiance does: radiance is not negative.
+            value = value.max(DVec3::ZERO);
+        }
+        value.as_vec3().to_array()
+    }
 }
 
 /// Returns the matrix to Rec.709, if one is needed.
@@ -132,74 +152,104 @@ fn conversion(header: &Header, warnings: &mut Vec<String>) -> Option<DMat3> {
         .to_rec709_with_warning("PRIMARIES", warnings)
 }
 
+const EXPECTED_FIRST_LINE: &str = "a Radiance picture, whose first line is #?RADIANCE or #?RGBE";
+const EXPECTED_RESOLUTION: &str = "a resolution such as \"-Y 512 +X 1024\"";
+
 fn read_header(input: &mut Input) -> Result<Header, Fault> {
-    let magic = || "a Radiance picture, whose first line is #?RADIANCE or #?RGBE";
     let first = input
         .line()
-        .ok_or_else(|| Fault::new("has no first line", magic()))?;
+        .ok_or_else(|| Fault::new("has no first line", EXPECTED_FIRST_LINE))?;
     if !matches!(first.trim_end(), "#?RADIANCE" | "#?RGBE") {
         return Err(Fault::new(
             format!("the first line is {:?}", shorten(&first)),
-            magic(),
+            EXPECTED_FIRST_LINE,
         ));
     }
-    let (mut exposure, mut primaries) = (DVec3::ONE, None);
-    loop {
-        let end = || {
-            Fault::new(
-                "the header has no end",
-                "a blank line and then a resolution such as \"-Y 512 +X 1024\"",
-            )
-        };
-        let line = input.line().ok_or_else(end)?;
-        if line.trim().is_empty() {
-            break;
-        }
-        if parse_resolution(&line).is_some() {
-            let what = format!(
-                "the blank line before the resolution {:?} is missing",
-                line.trim()
-            );
-            return Err(Fault::new(what, "a blank line that ends the header"));
-        }
-        // Ignores unknown and indented lines; the latter are copied from a program's input.
-        if let Some(value) = line.strip_prefix("FORMAT=") {
-            if value.trim() != FORMAT {
-                let what = format!("FORMAT is {:?}", shorten(value.trim()));
-                return Err(Fault::new(
-                    what,
-                    format!("{FORMAT}; `ra_xyze -r` converts XYZE"),
-                ));
-            }
-        } else if let Some(value) = line.strip_prefix("EXPOSURE=") {
-            exposure *= DVec3::splat(factors::<1>("EXPOSURE", value)?[0]);
-        } else if let Some(value) = line.strip_prefix("COLORCORR=") {
-            exposure *= DVec3::from(factors::<3>("COLORCORR", value)?);
-        } else if let Some(value) = line.strip_prefix("PRIMARIES=") {
-            primaries = parse_primaries(value)?;
-        }
-    }
-    if !(exposure.is_finite() && exposure.min_element() > 0.0) {
-        return Err(Fault::new(
-            format!("EXPOSURE and COLORCORR multiply to {exposure}"),
-            "finite products above 0",
-        ));
-    }
-    let resolution = "a resolution such as \"-Y 512 +X 1024\"";
+    let fields = Fields::read(input)?;
     let line = input
         .line()
-        .ok_or_else(|| Fault::new("the file ends after the header", resolution))?;
+        .ok_or_else(|| Fault::new("the file ends after the header", EXPECTED_RESOLUTION))?;
     let layout = parse_resolution(&line).ok_or_else(|| {
         Fault::new(
             format!("the resolution line is {:?}", shorten(&line)),
-            resolution,
+            EXPECTED_RESOLUTION,
         )
     })?;
     Ok(Header {
-        exposure,
-        primaries,
+        exposure: fields.exposure,
+        primaries: fields.primaries,
         layout,
     })
+}
+
+/// The lines `NAME=VALUE` between the first line and the resolution.
+struct Fields {
+    exposure: DVec3,
+    primaries: Option<Chromaticities>,
+}
+
+impl Fields {
+    /// Reads up to the blank line that ends them.
+    fn read(input: &mut Input) -> Result<Self, Fault> {
+        let mut fields = Self {
+            exposure: DVec3::ONE,
+            primaries: None,
+        };
+        loop {
+            let line = input.line().ok_or_else(|| {
+                Fault::new(
+                    "the header has no end",
+                    format!("a blank line and then {EXPECTED_RESOLUTION}"),
+                )
+            })?;
+            if line.trim().is_empty() {
+                break;
+            }
+            if parse_resolution(&line).is_some() {
+                let what = format!(
+                    "the blank line before the resolution {:?} is missing",
+                    line.trim()
+                );
+                return Err(Fault::new(what, "a blank line that ends the header"));
+            }
+            fields.add(&line)?;
+        }
+        let exposure = fields.exposure;
+        if !(exposure.is_finite() && exposure.min_element() > 0.0) {
+            return Err(Fault::new(
+                format!("EXPOSURE and COLORCORR multiply to {exposure}"),
+                "finite products above 0",
+            ));
+        }
+        Ok(fields)
+    }
+
+    /// Adds a line. Unknown and indented lines are ignored; the latter are copied from a program's
+    /// input.
+    fn add(&mut self, line: &str) -> Result<(), Fault> {
+        let Some((name, value)) = line.split_once('=') else {
+            return Ok(());
+        };
+        match name {
+            "FORMAT" if value.trim() != FORMAT => Err(Fault::new(
+                format!("FORMAT is {:?}", shorten(value.trim())),
+                format!("{FORMAT}; `ra_xyze -r` converts XYZE"),
+            )),
+            "EXPOSURE" => {
+                self.exposure *= DVec3::splat(factors::<1>(name, value)?[0]);
+                Ok(())
+            }
+            "COLORCORR" => {
+                self.exposure *= DVec3::from(factors::<3>(name, value)?);
+                Ok(())
+            }
+            "PRIMARIES" => {
+                self.primaries = parse_primaries(value)?;
+                Ok(())
+            }
+            _ => Ok(()),
+        }
+    }
 }
 
 fn factors<const N: usize>(name: &str, text: &str) -> Result<[f64; N], Fault> {
@@ -235,21 +285,14 @@ fn parse_primaries(text: &str) -> Result<Option<Chromaticities>, Fault> {
             "eight chromaticity coordinates",
         )
     })?;
-    let [red, green, blue, white] = [
-        DVec2::new(rx, ry),
-        DVec2::new(gx, gy),
-        DVec2::new(bx, by),
-        DVec2::new(wx, wy),
-    ];
-    let given = [red, green, blue, white]
-        .iter()
-        .any(|xy| *xy != DVec2::ZERO);
-    Ok(given.then_some(Chromaticities {
-        red,
-        green,
-        blue,
-        white,
-    }))
+    let chromaticities = Chromaticities {
+        red: DVec2::new(rx, ry),
+        green: DVec2::new(gx, gy),
+        blue: DVec2::new(bx, by),
+        white: DVec2::new(wx, wy),
+    };
+    let is_present = [rx, ry, gx, gy, bx, by, wx, wy].iter().any(|x| *x != 0.0);
+    Ok(is_present.then_some(chromaticities))
 }
 
 fn numbers(text: &str) -> Option<Vec<f64>> {
@@ -264,10 +307,8 @@ fn parse_resolution(line: &str) -> Option<Layout> {
     let &[axis_1, count_1, axis_2, count_2] = words.as_slice() else {
         return None;
     };
-    let (count_1, count_2) = (
-        count_1.parse::<u32>().ok()? as usize,
-        count_2.parse::<u32>().ok()? as usize,
-    );
+    let count_1 = count_1.parse::<u32>().ok()? as usize;
+    let count_2 = count_2.parse::<u32>().ok()? as usize;
     let (columns_first, x, y) = match (axis_1, axis_2) {
         ("+Y" | "-Y", "+X" | "-X") => (false, axis_2, axis_1),
         ("+X" | "-X", "+Y" | "-Y") => (true, axis_1, axis_2),
@@ -308,23 +349,42 @@ impl Input<'_> {
         Some(line)
     }
 
-    fn take<const N: usize>(&mut self) -> Option<[u8; N]> {
-        let (&head, rest) = self.rest.split_first_chunk()?;
+    /// Takes the next bytes of a scanline.
+    fn take<const N: usize>(&mut self) -> Result<[u8; N], ScanlineFault> {
+        let (&head, rest) = self.rest.split_first_chunk().ok_or(ScanlineFault::Ends)?;
         self.rest = rest;
-        Some(head)
+        Ok(head)
     }
 }
 
-/// Fault of a scanline; `None` if the file ends in it.
-type ScanlineProblem = Option<String>;
+/// Why a scanline cannot be read.
+enum ScanlineFault {
+    /// The file ends in it.
+    Ends,
+    Damaged(String),
+}
 
-fn read_scanline(input: &mut Input, scanline: &mut [[u8; 4]]) -> Result<(), ScanlineProblem> {
+/// Reports the fault of the scanline with that number, from 0.
+fn scanline_fault(fault: ScanlineFault, number: usize, layout: &Layout) -> Fault {
+    let count = layout.scanline_count();
+    let what = match fault {
+        ScanlineFault::Ends => format!("the file ends within scanline {number} of {count}"),
+        ScanlineFault::Damaged(what) => format!("scanline {number} of {count}: {what}"),
+    };
+    let length = layout.scanline_length();
+    Fault::new(
+        what,
+        format!("{count} scanlines of {length} texels, flat or run-length coded"),
+    )
+}
+
+fn read_scanline(input: &mut Input, scanline: &mut [[u8; 4]]) -> Result<(), ScanlineFault> {
     match input.rest {
         // In the old form (2, 2) has a blue mantissa of at least 128: one of three mantissas is.
         [2, 2, high, low, ..] if *high < 128 && NEW_RLE_LENGTHS.contains(&scanline.len()) => {
             let length = usize::from(u16::from_be_bytes([*high, *low]));
             if length != scanline.len() {
-                return Err(Some(format!(
+                return Err(ScanlineFault::Damaged(format!(
                     "it claims {length} texels, not {}",
                     scanline.len()
                 )));
@@ -342,34 +402,33 @@ fn read_channel(
     input: &mut Input,
     scanline: &mut [[u8; 4]],
     channel: usize,
-) -> Result<(), ScanlineProblem> {
+) -> Result<(), ScanlineFault> {
     let mut x = 0;
     while x < scanline.len() {
-        let [count] = input.take().ok_or(None)?;
-        let (run, length) = if count > 128 {
-            (true, usize::from(count - 128))
-        } else {
-            (false, usize::from(count))
-        };
+        let [count] = input.take()?;
+        let is_run = count > 128;
+        let length = usize::from(if is_run { count - 128 } else { count });
         if length == 0 {
-            return Err(Some(format!("a run of length 0 at texel {x}")));
+            return Err(ScanlineFault::Damaged(format!(
+                "a run of length 0 at texel {x}"
+            )));
         }
         if length > scanline.len() - x {
-            return Err(Some(format!(
+            return Err(ScanlineFault::Damaged(format!(
                 "a run of length {length} at texel {x} passes the end"
             )));
         }
-        let repeated = if run {
-            input.take::<1>().ok_or(None)?[0]
+        let texels = &mut scanline[x..x + length];
+        if is_run {
+            let [repeated] = input.take()?;
+            texels
+                .iter_mut()
+                .for_each(|texel| texel[channel] = repeated);
         } else {
-            0
-        };
-        for texel in &mut scanline[x..x + length] {
-            texel[channel] = if run {
-                repeated
-            } else {
-                input.take::<1>().ok_or(None)?[0]
-            };
+            for texel in texels {
+                let [value] = input.take()?;
+                texel[channel] = value;
+            }
         }
         x += length;
     }
@@ -378,10 +437,11 @@ fn read_channel(
 
 /// Reads flat texels. In the old run-length form (1, 1, 1, n) repeats the texel before n times;
 /// consecutive runs are digits of base 256.
-fn read_flat(input: &mut Input, scanline: &mut [[u8; 4]]) -> Result<(), ScanlineProblem> {
-    let (mut x, mut shift) = (0, 0);
+fn read_flat(input: &mut Input, scanline: &mut [[u8; 4]]) -> Result<(), ScanlineFault> {
+    let mut x = 0;
+    let mut shift = 0;
     while x < scanline.len() {
-        let texel: [u8; 4] = input.take().ok_or(None)?;
+        let texel: [u8; 4] = input.take()?;
         if texel[..3] != [1, 1, 1] {
             scanline[x] = texel;
             x += 1;
@@ -391,7 +451,7 @@ fn read_flat(input: &mut Input, scanline: &mut [[u8; 4]]) -> Result<(), Scanline
         // 0 is a digit of a longer run.
         let length = usize::from(texel[3]) << shift;
         if x == 0 || length > scanline.len() - x {
-            return Err(Some(format!(
+            return Err(ScanlineFault::Damaged(format!(
                 "a run of length {length} at texel {x} repeats nothing or passes the end"
             )));
         }

@@ -25,7 +25,8 @@ impl<T: Copy> Pixels<T> {
         let columns = overlaps(self.width, width);
         let rows = overlaps(self.height, height);
         Pixels::from_fn(width, height, |x, y| {
-            let (mut sum, mut weight_sum) = ([0.0; 3], 0.0);
+            let mut sum = [0.0; 3];
+            let mut weight_sum = 0.0;
             for (row, row_weight) in &rows[y as usize] {
                 for (column, column_weight) in &columns[x as usize] {
                     let weight = row_weight * column_weight;
@@ -43,7 +44,8 @@ impl<T: Copy> Pixels<T> {
 fn overlaps(from: u32, to: u32) -> Vec<Vec<(u32, f64)>> {
     let step = f64::from(from) / f64::from(to);
     let part = |i: u32| {
-        let (start, end) = (f64::from(i) * step, f64::from(i + 1) * step);
+        let start = f64::from(i) * step;
+        let end = f64::from(i + 1) * step;
         let covered = |pixel: u32| f64::from(pixel + 1).min(end) - f64::from(pixel).max(start);
         (start as u32..from.min(end.ceil() as u32))
             .map(|pixel| (pixel, covered(pixel)))

@@ -105,6 +105,7 @@ const IMAGE_AXES: &[Axis] = &[
             Kind::NameOrFile {
                 what: Method::WHAT,
                 names: Method::names,
+                listed_in: Method::LISTED_IN,
             },
             || Value::from("sampled"),
             PLAIN,

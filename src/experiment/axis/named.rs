@@ -6,6 +6,9 @@ use super::{AXES, Axis, Symbol};
 use crate::base::names::{in_words, nearest, suggestion};
 use crate::experiment::value::{Kind, Raw, Value};
 
+/// Where a user finds every axis.
+pub const LISTED_AXES: &str = "a name of `splitsum list axes`";
+
 /// A second name of an axis, with its own values.
 #[derive(Clone, Copy, Debug)]
 pub struct Spelling {

@@ -1,9 +1,9 @@
 //! Turns the values of a point into settings of the renderer.
 
 use crate::base::names::listed;
-use crate::cost::child::Job;
 use crate::experiment::value::Value;
 use crate::instrument::environment::Environment;
+use crate::instrument::gpu::ShaderVariant;
 use crate::instrument::pipeline::RenderRequest;
 use crate::instrument::precompute::dfg::DfgAxes;
 use crate::instrument::precompute::given::{Given, OWN};
@@ -53,12 +53,13 @@ impl Settings {
         }
     }
 
-    pub fn specular_job(&self) -> Job {
+    /// Returns the shader of the specular pass, to compile it without a request.
+    pub fn specular_variant(&self) -> ShaderVariant {
         let mut shading = self.shading;
         shading.precompute.dfg_axes = self.dfg_axes();
-        Job::new(
+        ShaderVariant::new(
             specular_shader(shading.precompute.layout, shading.method, shading.brdf),
-            &shading.constants(),
+            &shading.specialization().words(),
         )
     }
 

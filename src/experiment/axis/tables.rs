@@ -40,6 +40,7 @@ impl PrecomputedTable {
 const TABLE_FILE: Kind = Kind::NameOrFile {
     what: "table",
     names: || vec![OWN],
+    listed_in: None,
 };
 
 const TABLE: Axis = Axis {
@@ -92,6 +93,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
             Kind::NameOrFile {
                 what: "table",
                 names: || vec![OWN, CENTRES],
+                listed_in: None,
             },
             || Value::from(OWN),
             TABLE,

@@ -28,7 +28,12 @@ pub enum WidthLaw {
     OpenPbr = ANISOTROPY_OPENPBR,
 }
 
-listed!(WidthLaw, "law of widths", { "gltf": Gltf, "kulla": Kulla, "disney": Disney, "openpbr": OpenPbr });
+listed!(WidthLaw, "law of widths", {
+    "gltf": Gltf,
+    "kulla": Kulla,
+    "disney": Disney,
+    "openpbr": OpenPbr,
+});
 
 impl WidthLaw {
     /// Returns why lobes of that model and masking have one width only; `None` if they may have
@@ -86,10 +91,8 @@ impl Widths {
 
     /// Returns the width along the azimuth of a direction.
     pub fn along(self, w_local: DVec3) -> f64 {
-        let (across, equal) = (
-            w_local.truncate(),
-            self.0.x == self.0.y || w_local.truncate() == DVec2::ZERO,
-        );
+        let across = w_local.truncate();
+        let equal = self.0.x == self.0.y || w_local.truncate() == DVec2::ZERO;
         if equal {
             self.0.y
         } else {
@@ -113,9 +116,10 @@ impl Widths {
 
     /// Samples a half vector with density `D(h) n_dot_h`.
     pub fn sample_d(self, model: &dyn Brdf, xi: DVec2) -> DVec3 {
-        match self.0.x == self.0.y {
-            true => model.sample_d(xi, self.0.x),
-            false => self.stretched(model.sample_d(xi, 1.0)).normalize(),
+        if self.0.x == self.0.y {
+            model.sample_d(xi, self.0.x)
+        } else {
+            self.stretched(model.sample_d(xi, 1.0)).normalize()
         }
     }
 

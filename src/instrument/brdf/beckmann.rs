@@ -74,7 +74,8 @@ impl Brdf for Beckmann {
     fn sample_vndf(&self, xi: DVec2, v_local: DVec3, widths: Widths) -> DVec3 {
         const STEPS: u32 = 6;
         let across = widths.stretched(v_local).truncate();
-        let (sin, cos) = (across.length(), v_local.z);
+        let sin = across.length();
+        let cos = v_local.z;
         let end = (cos / sin).min(SLOPE_MAX);
         let area = visible_area_up_to(end, sin, cos);
         let theta = sin.atan2(cos);
@@ -83,13 +84,13 @@ impl Brdf for Beckmann {
         let guess = guess.clamp(1e-9 - 1.0, 1.0 - 1e-9);
         let mut t = erf_inverse(guess, (1.0 - guess) * (1.0 + guess));
         for _ in 0..STEPS {
-            let seen = cos - t * sin;
-            if seen <= 0.0 {
+            let projected = cos - t * sin;
+            if projected <= 0.0 {
                 break;
             }
             let step = (visible_area_up_to(t, sin, cos) - xi.x * area)
-                / (seen * (-t * t).exp() / PI.sqrt());
-            t = (t - step / (1.0 + 0.5 * (step * (2.0 * t + sin / seen)).clamp(-1.5, 1.5)))
+                / (projected * (-t * t).exp() / PI.sqrt());
+            t = (t - step / (1.0 + 0.5 * (step * (2.0 * t + sin / projected)).clamp(-1.5, 1.5)))
                 .clamp(-SLOPE_MAX, end);
         }
         // Infinite at 2/3, which no net of points contains; most contain 0.

@@ -68,13 +68,12 @@ struct BoundedCap {
 impl BoundedCap {
     fn new(v_local: DVec3, widths: Widths) -> Self {
         let stretched = widths.stretched(v_local);
-        let (length, alpha2) = (stretched.length(), widths.0.min_element().powi(2));
+        let length = stretched.length();
+        let alpha2 = widths.0.min_element().powi(2);
         let s2 = (1.0 + v_local.x.hypot(v_local.y)).powi(2);
         let denominator = s2 + alpha2 * v_local.z * v_local.z;
-        let (k, rest) = (
-            (1.0 - alpha2) * s2 / denominator,
-            alpha2 * (s2 + v_local.z * v_local.z) / denominator,
-        );
+        let k = (1.0 - alpha2) * s2 / denominator;
+        let rest = alpha2 * (s2 + v_local.z * v_local.z) / denominator;
         Self {
             v_standard: stretched / length,
             length,

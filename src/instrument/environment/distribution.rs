@@ -88,7 +88,8 @@ impl EnvironmentDistribution {
     /// As [`Self::new`], with a threshold of `compensation` times the mean luminance; 0 without a
     /// lobe sampler.
     pub fn with_compensation(image: &RgbImage, compensation: f64) -> Self {
-        let (width, height) = (image.width, image.height);
+        let width = image.width;
+        let height = image.height;
         assert!(
             (1..=SIDE_MAX).contains(&width),
             "width {width} of an environment, 1 to {SIDE_MAX} expected"
@@ -105,9 +106,12 @@ impl EnvironmentDistribution {
             let [above, below] = rows_of_band(band, height);
             let [top, bottom] = band_limits(band, height);
             let right = (column + 1) % width;
-            let at = |x, y| f64::from(weights.get(x, y));
-            let mean =
-                (at(column, above) + at(right, above) + at(column, below) + at(right, below)) / 4.0;
+            let weight = |x, y| f64::from(weights.get(x, y));
+            let mean = (weight(column, above)
+                + weight(right, above)
+                + weight(column, below)
+                + weight(right, below))
+                / 4.0;
             mean / f64::from(width) * (bottom - top) * mean_sine(band, height)
         };
         let total: f64 = (0..band_count)
@@ -127,7 +131,8 @@ impl EnvironmentDistribution {
             width.div_ceil(CELL_COLUMNS),
             (height + 1).div_ceil(CELL_ROWS),
         ];
-        let (mut slots, mut blocks) = (Vec::new(), Vec::new());
+        let mut slots = Vec::new();
+        let mut blocks = Vec::new();
         let mut slot_of_cell = vec![0; CELL_COUNT as usize];
         for cell in 0..CELL_COUNT {
             let [columns, bands] = cell_range(cell, cell_size, [width, height + 1]);
@@ -158,23 +163,7 @@ impl EnvironmentDistribution {
                     &mut blocks,
                 );
             }
-            let moment: DVec3 = bands
-                .zip(&light_of_bands)
-                .flat_map(|(band, light)| {
-                    columns
-                        .clone()
-                        .zip(light)
-                        .map(move |(column, light)| (band, column, *light))
-                })
-                .map(|(band, column, light)| {
-                    let [top, bottom] = band_limits(band as usize, height);
-                    let uv = DVec2::new(
-                        (f64::from(column) + 1.0) / f64::from(width),
-                        0.5 * (top + bottom),
-                    );
-                    light * equirect::direction_from_uv(uv)
-                })
-                .sum();
+            let moment = first_moment(columns, bands, &light_of_bands, [width, height]);
             // The light of a cell that spans the sphere may have no mean direction; any will do.
             let direction = moment.try_normalize().unwrap_or(DVec3::Y);
             slots.push(Slot {
@@ -229,7 +218,8 @@ pub fn rows_of_band(band: usize, height: u32) -> [u32; 2] {
 
 /// Returns v at the upper and the lower edge of a band.
 pub fn band_limits(band: usize, height: u32) -> [f64; 2] {
-    let (band, height) = (band as f64, f64::from(height));
+    let band = band as f64;
+    let height = f64::from(height);
     [
         (band - 0.5).max(0.0) / height,
         (band + 0.5).min(height) / height,
@@ -240,6 +230,32 @@ fn mean_sine(band: usize, height: u32) -> f64 {
     let [top, bottom] = band_limits(band, height).map(|v| v * PI);
     // The difference of the cosines as a product, which does not cancel near the poles.
     2.0 * (0.5 * (top + bottom)).sin() * (0.5 * (bottom - top)).sin() / (bottom - top)
+}
+
+/// Sums the directions of a cell's columns and bands, weighted by their light.
+fn first_moment(
+    columns: Range<u32>,
+    bands: Range<u32>,
+    light_of_bands: &[Vec<f64>],
+    [width, height]: [u32; 2],
+) -> DVec3 {
+    bands
+        .zip(light_of_bands)
+        .flat_map(|(band, light)| {
+            columns
+                .clone()
+                .zip(light)
+                .map(move |(column, light)| (band, column, *light))
+        })
+        .map(|(band, column, light)| {
+            let [top, bottom] = band_limits(band as usize, height);
+            let uv = DVec2::new(
+                (f64::from(column) + 1.0) / f64::from(width),
+                0.5 * (top + bottom),
+            );
+            light * equirect::direction_from_uv(uv)
+        })
+        .sum()
 }
 
 /// Returns columns and bands of a cell; none past the edges of the map.

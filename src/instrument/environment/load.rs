@@ -5,6 +5,7 @@ use super::builtin::{self, BUILTIN_PREFIX};
 use super::error::{EnvironmentError, MAX_RADIANCE, unusable};
 use crate::base::color::luminance;
 use crate::base::pixels::{Decoded, PixelsError, RgbImage, exr, radiance, read_bounded};
+use std::fmt;
 use std::path::{Path, PathBuf};
 
 /// Decodes the bytes of the file at a path: its main image, or the named layer.
@@ -76,22 +77,9 @@ impl Environment {
                 builtin::make(spec, formula, options.builtin_size)?,
             ));
         }
-        let (path, layer) = file_and_layer(spec, base_dir);
+        let FileLayer { path, layer } = FileLayer::of_spec(spec, base_dir);
         if spec.is_empty() || !path.exists() {
-            // A name with a folder or an extension means a file: suggesting a formula would not
-            // help.
-            let is_word = !spec.contains(['/', '\\']) && Path::new(spec).extension().is_none();
-            let hint = match builtin::nearest(spec).filter(|_| is_word) {
-                Some(name) => format!("; did you mean {BUILTIN_PREFIX}{name}?"),
-                None => format!("; expected a file, FILE.exr#LAYER or {BUILTIN_PREFIX}NAME"),
-            };
-            let is_elsewhere = path.as_os_str() != spec && !spec.is_empty();
-            let place = if is_elsewhere {
-                format!(" {}", path.display())
-            } else {
-                String::new()
-            };
-            return Err(unusable(spec, format!("no such file{place}{hint}")));
+            return Err(no_such_file(spec, &path));
         }
         let format = format_of(spec, &path)?;
         let decoded = (format.read)(&path, &read_bounded(&path)?, layer)?;
@@ -112,29 +100,54 @@ impl Environment {
         options: &LoadOptions,
     ) -> Result<Self, EnvironmentError> {
         let spec = path.to_string_lossy();
-        checked(
-            &spec,
-            (format_of(&spec, path)?.read)(path, bytes, None)?,
-            options,
-        )
+        let decoded = format_of(&spec, path)?.read(path, bytes)?;
+        checked(&spec, decoded, options)
     }
 }
 
-/// Splits `NAME` or `FILE#LAYER` into path and layer. A file whose own name contains `#` takes
-/// precedence.
-fn file_and_layer<'a>(spec: &'a str, base_dir: &Path) -> (PathBuf, Option<&'a str>) {
-    let whole = base_dir.join(spec);
-    if !whole.exists() {
-        for (at, sign) in spec.rmatch_indices('#').filter(|(at, _)| *at > 0) {
-            let path = base_dir.join(&spec[..at]);
-            if path.is_file() {
-                return (path, Some(&spec[at + sign.len()..]));
+/// A file, and the layer of it that is asked for.
+struct FileLayer<'a> {
+    path: PathBuf,
+    layer: Option<&'a str>,
+}
+
+impl<'a> FileLayer<'a> {
+    /// Splits `NAME` or `FILE#LAYER`. A file whose own name contains `#` takes precedence.
+    fn of_spec(spec: &'a str, base_dir: &Path) -> Self {
+        let whole = base_dir.join(spec);
+        if !whole.exists() {
+            for (index, sign) in spec.rmatch_indices('#').filter(|(index, _)| *index > 0) {
+                let path = base_dir.join(&spec[..index]);
+                if path.is_file() {
+                    let layer = Some(&spec[index + sign.len()..]);
+                    return Self { path, layer };
+                }
             }
         }
+        Self {
+            path: whole,
+            layer: None,
+        }
     }
-    (whole, None)
 }
 
+fn no_such_file(spec: &str, path: &Path) -> EnvironmentError {
+    // A name with a folder or an extension means a file: suggesting a formula would not help.
+    let is_word = !spec.contains(['/', '\\']) && Path::new(spec).extension().is_none();
+    let hint = match builtin::nearest(spec).filter(|_| is_word) {
+        Some(name) => format!("; did you mean {BUILTIN_PREFIX}{name}?"),
+        None => format!("; expected a file, FILE.exr#LAYER or {BUILTIN_PREFIX}NAME"),
+    };
+    let is_elsewhere = path.as_os_str() != spec && !spec.is_empty();
+    let shown_path = if is_elsewhere {
+        format!(" {}", path.display())
+    } else {
+        String::new()
+    };
+    unusable(spec, format!("no such file{shown_path}{hint}"))
+}
+
+/// Returns the format that a file's extension selects.
 fn format_of(spec: &str, path: &Path) -> Result<&'static Format, EnvironmentError> {
     let extension = path
         .extension()
@@ -169,7 +182,8 @@ pub fn checked(
         mut warnings,
         ..
     } = decoded;
-    if let Some(found) = invalid_texels(&image) {
+    if let Some(invalid) = InvalidChannels::find(&image) {
+        let found = invalid.to_string();
         if !options.clamp_invalid {
             return Err(EnvironmentError::InvalidTexels {
                 spec: spec.to_owned(),
@@ -179,25 +193,7 @@ pub fn checked(
         clamp_invalid(&mut image);
         warnings.push(format!("{found}; these channels were set to 0."));
     }
-    let (index, peak) =
-        image
-            .data
-            .as_flattened()
-            .iter()
-            .enumerate()
-            .fold(
-                (0, 0.0),
-                |most, (i, &value)| if value > most.1 { (i / 3, value) } else { most },
-            );
-    if peak > MAX_RADIANCE {
-        let (x, y) = (index % image.width as usize, index / image.width as usize);
-        let what = format!(
-            "the largest value is {peak:e}, at column {x}, row {y}; expected at most \
-             {MAX_RADIANCE:e}, above which sums of squares \
-             overflow (scale the file)"
-        );
-        return Err(unusable(spec, what));
-    }
+    check_peak(spec, &image)?;
     warnings.extend(oddities(&image));
     Ok(Environment {
         warnings,
@@ -205,38 +201,79 @@ pub fn checked(
     })
 }
 
-/// Counts values that cannot be radiance and names the first; `None` if every channel is finite and
-/// not negative.
-fn invalid_texels(image: &RgbImage) -> Option<String> {
-    let (mut nan, mut infinite, mut negative) = (0u64, 0u64, 0u64);
-    let mut first = None;
-    for (i, texel) in image.data.iter().enumerate() {
-        for (channel, &value) in ["R", "G", "B"].iter().zip(texel) {
-            let count = match value {
-                v if v.is_nan() => &mut nan,
-                v if v.is_infinite() => &mut infinite,
-                v if v < 0.0 => &mut negative,
-                _ => continue,
-            };
-            *count += 1;
-            first.get_or_insert((
-                i % image.width as usize,
-                i / image.width as usize,
-                channel,
-                value,
-            ));
+/// The channels of a map that cannot be radiance.
+struct InvalidChannels {
+    nan_count: u64,
+    infinite_count: u64,
+    negative_count: u64,
+    first: InvalidChannel,
+}
+
+struct InvalidChannel {
+    column: usize,
+    row: usize,
+    channel: &'static str,
+    value: f32,
+}
+
+impl InvalidChannels {
+    /// Returns `None` if every channel is finite and not negative.
+    fn find(image: &RgbImage) -> Option<Self> {
+        let mut nan_count = 0;
+        let mut infinite_count = 0;
+        let mut negative_count = 0;
+        let mut first = None;
+        for (i, texel) in image.data.iter().enumerate() {
+            for (channel, &value) in ["R", "G", "B"].into_iter().zip(texel) {
+                if value.is_nan() {
+                    nan_count += 1;
+                } else if value.is_infinite() {
+                    infinite_count += 1;
+                } else if value < 0.0 {
+                    negative_count += 1;
+                } else {
+                    continue;
+                }
+                first.get_or_insert_with(|| InvalidChannel {
+                    column: i % image.width as usize,
+                    row: i / image.width as usize,
+                    channel,
+                    value,
+                });
+            }
         }
+        Some(Self {
+            nan_count,
+            infinite_count,
+            negative_count,
+            first: first?,
+        })
     }
-    let (x, y, channel, value) = first?;
-    let counts: Vec<String> = [(nan, "NaN"), (infinite, "infinite"), (negative, "negative")]
+}
+
+impl fmt::Display for InvalidChannels {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let counts: Vec<String> = [
+            (self.nan_count, "NaN"),
+            (self.infinite_count, "infinite"),
+            (self.negative_count, "negative"),
+        ]
         .iter()
         .filter(|(count, _)| *count > 0)
         .map(|(count, kind)| format!("{count} {kind}"))
         .collect();
-    Some(format!(
-        "{} channel values, the first at column {x}, row {y}: {channel} = {value}",
-        counts.join(", ")
-    ))
+        let InvalidChannel {
+            column,
+            row,
+            channel,
+            value,
+        } = &self.first;
+        write!(
+            f,
+            "{} channel values, the first at column {column}, row {row}: {channel} = {value}",
+            counts.join(", ")
+        )
+    }
 }
 
 fn clamp_invalid(image: &mut RgbImage) {
@@ -245,6 +282,30 @@ fn clamp_invalid(image: &mut RgbImage) {
             *value = 0.0;
         }
     }
+}
+
+/// Refuses values whose squares overflow in sums.
+fn check_peak(spec: &str, image: &RgbImage) -> Result<(), EnvironmentError> {
+    let mut peak = 0.0;
+    let mut peak_index = 0;
+    for (i, texel) in image.data.iter().enumerate() {
+        for &value in texel {
+            if value > peak {
+                peak = value;
+                peak_index = i;
+            }
+        }
+    }
+    if peak <= MAX_RADIANCE {
+        return Ok(());
+    }
+    let column = peak_index % image.width as usize;
+    let row = peak_index / image.width as usize;
+    let what = format!(
+        "the largest value is {peak:e}, at column {column}, row {row}; expected at most \
+         {MAX_RADIANCE:e}, above which sums of squares overflow (scale the file)"
+    );
+    Err(unusable(spec, what))
 }
 
 /// Returns warnings about a map with valid texels.

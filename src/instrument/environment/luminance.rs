@@ -16,7 +16,9 @@ pub struct Luminance {
 impl Luminance {
     /// Measures a map. Rows are weighted by sin θ.
     pub fn of(image: &RgbImage) -> Self {
-        let (mut sum, mut weights, mut peak) = (0.0, 0.0, 0.0f64);
+        let mut sum = 0.0;
+        let mut weights = 0.0;
+        let mut peak = 0.0f64;
         for (row, texels) in image.data.chunks(image.width as usize).enumerate() {
             let weight = (PI * (row as f64 + 0.5) / f64::from(image.height)).sin();
             for texel in texels {

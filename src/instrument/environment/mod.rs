@@ -45,10 +45,8 @@ impl Environment {
             .update(&image.width.to_le_bytes())
             .update(&image.height.to_le_bytes());
         hasher.update(bytemuck::cast_slice(&image.data));
-        let (hash, luminance) = (
-            hasher.finalize().to_hex().to_string(),
-            Luminance::of(&image),
-        );
+        let hash = hasher.finalize().to_hex().to_string();
+        let luminance = Luminance::of(&image);
         Self {
             name: name.into(),
             image,

@@ -1,4 +1,5 @@
-//! The g-buffer of the scene `design`: pixel i of N is surface i of N of [`crate::base::math::design`].
+//! The g-buffer of the scene `design`: pixel i of N is surface i of N of
+//! [`crate::base::math::design`].
 //!
 //! The eye is the origin and positions are -v, so that shading computes the right v.
 
@@ -22,12 +23,13 @@ pub fn gbuffer(scene: &Scene, [width, height]: [u32; 2]) -> Gbuffer<f32> {
     let constant = |xyz: Vec3, w: f32| Pixels::filled(width, height, xyz.extend(w).to_array());
     Gbuffer {
         position_mask: frames.map(|[_, v]| (-v).as_vec3().extend(1.0).to_array()),
-        normal_alpha: match is_shown {
-            true => Pixels::from_fn(width, height, |x, y| {
+        normal_alpha: if is_shown {
+            Pixels::from_fn(width, height, |x, y| {
                 let tangent = tangent(y * width + x, width * height, turn.into());
                 tangent.as_vec3().extend(strength).to_array()
-            }),
-            false => frames.map(|[n, _]| n.as_vec3().extend(material.alpha).to_array()),
+            })
+        } else {
+            frames.map(|[n, _]| n.as_vec3().extend(material.alpha).to_array())
         },
         albedo_metallic: constant(rgb(material.albedo), material.metallic),
         f0_material: constant(f0, 0.0),

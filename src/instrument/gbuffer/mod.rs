@@ -27,8 +27,9 @@
 //! Lobes of two widths need a tangent, and the strength of the anisotropy. Both are the normals and
 //! alphas of a second g-buffer, of [`Scene::tangents`]: in place of a normal m is the direction
 //! `(d.x, d.y, 0)` of the material's map (without one +x), turned counter-clockwise, and in place
-//! of alpha the strength times the length of d. Spheres, and meshes without tangents, have the one
-//! of [`crate::base::math::frame::east`]. Shading makes tangents orthogonal to the normal of the first.
+//! of alpha the strength times the length of d. Spheres, and meshes without tangents, have the
+//! tangent of [`crate::base::math::frame::east`]. Shading makes tangents orthogonal to the normal of
+//! the first g-buffer.
 //!
 //! Draw state: only one-sided meshes are culled, front faces are counter-clockwise, depth test `<`
 //! on 1. Spheres: `sphere.vert/frag`, a strip of 4 vertices, one instance per sphere, depth written

@@ -182,14 +182,14 @@ impl SceneData {
 }
 
 fn texture(gpu: &Gpu, texture: &Texture) -> Result<(Image, Wrap), GpuError> {
-    let (first, levels) = (&texture.levels[0], 0..texture.levels.len() as u32);
+    let first = &texture.levels[0];
     let image = gpu.image(
         "map of a material",
         [first.width, first.height],
-        levels.end,
+        texture.levels.len() as u32,
         Format::Rgba32Float,
     )?;
-    for (level, pixels) in levels.zip(&texture.levels) {
+    for (level, pixels) in (0..).zip(&texture.levels) {
         let texels: Vec<[f32; 4]> = pixels
             .data
             .iter()

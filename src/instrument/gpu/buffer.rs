@@ -100,8 +100,12 @@ impl Gpu {
 
     /// Makes a host-visible buffer to copy from.
     pub(super) fn staging_from(&self, name: &str, bytes: &[u8]) -> Result<Buffer, GpuError> {
-        let (size, usage) = (bytes.len() as u64, vk::BufferUsageFlags::TRANSFER_SRC);
-        let mut buffer = self.create_buffer(name, size, usage, MemoryLocation::CpuToGpu)?;
+        let mut buffer = self.create_buffer(
+            name,
+            bytes.len() as u64,
+            vk::BufferUsageFlags::TRANSFER_SRC,
+            MemoryLocation::CpuToGpu,
+        )?;
         let memory = Arc::get_mut(&mut buffer.inner).and_then(|inner| inner.memory.as_mut());
         let mapped = memory.and_then(|memory| memory.allocation.mapped_slice_mut());
         mapped.expect("CpuToGpu memory is mapped")[..bytes.len()].copy_from_slice(bytes);
@@ -142,14 +146,13 @@ impl Gpu {
         let raw = unsafe { device.raw.create_buffer(&info, None) }
             .map_err(GpuError::call("vkCreateBuffer", name))?;
         device.set_name(raw, name);
-        let (name, device) = (name.to_owned(), device.clone());
         let mut inner = Inner {
             raw,
             size,
             state: Mutex::new(State::NEW),
-            name,
+            name: name.to_owned(),
             memory: None,
-            device,
+            device: device.clone(),
         };
         // SAFETY: the buffer was just made.
         let requirements = unsafe { inner.device.raw.get_buffer_memory_requirements(raw) };

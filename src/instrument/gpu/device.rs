@@ -265,17 +265,54 @@ fn create_device(
     family: u32,
     has_executables: bool,
 ) -> Result<ash::Device, GpuError> {
-    let missing = |feature: &str| GpuError::MissingFeature {
+    check_features(instance, physical, info)?;
+    let priorities = [1.0];
+    let queues = [vk::DeviceQueueCreateInfo::default()
+        .queue_family_index(family)
+        .queue_priorities(&priorities)];
+    let mut features = vk::PhysicalDeviceVulkan13Features::default()
+        .dynamic_rendering(true)
+        .synchronization2(true)
+        .maintenance4(true)
+        .shader_demote_to_helper_invocation(true);
+    let mut create = vk::DeviceCreateInfo::default()
+        .queue_create_infos(&queues)
+        .push_next(&mut features);
+    let mut report = vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default()
+        .pipeline_executable_info(true);
+    let names = [khr::pipeline_executable_properties::NAME];
+    let name_pointers = names.map(CStr::as_ptr);
+    if has_executables {
+        check_extension(instance, physical, info, names[0])?;
+        create = create
+            .enabled_extension_names(&name_pointers)
+            .push_next(&mut report);
+    }
+    // SAFETY: every pointer outlives the call, and every feature and extension was checked above.
+    unsafe { instance.raw.create_device(physical, &create, None) }
+        .map_err(GpuError::call("vkCreateDevice", &info.name))
+}
+
+fn missing(info: &DeviceInfo, feature: &str) -> GpuError {
+    GpuError::MissingFeature {
         device: info.name.clone(),
         feature: feature.into(),
-    };
+    }
+}
+
+/// Checks what every device needs; the error names what is missing.
+fn check_features(
+    instance: &Instance,
+    physical: vk::PhysicalDevice,
+    info: &DeviceInfo,
+) -> Result<(), GpuError> {
     // SAFETY: the physical device belongs to the instance.
     let version = unsafe { instance.raw.get_physical_device_properties(physical) }.api_version;
     if version < vk::API_VERSION_1_3 {
-        return Err(missing(&format!(
-            "Vulkan 1.3 (it offers {})",
-            info.api_version
-        )));
+        return Err(missing(
+            info,
+            &format!("Vulkan 1.3 (it offers {})", info.api_version),
+        ));
     }
     let mut offered = vk::PhysicalDeviceVulkan13Features::default();
     let mut query = vk::PhysicalDeviceFeatures2::default().push_next(&mut offered);
@@ -296,7 +333,7 @@ fn create_device(
         ),
     ] {
         if has == vk::FALSE {
-            return Err(missing(feature));
+            return Err(missing(info, feature));
         }
     }
     let needed = vk::FormatFeatureFlags::SAMPLED_IMAGE
@@ -311,43 +348,30 @@ fn create_device(
     };
     if !format.optimal_tiling_features.contains(needed) {
         return Err(missing(
+            info,
             "linearly filtered, storable and renderable R32G32B32A32_SFLOAT images",
         ));
     }
+    Ok(())
+}
 
-    let priorities = [1.0];
-    let queues = [vk::DeviceQueueCreateInfo::default()
-        .queue_family_index(family)
-        .queue_priorities(&priorities)];
-    let mut features = vk::PhysicalDeviceVulkan13Features::default()
-        .dynamic_rendering(true)
-        .synchronization2(true)
-        .maintenance4(true)
-        .shader_demote_to_helper_invocation(true);
-    let mut create = vk::DeviceCreateInfo::default()
-        .queue_create_infos(&queues)
-        .push_next(&mut features);
-    let mut report = vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default()
-        .pipeline_executable_info(true);
-    let names = [khr::pipeline_executable_properties::NAME];
-    let name_pointers = names.map(CStr::as_ptr);
-    if has_executables {
-        // SAFETY: the physical device belongs to the instance.
-        let extensions =
-            unsafe { instance.raw.enumerate_device_extension_properties(physical) }.map_err(
-                GpuError::call("vkEnumerateDeviceExtensionProperties", &info.name),
-            )?;
-        if !extensions
-            .iter()
-            .any(|extension| extension.extension_name_as_c_str() == Ok(names[0]))
-        {
-            return Err(missing("VK_KHR_pipeline_executable_properties"));
-        }
-        create = create
-            .enabled_extension_names(&name_pointers)
-            .push_next(&mut report);
+fn check_extension(
+    instance: &Instance,
+    physical: vk::PhysicalDevice,
+    info: &DeviceInfo,
+    name: &CStr,
+) -> Result<(), GpuError> {
+    // SAFETY: the physical device belongs to the instance.
+    let extensions =
+        unsafe { instance.raw.enumerate_device_extension_properties(physical) }.map_err(
+            GpuError::call("vkEnumerateDeviceExtensionProperties", &info.name),
+        )?;
+    if extensions
+        .iter()
+        .any(|extension| extension.extension_name_as_c_str() == Ok(name))
+    {
+        Ok(())
+    } else {
+        Err(missing(info, &name.to_string_lossy()))
     }
-    // SAFETY: every pointer outlives the call, and every feature and extension was checked above.
-    unsafe { instance.raw.create_device(physical, &create, None) }
-        .map_err(GpuError::call("vkCreateDevice", &info.name))
 }

@@ -26,29 +26,27 @@ pub enum Format {
 
 impl Format {
     pub(super) fn raw(self) -> vk::Format {
-        self.parts().0
+        match self {
+            Self::Rgba32Float => vk::Format::R32G32B32A32_SFLOAT,
+            Self::Rgba16Float => vk::Format::R16G16B16A16_SFLOAT,
+            Self::Depth32Float => vk::Format::D32_SFLOAT,
+        }
     }
 
     pub(super) fn aspect(self) -> vk::ImageAspectFlags {
-        self.parts().1
+        match self {
+            Self::Rgba32Float | Self::Rgba16Float => vk::ImageAspectFlags::COLOR,
+            Self::Depth32Float => vk::ImageAspectFlags::DEPTH,
+        }
     }
 
-    fn parts(self) -> (vk::Format, vk::ImageAspectFlags, vk::ImageUsageFlags) {
-        use vk::{ImageAspectFlags as Aspect, ImageUsageFlags as Usage};
+    fn usage(self) -> vk::ImageUsageFlags {
+        use vk::ImageUsageFlags as Usage;
         let sampled = Usage::SAMPLED | Usage::TRANSFER_SRC | Usage::TRANSFER_DST;
-        let drawn = Usage::STORAGE | Usage::COLOR_ATTACHMENT;
         match self {
-            Self::Rgba32Float => (
-                vk::Format::R32G32B32A32_SFLOAT,
-                Aspect::COLOR,
-                sampled | drawn,
-            ),
-            Self::Rgba16Float => (vk::Format::R16G16B16A16_SFLOAT, Aspect::COLOR, sampled),
-            Self::Depth32Float => (
-                vk::Format::D32_SFLOAT,
-                Aspect::DEPTH,
-                Usage::DEPTH_STENCIL_ATTACHMENT,
-            ),
+            Self::Rgba32Float => sampled | Usage::STORAGE | Usage::COLOR_ATTACHMENT,
+            Self::Rgba16Float => sampled,
+            Self::Depth32Float => Usage::DEPTH_STENCIL_ATTACHMENT,
         }
     }
 }
@@ -163,10 +161,9 @@ impl Gpu {
         let device = &self.shared;
         let limit = self.max_image_side();
         if let Some(&side) = size.iter().find(|&&side| side == 0 || side > limit) {
-            let name = name.into();
             return Err(GpuError::Limit {
                 what: "image side of",
-                name,
+                name: name.into(),
                 needed: side.into(),
                 limit: limit.into(),
             });
@@ -175,13 +172,13 @@ impl Gpu {
             mip_count >= 1 && mip_count <= 32 - size[0].max(size[1]).leading_zeros(),
             "'{name}': {mip_count} levels of a {size:?} image"
         );
-        let is_cube = face_count == 6;
+        let flags = if face_count == 6 {
+            vk::ImageCreateFlags::CUBE_COMPATIBLE
+        } else {
+            vk::ImageCreateFlags::empty()
+        };
         let info = vk::ImageCreateInfo::default()
-            .flags(if is_cube {
-                vk::ImageCreateFlags::CUBE_COMPATIBLE
-            } else {
-                vk::ImageCreateFlags::empty()
-            })
+            .flags(flags)
             .image_type(vk::ImageType::TYPE_2D)
             .format(format.raw())
             .extent(vk::Extent3D {
@@ -192,7 +189,7 @@ impl Gpu {
             .mip_levels(mip_count)
             .array_layers(face_count)
             .samples(vk::SampleCountFlags::TYPE_1)
-            .usage(format.parts().2);
+            .usage(format.usage());
         // SAFETY: the device is alive and the description is complete.
         let raw = unsafe { device.raw.create_image(&info, None) }
             .map_err(GpuError::call("vkCreateImage", name))?;
@@ -208,6 +205,15 @@ impl Gpu {
             memory: None,
             device: device.clone(),
         };
+        inner.memory = Some(self.bind_image_memory(raw, name)?);
+        Ok(Image {
+            inner: Arc::new(inner),
+        })
+    }
+
+    /// Allocates memory for a new image and binds it.
+    fn bind_image_memory(&self, raw: vk::Image, name: &str) -> Result<Memory, GpuError> {
+        let device = &self.shared;
         // SAFETY: the image was just made.
         let requirements = unsafe { device.raw.get_image_memory_requirements(raw) };
         let memory = device.allocate(name, requirements, MemoryLocation::GpuOnly, false)?;
@@ -220,10 +226,7 @@ impl Gpu {
                 .bind_image_memory(raw, raw_memory, memory.allocation.offset())
         }
         .map_err(GpuError::call("vkBindImageMemory", name))?;
-        inner.memory = Some(memory);
-        Ok(Image {
-            inner: Arc::new(inner),
-        })
+        Ok(memory)
     }
 
     /// Fills level `mip` of a colour image, face by face. Halves are rounded to nearest, ties to

@@ -62,6 +62,44 @@ pub(super) struct Instance {
     _entry: Entry,
 }
 
+/// Creates an instance with the validation layer if `has_validation`.
+fn create_instance(
+    entry: &Entry,
+    has_validation: bool,
+    has_debug_utils: bool,
+) -> Result<ash::Instance, GpuError> {
+    let application = vk::ApplicationInfo::default()
+        .application_name(c"splitsum")
+        .api_version(vk::API_VERSION_1_3);
+    let layer_names = if has_validation {
+        vec![VALIDATION_LAYER.as_ptr()]
+    } else {
+        Vec::new()
+    };
+    let extension_names = if has_debug_utils {
+        vec![ext::debug_utils::NAME.as_ptr()]
+    } else {
+        Vec::new()
+    };
+    let enabled = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
+    let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
+    let mut info = vk::InstanceCreateInfo::default()
+        .application_info(&application)
+        .enabled_layer_names(&layer_names)
+        .enabled_extension_names(&extension_names);
+    if has_validation {
+        info = info.push_next(&mut features);
+    }
+    // SAFETY: every pointer in `info` outlives the call.
+    unsafe { entry.create_instance(&info, None) }.map_err(|result| match result {
+        vk::Result::ERROR_INCOMPATIBLE_DRIVER => GpuError::NoDevice,
+        result => GpuError::Loader {
+            call: "vkCreateInstance",
+            result,
+        },
+    })
+}
+
 impl Instance {
     pub(super) fn new(validation: bool) -> Result<Self, GpuError> {
         // A loader that cannot parse a manifest reports that memory ran out.
@@ -85,35 +123,7 @@ impl Instance {
         let has_debug_utils = extensions
             .iter()
             .any(|extension| extension.extension_name_as_c_str() == Ok(ext::debug_utils::NAME));
-
-        let application = vk::ApplicationInfo::default()
-            .application_name(c"splitsum")
-            .api_version(vk::API_VERSION_1_3);
-        let layer_names = if validation {
-            vec![VALIDATION_LAYER.as_ptr()]
-        } else {
-            Vec::new()
-        };
-        let extension_names = if has_debug_utils {
-            vec![ext::debug_utils::NAME.as_ptr()]
-        } else {
-            Vec::new()
-        };
-        let enabled = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
-        let mut features =
-            vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
-        let mut info = vk::InstanceCreateInfo::default()
-            .application_info(&application)
-            .enabled_layer_names(&layer_names)
-            .enabled_extension_names(&extension_names);
-        if validation {
-            info = info.push_next(&mut features);
-        }
-        // SAFETY: every pointer in `info` outlives the call.
-        let raw = unsafe { entry.create_instance(&info, None) }.map_err(|result| match result {
-            vk::Result::ERROR_INCOMPATIBLE_DRIVER => GpuError::NoDevice,
-            result => failed("vkCreateInstance")(result),
-        })?;
+        let raw = create_instance(&entry, validation, has_debug_utils)?;
         let messages = Arc::new(Mutex::new(Vec::new()));
         let mut instance = Self {
             raw,

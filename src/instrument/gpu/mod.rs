@@ -21,6 +21,7 @@ mod recorder;
 mod shader;
 mod slot;
 mod sync;
+mod variant;
 
 pub use crate::base::pixels::lookup::Wrap;
 pub use bounded::{Groups, Part, face_groups, image_groups};
@@ -38,3 +39,4 @@ pub use shader::{
     HOST_FILES, HOST_HASH, add_shader, added_shader, build_hash, code_hash, has_shader, names_read,
     shader_code, shader_names, shader_sources,
 };
+pub use variant::ShaderVariant;

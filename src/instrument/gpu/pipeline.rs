@@ -25,7 +25,7 @@ impl Pipeline {
         interface: Interface,
         stages: vk::ShaderStageFlags,
     ) -> Result<Self, GpuError> {
-        let (device, push_size) = (shared.raw.clone(), interface.push_size as u32);
+        let push_size = interface.push_size as u32;
         let limit = shared.limits.max_push_constants_size;
         assert!(
             push_size <= 128 && push_size <= limit,
@@ -48,7 +48,7 @@ impl Pipeline {
             set_layout,
             stages,
             interface,
-            device,
+            device: shared.raw.clone(),
         };
         let set_info = vk::DescriptorSetLayoutCreateInfo::default().bindings(&bindings);
         // SAFETY: the device is alive and the description is complete.
@@ -224,26 +224,7 @@ impl Shared {
         let pipeline = Pipeline::new(self, name, interface, STAGES[0] | STAGES[1])?;
         let modules = [Module::new(self, vertex_shader)?, Module::new(self, name)?];
         let stages = [modules[0].stage(STAGES[0]), modules[1].stage(STAGES[1])];
-        let attribute_format = |floats: u32| match floats {
-            2 => vk::Format::R32G32_SFLOAT,
-            3 => vk::Format::R32G32B32_SFLOAT,
-            _ => vk::Format::R32G32B32A32_SFLOAT,
-        };
-        let (mut bindings, mut locations) = (Vec::new(), Vec::new());
-        for (binding, &floats) in (0..).zip(attributes) {
-            let (input_rate, format) = (vk::VertexInputRate::VERTEX, attribute_format(floats));
-            bindings.push(vk::VertexInputBindingDescription {
-                binding,
-                stride: 4 * floats,
-                input_rate,
-            });
-            locations.push(vk::VertexInputAttributeDescription {
-                location: binding,
-                binding,
-                format,
-                offset: 0,
-            });
-        }
+        let (bindings, locations) = vertex_layout(attributes);
         let vertex_input = vk::PipelineVertexInputStateCreateInfo::default()
             .vertex_binding_descriptions(&bindings)
             .vertex_attribute_descriptions(&locations);
@@ -298,4 +279,32 @@ impl Shared {
         };
         pipeline.finish(self, ("vkCreateGraphicsPipelines", name), made)
     }
+}
+
+/// Describes attributes of that many floats per vertex, each in a tightly packed buffer of its own.
+fn vertex_layout(
+    attributes: &[u32],
+) -> (
+    Vec<vk::VertexInputBindingDescription>,
+    Vec<vk::VertexInputAttributeDescription>,
+) {
+    let binding = |(binding, &floats): (u32, &u32)| vk::VertexInputBindingDescription {
+        binding,
+        stride: 4 * floats,
+        input_rate: vk::VertexInputRate::VERTEX,
+    };
+    let location = |(binding, &floats): (u32, &u32)| vk::VertexInputAttributeDescription {
+        location: binding,
+        binding,
+        format: match floats {
+            2 => vk::Format::R32G32_SFLOAT,
+            3 => vk::Format::R32G32B32_SFLOAT,
+            _ => vk::Format::R32G32B32A32_SFLOAT,
+        },
+        offset: 0,
+    };
+    (
+        (0..).zip(attributes).map(binding).collect(),
+        (0..).zip(attributes).map(location).collect(),
+    )
 }

@@ -21,7 +21,6 @@ impl Slot {
         queue_family: u32,
         name: &str,
     ) -> Result<Self, GpuError> {
-        let (commands, queries) = (vk::CommandBuffer::null(), vk::QueryPool::null());
         let pool = vk::CommandPoolCreateInfo::default()
             .queue_family_index(queue_family)
             .flags(vk::CommandPoolCreateFlags::TRANSIENT);
@@ -30,8 +29,8 @@ impl Slot {
             .map_err(GpuError::call("vkCreateCommandPool", name))?;
         let mut slot = Self {
             command_pool,
-            commands,
-            queries,
+            commands: vk::CommandBuffer::null(),
+            queries: vk::QueryPool::null(),
             device: device.clone(),
         };
         let allocate = vk::CommandBufferAllocateInfo::default()

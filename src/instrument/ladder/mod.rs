@@ -9,16 +9,18 @@
 pub mod attribution;
 pub mod game;
 pub mod radiance;
+mod setting;
+mod tabulated;
 
 pub use attribution::{Attribution, StepNumbers};
 
 use crate::instrument::metrics::VIEWS;
-use game::Coalition;
+use game::{Coalition, Game};
 
 #[derive(Clone, Copy, Debug)]
 pub struct Step {
     pub name: &'static str,
-    /// The steps that must be made before, as a coalition.
+    /// The steps that must be made before.
     pub needs: Coalition,
 }
 
@@ -44,45 +46,46 @@ pub static STEPS: &[Step] = &[
     // Fresnel's factor leaves the integral: f0 A + B times a mean.
     Step {
         name: "Fresnel",
-        needs: 0,
+        needs: Coalition::EMPTY,
     },
     // The weight of the prefiltered map, n·l by default, replaces masking-shadowing.
     Step {
         name: "masking",
-        needs: 0,
+        needs: Coalition::EMPTY,
     },
     // n = v = r: the lobe about r of a view along it.
     Step {
         name: "view",
-        needs: 0,
+        needs: Coalition::EMPTY,
     },
     // A linear blend of two level widths replaces the width.
     Step {
         name: "levels",
-        needs: 1 << VIEW,
+        needs: Coalition::of(&[VIEW]),
     },
     // Linear filtering between texels replaces the direction.
     Step {
         name: "texels",
-        needs: 1 << VIEW,
+        needs: Coalition::of(&[VIEW]),
     },
     // The finite prefilter replaces the integral in each texel.
     Step {
         name: "samples",
-        needs: 1 << VIEW,
+        needs: Coalition::of(&[VIEW]),
     },
     // The number format of the texels.
     Step {
         name: "storage",
-        needs: 1 << VIEW,
+        needs: Coalition::of(&[VIEW]),
     },
     // The table, as looked up, replaces A and B.
     Step {
         name: "table",
-        needs: 0,
+        needs: Coalition::EMPTY,
     },
 ];
 
-pub fn needs() -> Vec<Coalition> {
-    STEPS.iter().map(|step| step.needs).collect()
+/// Returns the game whose players are the steps.
+pub fn game() -> Game {
+    Game::new(STEPS.iter().map(|step| step.needs).collect())
 }

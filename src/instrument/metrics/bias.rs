@@ -10,7 +10,8 @@ pub static BIAS: Metric = Metric {
     // Standard error of the sum over the sum. Pixels count as independent, channels as fully
     // correlated, which raises the floor by at most sqrt(3).
     noise_floor: |noise| {
-        let (mut variance, mut energy) = (0.0, 0.0);
+        let mut variance = 0.0;
+        let mut energy = 0.0;
         for [r, se] in noise.samples() {
             variance += se.iter().sum::<f64>().powi(2);
             energy += r.iter().sum::<f64>();
@@ -21,7 +22,8 @@ pub static BIAS: Metric = Metric {
         "bias_rel",
         "sum d / sum r: error of the mean brightness",
         |comparison, pixels| {
-            let (mut difference, mut energy) = (0.0, 0.0);
+            let mut difference = 0.0;
+            let mut energy = 0.0;
             for &pixel in pixels {
                 let [t, r] = comparison.radiance(pixel);
                 difference += (0..3).map(|c| t[c] - r[c]).sum::<f64>();

@@ -9,7 +9,13 @@ use std::sync::{Arc, OnceLock};
 
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MetricsError {
-    #[error("the {image} is {}x{} pixels, but the reference is {}x{}", found[0], found[1], expected[0], expected[1])]
+    #[error(
+        "the {image} is {}x{} pixels, but the reference is {}x{}",
+        found[0],
+        found[1],
+        expected[0],
+        expected[1]
+    )]
     Size {
         image: &'static str,
         found: [u32; 2],

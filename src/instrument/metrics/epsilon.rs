@@ -10,7 +10,8 @@ pub struct Epsilon {
 }
 
 impl Epsilon {
-    /// ε over mean luminance; over its square if added to a square.
+    /// Share of the mean luminance that is added to a value, and of its square that is added to a
+    /// square.
     pub const SHARE: f64 = 1e-2;
     /// ε of light with mean luminance 1.
     pub const ABSOLUTE: Self = Self { mean: 1.0 };

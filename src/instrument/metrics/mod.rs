@@ -127,6 +127,7 @@ pub const DISPLAY_HEADLINE: &str = "flip";
 
 impl Listed for Metric {
     const WHAT: &'static str = "metric";
+    const LISTED_IN: Option<&'static str> = Some("a name of `splitsum list metrics`");
 
     fn all() -> impl Iterator<Item = &'static Self> + Clone {
         METRICS.iter().copied()

@@ -128,7 +128,8 @@ fn slope(points: &[[f64; 2]], i: usize) -> f64 {
     }
     let first = i.clamp(1, points.len() - 2) - 1;
     let [[x0, y0], [x1, y1], [x2, y2]] = [0, 1, 2].map(|k| points[first + k]);
-    let (below, above) = ((y1 - y0) / (x1 - x0), (y2 - y1) / (x2 - x1));
+    let below = (y1 - y0) / (x1 - x0);
+    let above = (y2 - y1) / (x2 - x1);
     let bend = (above - below) / (x2 - x0);
     below + bend * (2.0 * points[i][0] - x0 - x1)
 }

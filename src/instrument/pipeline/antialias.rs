@@ -20,12 +20,23 @@ const POINTS: usize = (POINTS_PER_SIDE * POINTS_PER_SIDE) as usize;
 /// pixel's width.
 pub(super) const UNLIKE: f32 = 0.2;
 
-/// Position and normal at a point; `None` if nothing is hit.
-pub(super) type Point = Option<(Vec3, Vec3)>;
+/// A point of a surface.
+#[derive(Clone, Copy)]
+pub(super) struct SurfacePoint {
+    pub(super) position: Vec3,
+    pub(super) normal: Vec3,
+}
 
-/// The pixels that several surfaces share, each with the pixels that its points take their radiance
-/// from.
-pub(super) struct Edges(Vec<(usize, [usize; POINTS])>);
+/// A pixel that several surfaces share.
+struct Edge {
+    /// Index of the pixel.
+    pixel: usize,
+    /// Indices of the pixels that its points take their radiance from.
+    sources: [usize; POINTS],
+}
+
+/// The pixels that several surfaces share.
+pub(super) struct Edges(Vec<Edge>);
 
 impl Edges {
     /// Compares the centre of each pixel, in `pixels`, with its `points`.
@@ -33,13 +44,15 @@ impl Edges {
         let [width, height] = [pixels.position_mask.width, pixels.position_mask.height];
         let difference = difference(camera, [width, height]);
         let edge = |index: usize| {
-            let (x, y) = (index as u32 % width, index as u32 / width);
-            let own = point(pixels, x, y);
+            let x = index as u32 % width;
+            let y = index as u32 / width;
+            let centre = surface_point(pixels, x, y);
             let mut is_edge = false;
             let sources = std::array::from_fn(|i| {
-                let (dx, dy) = (i as u32 % POINTS_PER_SIDE, i as u32 / POINTS_PER_SIDE);
-                let at = point(points, x * POINTS_PER_SIDE + dx, y * POINTS_PER_SIDE + dy);
-                let unlike = difference(at, own);
+                let column = x * POINTS_PER_SIDE + i as u32 % POINTS_PER_SIDE;
+                let row = y * POINTS_PER_SIDE + i as u32 / POINTS_PER_SIDE;
+                let point = surface_point(points, column, row);
+                let unlike = difference(point, centre);
                 if unlike < UNLIKE {
                     return index;
                 }
@@ -51,7 +64,7 @@ impl Edges {
                 let nearest = around
                     .map(|(x, y)| {
                         (
-                            difference(at, point(pixels, x, y)),
+                            difference(point, surface_point(pixels, x, y)),
                             (y * width + x) as usize,
                         )
                     })
@@ -60,7 +73,10 @@ impl Edges {
                     .filter(|(least, _)| *least < unlike)
                     .map_or(index, |(_, source)| source)
             });
-            is_edge.then_some((index, sources))
+            is_edge.then_some(Edge {
+                pixel: index,
+                sources,
+            })
         };
         Self(
             (0..(width * height) as usize)
@@ -74,15 +90,15 @@ impl Edges {
     pub(super) fn resolve(&self, frame: Frame) -> Frame {
         let mut radiance = frame.radiance.clone();
         let mut mask = GrayImage::clone(&frame.mask);
-        for (index, sources) in &self.0 {
+        for Edge { pixel, sources } in &self.0 {
             let sum = |channel: usize| {
                 sources
                     .iter()
                     .map(|&source| frame.radiance.data[source][channel])
                     .sum::<f32>()
             };
-            radiance.data[*index] = std::array::from_fn(|channel| sum(channel) / POINTS as f32);
-            mask.data[*index] = 0.0;
+            radiance.data[*pixel] = std::array::from_fn(|channel| sum(channel) / POINTS as f32);
+            mask.data[*pixel] = 0.0;
         }
         Frame {
             radiance,
@@ -101,30 +117,33 @@ impl Edges {
 pub(super) fn difference(
     camera: &Camera,
     [width, height]: [u32; 2],
-) -> impl Fn(Point, Point) -> f32 + Sync + use<> {
+) -> impl Fn(Option<SurfacePoint>, Option<SurfacePoint>) -> f32 + Sync + use<> {
     let [_, half_height] = camera.extent(f64::from(width) / f64::from(height));
     let step = (2.0 * half_height / f64::from(height)) as f32;
-    let (eye, forward) = (camera.eye.as_vec3(), camera.forward.as_vec3());
+    let eye = camera.eye.as_vec3();
+    let forward = camera.forward.as_vec3();
     let is_perspective = matches!(camera.projection, Projection::Perspective { .. });
     move |a, b| match (a, b) {
         (None, None) => 0.0,
-        (Some((place, normal)), Some((other, other_normal))) => {
+        (Some(a), Some(b)) => {
             let width = if is_perspective {
-                step * (place - eye).dot(forward)
+                step * (a.position - eye).dot(forward)
             } else {
                 step
             };
-            1.0 - normal.dot(other_normal)
-                + UNLIKE * (place - other).dot(other_normal).abs() / width
+            1.0 - a.normal.dot(b.normal)
+                + UNLIKE * (a.position - b.position).dot(b.normal).abs() / width
         }
         _ => f32::INFINITY,
     }
 }
 
-pub(super) fn point(gbuffer: &Gbuffer<f32>, x: u32, y: u32) -> Point {
-    let ([px, py, pz, mask], [nx, ny, nz, _]) = (
-        gbuffer.position_mask.get(x, y),
-        gbuffer.normal_alpha.get(x, y),
-    );
-    (mask == 1.0).then(|| (Vec3::new(px, py, pz), Vec3::new(nx, ny, nz)))
+/// Returns the point at a texel; `None` if nothing is hit.
+pub(super) fn surface_point(gbuffer: &Gbuffer<f32>, x: u32, y: u32) -> Option<SurfacePoint> {
+    let [px, py, pz, mask] = gbuffer.position_mask.get(x, y);
+    let [nx, ny, nz, _] = gbuffer.normal_alpha.get(x, y);
+    (mask == 1.0).then(|| SurfacePoint {
+        position: Vec3::new(px, py, pz),
+        normal: Vec3::new(nx, ny, nz),
+    })
 }

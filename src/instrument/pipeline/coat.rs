@@ -69,7 +69,7 @@ impl Pipeline {
             ..
         } = request.shading;
         let whole = self.render_layers(base)?;
-        let is_split = coat_renderer.powers[0] != coat_renderer.powers[1]
+        let is_split = coat_renderer.specular_power != coat_renderer.diffuse_power
             && !request.shading.diffuse.is_none();
         let specular_only = base.shaded(|shading| shading.diffuse = Diffuse::listed(NONE));
         let specular = if is_split {
@@ -81,11 +81,12 @@ impl Pipeline {
         let pixels = self.layer_pixels(coat, &over, request.scene.coat_weights())?;
         let needs_pair =
             coat_renderer.lookup.is_some() || coat_layering.loss() == CoatWeight::Albedo;
-        let pairs = match needs_pair {
-            true => self.layer_albedos(brdf, masking_shadowing, &pixels),
-            false => vec![DVec2::X; pixels.len()],
+        let pairs = if needs_pair {
+            self.layer_albedos(brdf, masking_shadowing, &pixels)
+        } else {
+            vec![DVec2::X; pixels.len()]
         };
-        let shares = pixels.iter().zip(pairs).map(|(pixel, pair)| {
+        let frame_shares = pixels.iter().zip(pairs).map(|(pixel, pair)| {
             let pair = if pixel.is_hit { pair } else { DVec2::X };
             let shares = shares(
                 coat_layering,
@@ -95,13 +96,17 @@ impl Pipeline {
                 pair,
             );
             // The diffuse term is what `whole` has beyond `specular`.
-            let [of_specular, of_diffuse] = shares.base;
-            [of_diffuse, of_specular - of_diffuse, shares.coat].map(DVec3::splat)
+            [
+                shares.base_diffuse,
+                shares.base_specular - shares.base_diffuse,
+                shares.coat,
+            ]
+            .map(DVec3::splat)
         });
-        let shares: Vec<_> = shares.collect();
+        let frame_shares: Vec<[DVec3; 3]> = frame_shares.collect();
         Ok(combined(
             [&whole, specular.as_ref().unwrap_or(&whole), &over],
-            &shares,
+            &frame_shares,
         )
         .after(over))
     }

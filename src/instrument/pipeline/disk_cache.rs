@@ -68,13 +68,12 @@ impl DiskCache {
                 dir: dir.to_owned(),
                 what,
             })?;
-        let (dir, device, warnings) = (dir.to_owned(), String::new(), Vec::new());
         let mut cache = Self {
-            dir,
+            dir: dir.to_owned(),
             limit_bytes,
             bytes: 0,
-            device,
-            warnings,
+            device: String::new(),
+            warnings: Vec::new(),
             is_read_only: false,
         };
         cache.bytes = cache

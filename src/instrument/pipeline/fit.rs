@@ -26,9 +26,29 @@ struct Need {
     has_images: bool,
 }
 
+fn texels([width, height]: [u32; 2]) -> u64 {
+    u64::from(width) * u64::from(height)
+}
+
+/// Returns the memory of a reference's sums and of the distribution of its environment.
+fn reference_need(request: &RenderRequest) -> Need {
+    let map = &request.environment.image;
+    // Starts and guide entries of the distribution, rounded up to powers of two.
+    let words = u64::from(map.height + 2)
+        * (u64::from(map.width) + u64::from(map.width).next_power_of_two() + 2);
+    let pixel_bytes = texels(request.size) * VEC4;
+    Need {
+        what: format!("reference under {}", request.environment.name),
+        size: request.size,
+        // Means, deviations, squared error.
+        bytes: 3 * pixel_bytes + 4 * words,
+        buffer_bytes: (4 * words).max(pixel_bytes),
+        has_images: false,
+    }
+}
+
 /// Lists the memory that `request` needs besides pipelines and geometry.
 fn needs(request: &RenderRequest) -> Vec<Need> {
-    let texels = |[width, height]: [u32; 2]| u64::from(width) * u64::from(height);
     // A mip chain takes a third more.
     let with_mips = |texels: u64| texels * VEC4 * 4 / 3;
     let image = |what: &str, size, bytes| Need {
@@ -39,8 +59,10 @@ fn needs(request: &RenderRequest) -> Vec<Need> {
         has_images: true,
     };
     let map = &request.environment.image;
-    let (size, map_size) = (request.size, [map.width, map.height]);
-    let (pixels, map_texels) = (texels(size), texels(map_size));
+    let size = request.size;
+    let map_size = [map.width, map.height];
+    let pixels = texels(size);
+    let map_texels = texels(map_size);
     // Reads and writes go through host-visible copies, one at a time.
     let mut needs = vec![
         // Four attachments, depth, radiance, a copy.
@@ -55,35 +77,22 @@ fn needs(request: &RenderRequest) -> Vec<Need> {
         ),
     ];
     if request.has_reference_term() {
-        // Means, deviations, squared error; starts and guide entries of the distribution, rounded
-        // up to powers of two.
-        let words = u64::from(map.height + 2)
-            * (u64::from(map.width) + u64::from(map.width).next_power_of_two() + 2);
-        let bytes = 3 * pixels * VEC4 + 4 * words;
-        let buffer_bytes = (4 * words).max(pixels * VEC4);
-        let what = format!("reference under {}", request.environment.name);
-        needs.push(Need {
-            what,
-            size,
-            bytes,
-            buffer_bytes,
-            has_images: false,
-        });
+        needs.push(reference_need(request));
     }
     let settings = &request.shading.precompute;
     let layout = settings.layout;
-    let of_faces = |size| u64::from(layout.face_count) * texels(size);
+    let face_texels = |size| u64::from(layout.face_count) * texels(size);
     if request.reads_filtered_levels() && !layout.is_environments() {
         let size = (layout.finest_size)(map_size);
         needs.push(image(
             "filtered environment",
             size,
-            with_mips(of_faces(size)),
+            with_mips(face_texels(size)),
         ));
     }
     if request.shading.method.uses_prefiltered() {
         let size = settings.prefilter_size;
-        needs.push(image("prefiltered map", size, with_mips(of_faces(size))));
+        needs.push(image("prefiltered map", size, with_mips(face_texels(size))));
     }
     if request.needs_dfg() {
         let side = [settings.dfg_size; 2];
@@ -91,7 +100,7 @@ fn needs(request: &RenderRequest) -> Vec<Need> {
     }
     if request.shading.diffuse.uses_irradiance_map {
         let size = settings.irradiance_size;
-        needs.push(image("irradiance map", size, VEC4 * of_faces(size)));
+        needs.push(image("irradiance map", size, VEC4 * face_texels(size)));
     }
     needs
 }
@@ -113,7 +122,8 @@ pub(super) fn check(gpu: &Gpu, request: &RenderRequest) -> Result<(), PipelineEr
             limit,
         })
     };
-    let (side_limit, buffer_limit) = (gpu.max_image_side(), gpu.max_buffer_bytes());
+    let side_limit = gpu.max_image_side();
+    let buffer_limit = gpu.max_buffer_bytes();
     for need in needs.iter().filter(|need| need.has_images) {
         let side = need.size[0].max(need.size[1]);
         if side > side_limit {

@@ -101,13 +101,12 @@ pub(super) struct IrradianceInputs<'a> {
 impl<'a> IrradianceInputs<'a> {
     pub(super) fn of(request: &'a RenderRequest) -> Self {
         let settings = &request.shading.tables();
-        let (size, sample_count) = (settings.irradiance_size, settings.irradiance_sample_count);
         Self {
             environment: &request.environment,
             layout: settings.layout,
-            size,
+            size: settings.irradiance_size,
             by: settings.prefilter,
-            sample_count,
+            sample_count: settings.irradiance_sample_count,
         }
     }
 
@@ -119,9 +118,11 @@ impl<'a> IrradianceInputs<'a> {
             by,
             sample_count,
         } = self;
-        let (map, faces, by) = (&environment.hash, layout.name, by.name());
         let inputs = format!(
-            "environment={map}\nlayout={faces}\nsize={size:?}\nsamples={sample_count:?}\nby={by}\n"
+            "environment={}\nlayout={}\nsize={size:?}\nsamples={sample_count:?}\nby={}\n",
+            environment.hash,
+            layout.name,
+            by.name(),
         );
         let shaders = [
             level_shaders(layout),
@@ -197,10 +198,13 @@ impl<'a> PrefilterInputs<'a> {
             mapping,
             lod_bias,
         } = recipe;
-        let (map, faces, model) = (&environment.hash, layout.name, brdf.name());
         let inputs = format!(
-            "environment={map}\nlayout={faces}\nbrdf={model}\nsize={size:?}\nlevels={level_count}\nsamples={sample_count}\n\
-             mapping={}\nweight={}\nmasking={masking:?}\nlod_bias={lod_bias}\nby={}\n",
+            "environment={}\nlayout={}\nbrdf={}\nsize={size:?}\nlevels={level_count}\n\
+             samples={sample_count}\nmapping={}\nweight={}\nmasking={masking:?}\n\
+             lod_bias={lod_bias}\nby={}\n",
+            environment.hash,
+            layout.name,
+            brdf.name(),
             mapping.name,
             weight.name,
             by.name(),
@@ -315,18 +319,20 @@ impl TapTableInputs {
                 Kernel {
                     brdf,
                     weight,
-                    masking: of_weight,
+                    masking: weight_masking,
                 },
             masking,
             mapping,
             level_count,
         } = self;
-        let (model, weight, mapping, count) =
-            (brdf.name(), weight.name, mapping.name, *count as u32);
-        let lobe = format!(
-            "brdf={model}\nweight={weight}\nweight_masking={of_weight:?}\nmasking={masking:?}\n"
+        let inputs = format!(
+            "brdf={}\nweight={}\nweight_masking={weight_masking:?}\nmasking={masking:?}\n\
+             mapping={}\nlevels={level_count}\ntaps={}\n",
+            brdf.name(),
+            weight.name,
+            mapping.name,
+            *count as u32,
         );
-        let inputs = format!("{lobe}mapping={mapping}\nlevels={level_count}\ntaps={count}\n");
         // The model's shader identifies the model.
         SharedKey {
             kind: "taps",

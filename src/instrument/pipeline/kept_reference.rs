@@ -78,8 +78,9 @@ pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
         format!("{:?}\n{}", precompute.storage, key.inputs)
     });
     let inputs = format!(
-        "environment={}\nplacement={placement:?}\nscale={environment_scale}\nepsilon={}\nscene={}\ncamera={camera:?}\n\
-         size={width}x{height}\nmethod={}\ndiffuse={}\nbrdf={}\nmasking={masking_shadowing:?}\ncompensation={compensation:?}\nsamples={samples}\n\
+        "environment={}\nplacement={placement:?}\nscale={environment_scale}\nepsilon={}\nscene={}\n\
+         camera={camera:?}\nsize={width}x{height}\nmethod={}\ndiffuse={}\nbrdf={}\n\
+         masking={masking_shadowing:?}\ncompensation={compensation:?}\nsamples={samples}\n\
          reference_samples={reference_samples}\nreference_error={reference_error:?}\n\
          background={background}\nseed={seed}\nlevels={levels:?}\nweight={weight:?}\ndfg={table}",
         environment.hash,

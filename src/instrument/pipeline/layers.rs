@@ -1,5 +1,5 @@
-//! Layers over a base: images of one geometry, added with the shares of [`crate::instrument::shade::coat`] and
-//! [`crate::instrument::shade::sheen`].
+//! Layers over a base: images of one geometry, added with the shares of
+//! [`crate::instrument::shade::coat`] and [`crate::instrument::shade::sheen`].
 //!
 //! So every method and the reference serve a layer, squared errors add, and a reference of the base
 //! serves all layers. A coat lies over sheen, sheen over the base.
@@ -71,14 +71,16 @@ impl Pipeline {
             let (_, target) = self.resources.view(&self.gpu, request)?;
             Ok::<_, PipelineError>(target.gbuffer.read(&self.gpu)?)
         });
-        let (weights, lobes) = (weights?.albedo_metallic, lobes?.normal_alpha);
+        let weights = weights?.albedo_metallic;
+        let lobes = lobes?.normal_alpha;
         let has_map = over
             .scene
             .materials
             .iter()
             .any(|material| material.roughness_map.is_some());
         let pixel = |i: usize| {
-            let (mut alpha, [r, g, b, _]) = (f64::from(lobes.data[i][3]), weights.data[i]);
+            let [r, g, b, _] = weights.data[i];
+            let mut alpha = f64::from(lobes.data[i][3]);
             if has_map {
                 let roughness = perceptual_roughness_from_alpha(alpha);
                 alpha = alpha_from_perceptual_roughness(
@@ -104,14 +106,11 @@ impl Pipeline {
     ) -> Vec<DVec2> {
         let mut known: HashMap<u64, Arc<Albedos>> = HashMap::new();
         let mut pair = |pixel: &LayerPixel| {
-            let own = || {
+            let albedos = known.entry(pixel.alpha.to_bits()).or_insert_with(|| {
                 self.resources
                     .albedos_of(Kernel::cosine(model), masking, pixel.alpha)
-            };
-            known
-                .entry(pixel.alpha.to_bits())
-                .or_insert_with(own)
-                .exact(pixel.n_dot_v)
+            });
+            albedos.exact(pixel.n_dot_v)
         };
         pixels
             .iter()

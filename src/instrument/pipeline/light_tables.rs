@@ -65,19 +65,11 @@ impl Pipeline {
         };
         let PrecomputeSettings {
             layout,
-            prefilter_level_count,
             level_mapping,
             dfg_axes,
             ..
         } = request.shading.precompute;
-        let size = &mut request.shading.precompute.prefilter_size;
-        // Halved as far as the number of levels allows.
-        let least = layout.side_min << prefilter_level_count;
-        while layout.face_count * size[0] * size[1] > PREFILTERED_TEXELS_MAX
-            && size[0].min(size[1]) >= least
-        {
-            *size = size.map(|side| side / 2);
-        }
+        limit_prefiltered_texels(&mut request.shading.precompute);
         let prepared = self.prepare(&request)?;
         let tables = &prepared.tables;
         let rgb = |[r, g, b, _]: [f32; 4]| [r, g, b];
@@ -89,7 +81,7 @@ impl Pipeline {
         let first_level = (0..levels).find(is_small).unwrap_or(levels - 1);
         let dfg = read_texels(&self.gpu, &tables.dfg)?;
         let sh9: Vec<[f32; 4]> = self.gpu.read_buffer(&tables.sh9)?;
-        let mut found = LightTables {
+        let mut light_tables = LightTables {
             layout,
             level_mapping,
             environment: (first_level..levels)
@@ -104,12 +96,37 @@ impl Pipeline {
             tap_tables: Vec::with_capacity(counts.len()),
         };
         for count in counts {
-            let reads = |method: &&Method| method.tap_table == Some(*count);
-            request.shading.method = METHODS.iter().find(reads).expect("a method for each table");
-            let table = self.prepare(&request)?.tables.tap_table;
-            found.tap_tables.push(read_texels(&self.gpu, &table)?);
+            let table = self.read_tap_table(&mut request, *count)?;
+            light_tables.tap_tables.push(table);
         }
-        Ok(found)
+        Ok(light_tables)
+    }
+
+    /// Reads a table of taps; changes the request's method to one that reads this table.
+    fn read_tap_table(
+        &mut self,
+        request: &mut RenderRequest,
+        count: TapCount,
+    ) -> Result<Pixels<[f32; 4]>, PipelineError> {
+        request.shading.method = METHODS
+            .iter()
+            .find(|method| method.tap_table == Some(count))
+            .expect("a method for each table");
+        let table = self.prepare(request)?.tables.tap_table;
+        read_texels(&self.gpu, &table)
+    }
+}
+
+/// Halves the prefiltered map down to [`PREFILTERED_TEXELS_MAX`], as far as its number of levels
+/// allows.
+fn limit_prefiltered_texels(settings: &mut PrecomputeSettings) {
+    let layout = settings.layout;
+    let least = layout.side_min << settings.prefilter_level_count;
+    let size = &mut settings.prefilter_size;
+    while layout.face_count * size[0] * size[1] > PREFILTERED_TEXELS_MAX
+        && size[0].min(size[1]) >= least
+    {
+        *size = size.map(|side| side / 2);
     }
 }
 

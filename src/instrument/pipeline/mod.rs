@@ -7,6 +7,7 @@ mod antialias;
 mod cache;
 mod coat;
 mod disk_cache;
+mod error;
 mod fit;
 pub mod frames;
 mod inputs;
@@ -14,103 +15,35 @@ mod kept_reference;
 mod ladder;
 mod layers;
 mod light_tables;
+mod passes;
 mod prepare;
 mod request;
 mod resources;
-
 mod shared_work;
 mod sheen;
+mod timing;
 
 pub use crate::instrument::gpu::{
     DeviceChoice, DeviceInfo, Options, PassTime, chosen_device, devices,
 };
 pub use cache::{CACHE_BYTES, Recent};
 pub use disk_cache::{DiskCache, DiskCacheError, program_hash};
+pub use error::PipelineError;
 pub use fit::{BUFFER_BYTES_EVERYWHERE, BUFFER_BYTES_MAX, image_buffer_bytes};
 pub use light_tables::LightTables;
 pub use request::{Frame, FrameTimings, RenderRequest, Steadiness, TimingSamples};
 pub use shared_work::SharedWork;
 
-use crate::base::glsl::constants::POINTS_PER_DISPATCH;
-use crate::base::pixels::{Pixels, Rgb8Image, RgbImage};
-use crate::instrument::gbuffer;
-use crate::instrument::gpu::{Buffer, Gpu, GpuError, Report};
-use crate::instrument::precompute::SettingsError;
-use crate::instrument::shade::Method;
-use crate::instrument::shade::pass::Passes;
-use crate::instrument::shade::reference_pass::{Convergence, PartPair, ReferenceRun};
+use crate::base::pixels::{Rgb8Image, RgbImage};
+use crate::instrument::gpu::Gpu;
 use crate::instrument::tonemap::{self, ToneCurve};
 use kept_reference::Reference;
-use resources::{Prepared, ReferenceData, Resources, Shelves};
+use passes::{RadianceImages, Shaded, read_radiance};
+use resources::{Prepared, Resources};
 use shared_work::Kept;
 use std::collections::BTreeSet;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-
-#[derive(Debug, thiserror::Error)]
-pub enum PipelineError {
-    #[error(transparent)]
-    Gpu(#[from] GpuError),
-    /// A broken integrator must not pass as dark or clipped.
-    #[error(
-        "{}: {count} pixels of the radiance are not finite or are negative, the first at column \
-         {x}, row {y}: {value:?}",
-        method.name
-    )]
-    InvalidRadiance {
-        method: &'static Method,
-        count: usize,
-        x: u32,
-        y: u32,
-        value: [f32; 3],
-    },
-    #[error("{field} is 0; expected at least 1")]
-    NoSamples { field: &'static str },
-    #[error(transparent)]
-    PartPair(#[from] PartPair),
-    #[error(transparent)]
-    Settings(#[from] SettingsError),
-    #[error("anisotropy: {0}")]
-    Widths(String),
-    #[error(
-        "the driver does not filter cubes across their edges; choose another layout: layout \
-         = \"octahedral\""
-    )]
-    OpenCubes,
-    /// Found before anything was allocated.
-    #[error("{part} is too large for the device: it needs {needed}, the limit is {limit}")]
-    TooLarge {
-        part: String,
-        needed: String,
-        limit: String,
-    },
-}
-
-impl PipelineError {
-    /// Whether the request itself must change: no retry can serve it.
-    pub fn is_input(&self) -> bool {
-        match self {
-            Self::OpenCubes
-            | Self::TooLarge { .. }
-            | Self::NoSamples { .. }
-            | Self::PartPair(_)
-            | Self::Widths(_)
-            | Self::Settings(_) => true,
-            Self::InvalidRadiance { method, .. } => method.text.is_some(),
-            Self::Gpu(_) => false,
-        }
-    }
-
-    /// Whether [`Pipeline::interrupt_by`] stopped the work.
-    pub fn is_interrupted(&self) -> bool {
-        matches!(self, Self::Gpu(GpuError::Interrupted))
-    }
-
-    /// Whether a retry on a fresh device may succeed.
-    pub fn is_transient(&self) -> bool {
-        matches!(self, Self::Gpu(error) if error.is_transient())
-    }
-}
 
 /// Returns whether a cache with its device set holds what `request` would render: then nothing is
 /// rendered.
@@ -213,7 +146,7 @@ impl Pipeline {
         self.resources.prepare(&self.gpu, &mut self.kept, request)
     }
 
-    /// Does `work`. If memory runs out, frees all cached results and tries once more.
+    /// Calls `work`. If memory runs out, frees all cached results and tries once more.
     fn with_memory<T>(
         &mut self,
         mut work: impl FnMut(&mut Self) -> Result<T, PipelineError>,
@@ -258,13 +191,12 @@ impl Pipeline {
         }) = kept
         {
             let (_, target) = self.resources.view(&self.gpu, request)?;
-            let (mask, n_dot_v) = (target.mask.clone(), target.n_dot_v.clone());
             return Ok(Frame {
                 radiance,
                 standard_error,
                 convergences,
-                mask,
-                n_dot_v,
+                mask: target.mask.clone(),
+                n_dot_v: target.n_dot_v.clone(),
                 steadiness: None,
                 timings: FrameTimings::default(),
             });
@@ -272,10 +204,9 @@ impl Pipeline {
         let (frame, shaders) = self.with_memory(|pipeline| pipeline.rendered(request))?;
         key.assert_names(&shaders);
         self.kept.store(&key, || {
-            let (radiance, standard_error) = (frame.radiance.clone(), frame.standard_error.clone());
             Ok(Reference {
-                radiance,
-                standard_error,
+                radiance: frame.radiance.clone(),
+                standard_error: frame.standard_error.clone(),
                 convergences: frame.convergences.clone(),
             }
             .to_bytes())
@@ -290,8 +221,14 @@ impl Pipeline {
         request: &RenderRequest,
     ) -> Result<(Frame, BTreeSet<String>), PipelineError> {
         let prepared = self.prepare(request)?;
-        let (report, convergences) = self.shade(request, &prepared)?;
-        let (radiance, standard_error) = read_radiance(&self.gpu, &prepared, request)?;
+        let Shaded {
+            report,
+            convergences,
+        } = self.shade(request, &prepared)?;
+        let RadianceImages {
+            radiance,
+            standard_error,
+        } = read_radiance(&self.gpu, &prepared, request)?;
         let frame = Frame {
             radiance,
             standard_error,
@@ -331,183 +268,4 @@ impl Pipeline {
             Ok((tonemap::pass::read(&pipeline.gpu, &packed, size)?, time))
         })
     }
-
-    /// Times the passes of a frame, tone curve included: `warmup` rounds that do not count, then
-    /// `rounds`. Of a sequence it times one frame.
-    pub fn time(
-        &mut self,
-        request: &RenderRequest,
-        warmup: u32,
-        rounds: u32,
-    ) -> Result<TimingSamples, PipelineError> {
-        let layers = if request.is_sequence() {
-            request.of_frame(0).layers()
-        } else {
-            request.layers()
-        };
-        let prepared = layers
-            .iter()
-            .map(|layer| self.prepare(layer))
-            .collect::<Result<Vec<_>, _>>()?;
-        let packed = tonemap::pass::packed(&self.gpu, request.size)?;
-        let (curve, radiance) = (ToneCurve::default(), &prepared[0].target.radiance);
-        let mut samples = TimingSamples::default();
-        for round in 0..warmup + rounds {
-            let mut report = Report::default();
-            for (layer, prepared) in layers.iter().zip(&prepared) {
-                report.add(self.shade(layer, prepared)?.0);
-            }
-            report.add(tonemap::pass::run(
-                &self.gpu,
-                curve,
-                radiance,
-                &packed,
-                request.size,
-            )?);
-            if round >= warmup {
-                samples.push(&report.passes, report.wall_ms);
-            }
-        }
-        Ok(samples)
-    }
-
-    /// Times the precompute passes of `request`. Each round makes all tables again, but those that
-    /// no pass makes (taps).
-    pub fn time_precompute(
-        &mut self,
-        request: &RenderRequest,
-        warmup: u32,
-        rounds: u32,
-    ) -> Result<TimingSamples, PipelineError> {
-        let mut samples = TimingSamples::default();
-        for round in 0..warmup + rounds {
-            let tap_tables =
-                std::mem::replace(&mut self.resources.tables, Shelves::new()).tap_tables;
-            self.resources.tables.tap_tables = tap_tables;
-            self.check(request)?;
-            let report = self
-                .resources
-                .prepare(&self.gpu, &mut Kept::default(), request)?
-                .precompute;
-            if round >= warmup {
-                samples.push(&report.passes, report.wall_ms);
-            }
-        }
-        Ok(samples)
-    }
-
-    /// Runs the g-buffer and every shading pass; the radiance stays in the target.
-    fn shade(
-        &mut self,
-        request: &RenderRequest,
-        prepared: &Prepared,
-    ) -> Result<(Report, Vec<Convergence>), PipelineError> {
-        let (Prepared { tables, target, .. }, gpu) = (prepared, &self.gpu);
-        let passes = passes(request, prepared);
-        let mut recorder = gpu.record("gbuffer")?;
-        // For the scene `design` the host wrote the g-buffer.
-        if !request.scene.is_design {
-            recorder.pass("gbuffer", |r| {
-                gbuffer::pass::record(r, &prepared.scene, passes.camera, passes.gbuffer)
-            })?;
-        }
-        recorder.fill(passes.radiance, 0);
-        let mut report = recorder.submit()?;
-
-        if request.shading.method.has_pass() {
-            let points_per_dispatch = prepared.samples_per_pixel.min(POINTS_PER_DISPATCH);
-            for part in gpu.parts(request.size, 1, points_per_dispatch.into()) {
-                for points in tables.points.ranges() {
-                    report.add(
-                        gpu.submit_pass("shade-specular", |r| passes.specular(r, points, part))?,
-                    );
-                }
-            }
-        }
-        let mut convergences = Vec::new();
-        if let Some(ReferenceData {
-            distribution,
-            sums,
-            squared_error,
-        }) = &prepared.reference
-        {
-            let mut recorder = gpu.record("reference")?;
-            recorder.fill(squared_error, 0);
-            report.add(recorder.submit()?);
-            let (stop, seed, mask) = (request.reference_stop(), request.seed, &*target.mask);
-            let epsilon = request.epsilon();
-            let run = ReferenceRun {
-                passes,
-                stop,
-                epsilon,
-                seed,
-                mask,
-                distribution,
-                sums,
-                squared_error,
-            };
-            for lobe in &prepared.lobes {
-                let (times, convergence) = run.run(gpu, *lobe)?;
-                report.add(times);
-                convergences.push(convergence);
-            }
-        }
-        for part in gpu.parts(request.size, 1, 1) {
-            let mut recorder = gpu.record("shade")?;
-            if request.shading.diffuse.has_pass() {
-                recorder.pass("shade-diffuse", |r| passes.diffuse(r, part))?;
-            }
-            if request.background {
-                recorder.pass("background", |r| passes.background(r, part))?;
-            }
-            report.add(recorder.submit()?);
-        }
-        Ok((report, convergences))
-    }
-}
-
-fn passes<'a>(request: &'a RenderRequest, prepared: &'a Prepared) -> Passes<'a> {
-    let Prepared { tables, target, .. } = prepared;
-    Passes {
-        shading: &request.shading,
-        camera: &request.camera,
-        tables,
-        gbuffer: &target.gbuffer,
-        tangents: prepared.tangents.as_ref().map(|target| &target.gbuffer),
-        radiance: &target.radiance,
-    }
-}
-
-fn read_radiance(
-    gpu: &Gpu,
-    prepared: &Prepared,
-    request: &RenderRequest,
-) -> Result<(RgbImage, Option<RgbImage>), PipelineError> {
-    let [width, height] = request.size;
-    let read = |buffer: &Buffer| -> Result<RgbImage, PipelineError> {
-        let texels: Vec<[f32; 4]> = gpu.read_buffer(buffer)?;
-        Ok(Pixels::new(
-            width,
-            height,
-            texels.iter().map(|&[r, g, b, _]| [r, g, b]).collect(),
-        ))
-    };
-    let radiance = read(&prepared.target.radiance)?;
-    let invalid = |texel: &[f32; 3]| texel.iter().any(|x| !x.is_finite() || *x < 0.0);
-    if let Some(index) = radiance.data.iter().position(invalid) {
-        return Err(PipelineError::InvalidRadiance {
-            method: request.shading.method,
-            count: radiance.data.iter().filter(|texel| invalid(texel)).count(),
-            x: index as u32 % width,
-            y: index as u32 / width,
-            value: radiance.data[index],
-        });
-    }
-    let root = |image: RgbImage| image.map(|texel| texel.map(f32::sqrt));
-    let squared_error = prepared
-        .reference
-        .as_ref()
-        .map(|reference| read(&reference.squared_error))
-        .transpose()?;
-    Ok((radiance, squared_error.map(root)))
 }

@@ -5,10 +5,10 @@ use super::inputs::{
     DfgInputs, IrradianceInputs, PrefilterInputs, SharedKey, TapTableInputs, filtered_key,
     mips_key, sh9_key,
 };
-use super::resources::{Prepared, ReferenceData, Resources, Target, harmonics};
+use super::resources::{PointKey, Prepared, ReferenceData, Resources, Target, ViewKey, harmonics};
 use super::shared_work::{Kept, Levels, Maker};
 use super::{PipelineError, RenderRequest};
-use crate::base::math::sequence::{PixelPoints, SEQUENCES, Sequence};
+use crate::base::math::sequence::{PixelPoints, SEQUENCES};
 use crate::instrument::environment::Environment;
 use crate::instrument::environment::distribution::{EnvironmentDistribution, weighted_texels};
 use crate::instrument::environment::layout::MapLayout;
@@ -21,12 +21,14 @@ use crate::instrument::precompute::prefilter::harmonic;
 use crate::instrument::precompute::{
     HALF_MAX, PrefilterBy, StorageFormat, dfg, filtered, irradiance, mips, prefilter, sh9,
 };
-use crate::instrument::shade::Shading;
 use crate::instrument::shade::pass::Tables;
 use crate::instrument::shade::reference_pass::{DistributionBuffers, Sums, pair_count};
+use crate::instrument::shade::{PointTable, Shading};
+use std::convert::Infallible;
 use std::sync::Arc;
 
 impl Resources {
+    /// Makes all inputs of the shading passes, or takes them from the caches.
     pub(super) fn prepare(
         &mut self,
         gpu: &Gpu,
@@ -39,63 +41,14 @@ impl Resources {
             kept,
             total: Report::default(),
         };
-        let environment = self.environment(maker, &request.environment)?;
         let samples_per_pixel = if request.shading.method.uses_samples {
             request.shading.samples
         } else {
             1
         };
-        let storage = request.shading.tables().storage;
-
-        let sh9 = match request.shading.diffuse.uses_sh9 {
-            true => self.coefficients(maker, &request.environment, &environment)?,
-            false => self.blank_buffer.clone(),
-        };
-        let layout = request.shading.precompute.layout;
-        let filtered = match request.reads_filtered_levels() {
-            true => self.filtered(maker, &request.environment, layout, &environment)?,
-            false => self.blank(layout),
-        };
-        let irradiance_map = match request.shading.diffuse.uses_irradiance_map {
-            true => {
-                self.irradiance_map(maker, IrradianceInputs::of(request), storage, &filtered)?
-            }
-            false => self.blank(layout),
-        };
-        let prefiltered = match request.shading.method.uses_prefiltered() {
-            true => self.prefiltered(maker, PrefilterInputs::of(request), storage, &filtered)?,
-            false => self.blank(layout),
-        };
-        let dfg = match request.needs_dfg() {
-            true => self.dfg_table(maker, DfgInputs::of(request), storage)?,
-            false => self.blank_image.clone(),
-        };
-        let tap_table = match request.shading.method.tap_table {
-            Some(count) => self.tap_table(maker, TapTableInputs::of(request, count), storage)?,
-            None => self.blank_image.clone(),
-        };
-        let (sequence, set, of_pixel) = request.shading.point_table();
-        let points = self.points(gpu, samples_per_pixel, sequence, set, of_pixel)?;
-        let shifts = request
-            .point_shifts()
-            .map(|shifts| gpu.buffer_from("shifts", &shifts))
-            .transpose()?;
-        let shifts = shifts.unwrap_or_else(|| self.blank_buffer.clone());
+        let tables = self.tables_of(maker, request, samples_per_pixel)?;
         let (scene, target) = self.view(gpu, request)?;
-        let tangents = match request.scene.has_anisotropy() {
-            true => {
-                let make = || Ok::<_, PipelineError>(Arc::new(request.scene.tangents()));
-                let scene = self
-                    .tangents
-                    .get_or_make(request.scene.hash.clone(), make)?;
-                let shown = RenderRequest {
-                    scene,
-                    ..request.clone()
-                };
-                Some(self.view(gpu, &shown)?.1)
-            }
-            false => None,
-        };
+        let tangents = self.tangents(gpu, request)?;
         let lobes = request.reference_lobes();
         let reference = if lobes.is_empty() {
             None
@@ -103,17 +56,7 @@ impl Resources {
             Some(self.reference_data(gpu, request)?)
         };
         Ok(Prepared {
-            tables: Tables {
-                environment,
-                filtered,
-                prefiltered,
-                dfg,
-                tap_table,
-                irradiance_map,
-                sh9,
-                points,
-                shifts,
-            },
+            tables,
             scene,
             target,
             tangents,
@@ -124,12 +67,75 @@ impl Resources {
         })
     }
 
+    /// Makes the tables that a request reads. Blank ones are bound in place of the others.
+    fn tables_of(
+        &mut self,
+        maker: &mut Maker,
+        request: &RenderRequest,
+        samples_per_pixel: u32,
+    ) -> Result<Tables, PipelineError> {
+        let gpu = maker.gpu;
+        let Shading {
+            method, diffuse, ..
+        } = request.shading;
+        let layout = request.shading.precompute.layout;
+        let storage = request.shading.tables().storage;
+
+        let environment = self.environment(maker, &request.environment)?;
+        let sh9 = if diffuse.uses_sh9 {
+            self.coefficients(maker, &request.environment, &environment)?
+        } else {
+            self.blank_buffer.clone()
+        };
+        let filtered = if request.reads_filtered_levels() {
+            self.filtered(maker, &request.environment, layout, &environment)?
+        } else {
+            self.blank(layout)
+        };
+        let irradiance_map = if diffuse.uses_irradiance_map {
+            self.irradiance_map(maker, IrradianceInputs::of(request), storage, &filtered)?
+        } else {
+            self.blank(layout)
+        };
+        let prefiltered = if method.uses_prefiltered() {
+            self.prefiltered(maker, PrefilterInputs::of(request), storage, &filtered)?
+        } else {
+            self.blank(layout)
+        };
+        let dfg = if request.needs_dfg() {
+            self.dfg_table(maker, DfgInputs::of(request), storage)?
+        } else {
+            self.blank_image.clone()
+        };
+        let tap_table = match method.tap_table {
+            Some(count) => self.tap_table(maker, TapTableInputs::of(request, count), storage)?,
+            None => self.blank_image.clone(),
+        };
+        let points = self.points(gpu, samples_per_pixel, request.shading.point_table())?;
+        let shifts = match request.point_shifts() {
+            Some(shifts) => gpu.buffer_from("shifts", &shifts)?,
+            None => self.blank_buffer.clone(),
+        };
+        Ok(Tables {
+            environment,
+            filtered,
+            prefiltered,
+            dfg,
+            tap_table,
+            irradiance_map,
+            sh9,
+            points,
+            shifts,
+        })
+    }
+
     fn environment(
         &mut self,
         maker: &mut Maker,
         environment: &Environment,
     ) -> Result<Image, PipelineError> {
-        let (gpu, pixels) = (maker.gpu, &environment.image);
+        let gpu = maker.gpu;
+        let pixels = &environment.image;
         let size = [pixels.width, pixels.height];
         let empty = || {
             let image = gpu.image("environment", size, level_count(size), Format::Rgba32Float)?;
@@ -183,14 +189,21 @@ impl Resources {
         &mut self,
         gpu: &Gpu,
         count: u32,
-        sequence: &'static Sequence,
-        set: u32,
-        of_pixel: PixelPoints,
+        table: PointTable,
     ) -> Result<Points, PipelineError> {
-        let make = || Points::upload(gpu, count, sequence, set, of_pixel);
-        Ok(self
-            .points
-            .get_or_make((count, sequence.name, set, of_pixel), make)?)
+        let PointTable {
+            sequence,
+            set,
+            pixel_points,
+        } = table;
+        let key = PointKey {
+            count,
+            sequence: sequence.name,
+            set,
+            pixel_points,
+        };
+        let make = || Points::upload(gpu, count, sequence, set, pixel_points);
+        Ok(self.points.get_or_make(key, make)?)
     }
 
     fn reference_data(
@@ -204,15 +217,10 @@ impl Resources {
             .get_or_make(environment.hash.clone(), || {
                 DistributionBuffers::new(gpu, &EnvironmentDistribution::new(&environment.image))
             })?;
-        let bytes = 16 * u64::from(request.size[0]) * u64::from(request.size[1]);
-        let (sums, squared_error) = (
-            Sums::new(gpu, request.size)?,
-            gpu.buffer("squared error", bytes)?,
-        );
         Ok(ReferenceData {
             distribution,
-            sums,
-            squared_error,
+            sums: Sums::new(gpu, request.size)?,
+            squared_error: gpu.buffer("squared error", vec4_bytes(request.size))?,
         })
     }
 
@@ -239,7 +247,8 @@ impl Resources {
         storage: StorageFormat,
         environment: &Image,
     ) -> Result<Image, PipelineError> {
-        let (gpu, key) = (maker.gpu, inputs.key());
+        let gpu = maker.gpu;
+        let key = inputs.key();
         let empty = || irradiance::pass::map(gpu, inputs.layout, inputs.size).map(Levels::all);
         let transforms = &mut self.tables.harmonics;
         let made = maker.table(
@@ -271,17 +280,24 @@ impl Resources {
         storage: StorageFormat,
         environment: &Image,
     ) -> Result<Image, PipelineError> {
-        let (gpu, key) = (maker.gpu, inputs.key());
+        let gpu = maker.gpu;
+        let key = inputs.key();
         let is_harmonic = inputs.by == PrefilterBy::Harmonic;
         let sample_count = if is_harmonic { 1 } else { inputs.sample_count };
-        let points = self.points(gpu, sample_count, &SEQUENCES[0], 0, PixelPoints::Shared)?;
+        let table = PointTable {
+            sequence: &SEQUENCES[0],
+            set: 0,
+            pixel_points: PixelPoints::Shared,
+        };
+        let points = self.points(gpu, sample_count, table)?;
         let transforms = &mut self.tables.harmonics;
         let empty = || {
             prefilter::pass::map(gpu, inputs.layout, inputs.size, inputs.level_count)
                 .map(Levels::all)
         };
         let made = maker.table(&mut self.tables.prefiltered, &key, empty, |map| {
-            let (recipe, layout) = (inputs.recipe, inputs.layout);
+            let recipe = inputs.recipe;
+            let layout = inputs.layout;
             if let Some(given) = inputs.given {
                 for (level, texels) in (0..).zip(&given.levels) {
                     gpu.write_image(&map.image, level, texels)?;
@@ -312,7 +328,8 @@ impl Resources {
         inputs: DfgInputs,
         storage: StorageFormat,
     ) -> Result<Image, PipelineError> {
-        let (gpu, key) = (maker.gpu, inputs.key());
+        let gpu = maker.gpu;
+        let key = inputs.key();
         let empty = || dfg::pass::table(gpu, inputs.side).map(Levels::all);
         let made = maker.table(&mut self.tables.dfg_tables, &key, empty, |table| {
             if let Some(given) = inputs.given {
@@ -337,7 +354,8 @@ impl Resources {
         inputs: TapTableInputs,
         storage: StorageFormat,
     ) -> Result<Image, PipelineError> {
-        let (gpu, key) = (maker.gpu, inputs.key());
+        let gpu = maker.gpu;
+        let key = inputs.key();
         let empty = || {
             gpu.image("tap table", inputs.size(), 1, Format::Rgba32Float)
                 .map(Levels::all)
@@ -372,39 +390,34 @@ impl Resources {
         gpu: &Gpu,
         request: &RenderRequest,
     ) -> Result<(Arc<SceneData>, Arc<Target>), PipelineError> {
-        let (hash, camera, size) = (&request.scene.hash, request.camera, request.size);
-        let scene = self.scenes.get_or_make(hash.clone(), || {
+        let scene = self.scenes.get_or_make(request.scene.hash.clone(), || {
             SceneData::new(gpu, &request.scene).map(Arc::new)
         })?;
-        let target =
-            self.targets
-                .get_or_make((hash.clone(), camera, size), || -> Result<_, GpuError> {
-                    let gbuffer = GbufferImages::new(gpu, size)?;
-                    let texels = match request.scene.is_design {
-                        true => {
-                            let texels = design::gbuffer(&request.scene, size);
-                            gbuffer.write(gpu, &texels)?;
-                            texels
-                        }
-                        false => {
-                            let mut recorder = gpu.record("gbuffer")?;
-                            gbuffer_pass::record(&mut recorder, &scene, &camera, &gbuffer)?;
-                            recorder.submit()?;
-                            gbuffer.read(gpu)?
-                        }
-                    };
-                    let radiance =
-                        gpu.buffer("radiance", 16 * u64::from(size[0]) * u64::from(size[1]))?;
-                    let (mask, n_dot_v) =
-                        (Arc::new(texels.mask()), Arc::new(texels.n_dot_v(&camera)));
-                    Ok(Arc::new(Target {
-                        gbuffer,
-                        radiance,
-                        mask,
-                        n_dot_v,
-                    }))
-                })?;
+        let target = self
+            .targets
+            .get_or_make(ViewKey::new(request), || target(gpu, request, &scene))?;
         Ok((scene, target))
+    }
+
+    /// Returns the targets whose normals and alphas are tangents and strengths, if lobes of the
+    /// scene have two widths.
+    fn tangents(
+        &mut self,
+        gpu: &Gpu,
+        request: &RenderRequest,
+    ) -> Result<Option<Arc<Target>>, PipelineError> {
+        if !request.scene.has_anisotropy() {
+            return Ok(None);
+        }
+        let Ok(scene) = self.tangents.get_or_make(request.scene.hash.clone(), || {
+            Ok::<_, Infallible>(Arc::new(request.scene.tangents()))
+        });
+        let tangents = RenderRequest {
+            scene,
+            ..request.clone()
+        };
+        let (_, target) = self.view(gpu, &tangents)?;
+        Ok(Some(target))
     }
 
     /// Returns the edges of the view of `request`.
@@ -413,7 +426,7 @@ impl Resources {
         gpu: &Gpu,
         request: &RenderRequest,
     ) -> Result<Arc<Edges>, PipelineError> {
-        let key = (request.scene.hash.clone(), request.camera, request.size);
+        let key = ViewKey::new(request);
         if let Some(edges) = self.edges.get(&key) {
             return Ok(edges);
         }
@@ -428,12 +441,37 @@ impl Resources {
     }
 }
 
+/// Makes the targets of a view and draws its g-buffer.
+fn target(gpu: &Gpu, request: &RenderRequest, scene: &SceneData) -> Result<Arc<Target>, GpuError> {
+    let gbuffer = GbufferImages::new(gpu, request.size)?;
+    let texels = if request.scene.is_design {
+        let texels = design::gbuffer(&request.scene, request.size);
+        gbuffer.write(gpu, &texels)?;
+        texels
+    } else {
+        let mut recorder = gpu.record("gbuffer")?;
+        gbuffer_pass::record(&mut recorder, scene, &request.camera, &gbuffer)?;
+        recorder.submit()?;
+        gbuffer.read(gpu)?
+    };
+    Ok(Arc::new(Target {
+        gbuffer,
+        radiance: gpu.buffer("radiance", vec4_bytes(request.size))?,
+        mask: Arc::new(texels.mask()),
+        n_dot_v: Arc::new(texels.n_dot_v(&request.camera)),
+    }))
+}
+
+/// Bytes of a vec4 of f32 for each pixel.
+fn vec4_bytes([width, height]: [u32; 2]) -> u64 {
+    16 * u64::from(width) * u64::from(height)
+}
+
 /// Copies the texels to half precision, each at most [`HALF_MAX`].
 fn half_copy(gpu: &Gpu, name: &str, table: &Image) -> Result<Image, GpuError> {
-    let (label, size) = (format!("{name} in halves"), table.mip_size(0));
     let copy = gpu.faced_image(
-        &label,
-        size,
+        &format!("{name} in halves"),
+        table.mip_size(0),
         table.face_count(),
         table.mip_count(),
         Format::Rgba16Float,
@@ -450,28 +488,23 @@ fn half_copy(gpu: &Gpu, name: &str, table: &Image) -> Result<Image, GpuError> {
 }
 
 fn validate(request: &RenderRequest) -> Result<(), PipelineError> {
-    for (field, count) in [
-        ("samples", request.shading.samples),
+    let shading = &request.shading;
+    let counts = [
+        ("samples", shading.samples),
         ("reference_samples", request.reference_samples),
-    ] {
-        if count == 0 {
-            return Err(PipelineError::NoSamples { field });
-        }
+    ];
+    if let Some((field, _)) = counts.into_iter().find(|(_, count)| *count == 0) {
+        return Err(PipelineError::NoSamples { field });
     }
     if request.has_reference_term() {
         pair_count(request.reference_samples)?;
     }
-    let Shading {
-        widths,
-        brdf,
-        masking_shadowing,
-        ..
-    } = request.shading;
-    let fault = request
-        .scene
-        .has_anisotropy()
-        .then(|| widths.fault(brdf, masking_shadowing))
-        .flatten();
-    fault.map_or(Ok(()), |what| Err(PipelineError::Widths(what)))?;
-    Ok(request.shading.tables().validate()?)
+    if request.scene.has_anisotropy()
+        && let Some(fault) = shading
+            .widths
+            .fault(shading.brdf, shading.masking_shadowing)
+    {
+        return Err(PipelineError::Widths(fault));
+    }
+    Ok(shading.tables().validate()?)
 }

@@ -1,10 +1,10 @@
 //! Cached results of the pipeline, and the part that a request gets.
 
-use super::PipelineError;
 use super::antialias::Edges;
 use super::cache::Recent;
 use super::fit::image_buffer_bytes;
 use super::shared_work::Levels;
+use super::{PipelineError, RenderRequest};
 use crate::base::math::harmonics::Harmonics;
 use crate::base::math::sequence::PixelPoints;
 use crate::base::pixels::GrayImage;
@@ -54,13 +54,39 @@ impl Shelves {
     }
 }
 
-/// Scene hash, camera and size.
-type View = (String, Camera, [u32; 2]);
+/// What determines the points of a dispatch.
+#[derive(PartialEq)]
+pub(super) struct PointKey {
+    pub(super) count: u32,
+    /// Name of the sequence.
+    pub(super) sequence: &'static str,
+    pub(super) set: u32,
+    pub(super) pixel_points: PixelPoints,
+}
+
+/// What determines the targets and edges of a view.
+#[derive(Clone, PartialEq)]
+pub(super) struct ViewKey {
+    /// Hash of the scene.
+    pub(super) scene: String,
+    pub(super) camera: Camera,
+    pub(super) size: [u32; 2],
+}
+
+impl ViewKey {
+    pub(super) fn new(request: &RenderRequest) -> Self {
+        Self {
+            scene: request.scene.hash.clone(),
+            camera: request.camera,
+            size: request.size,
+        }
+    }
+}
 
 pub(super) struct Resources {
     pub(super) tables: Shelves,
     pub(super) distributions: Recent<String, DistributionBuffers>,
-    pub(super) points: Recent<(u32, &'static str, u32, PixelPoints), Points>,
+    pub(super) points: Recent<PointKey, Points>,
     /// Radiance of coalitions, as far as f0 does not matter.
     pub(super) steps: Recent<String, Arc<Radiance>>,
     /// Independent of the light.
@@ -68,8 +94,8 @@ pub(super) struct Resources {
     pub(super) scenes: Recent<String, Arc<SceneData>>,
     /// [`Scene::tangents`] by the scene.
     pub(super) tangents: Recent<String, Arc<Scene>>,
-    pub(super) targets: Recent<View, Arc<Target>>,
-    pub(super) edges: Recent<View, Arc<Edges>>,
+    pub(super) targets: Recent<ViewKey, Arc<Target>>,
+    pub(super) edges: Recent<ViewKey, Arc<Edges>>,
     /// Bound in place of tables that a request does not use.
     pub(super) blank_image: Image,
     pub(super) blank_cube: Image,

@@ -4,17 +4,16 @@ use super::layers::combined;
 use super::request::Frame;
 use super::{Pipeline, PipelineError, RenderRequest};
 use crate::base::names::Listed;
-use crate::instrument::brdf::{
-    Brdf, Compensation, MaskingShadowing, SHEEN_ALPHA_MIN, SheenVisibility,
-};
+use crate::instrument::brdf::{Compensation, MaskingShadowing, SHEEN_ALPHA_MIN, SheenVisibility};
 use crate::instrument::precompute::PrefilterBy;
 use crate::instrument::precompute::given::Given;
 use crate::instrument::precompute::prefilter::WEIGHTS;
 use crate::instrument::shade::sheen::{SheenMap, shares};
 use crate::instrument::shade::{Diffuse, Method, NONE, Shading};
+use glam::DVec3;
 use std::sync::Arc;
 
-/// The image of the sheen that reads irradiance has it as its only term.
+/// The diffuse method of a sheen that reads irradiance, whose image has no other term.
 const IRRADIANCE: &str = "irradiance-map";
 
 impl RenderRequest {
@@ -27,47 +26,53 @@ impl RenderRequest {
             scene: Arc::new(self.scene.without_sheen()),
             ..self.clone()
         };
-        let (mut shading, mut given) = (self.shading, self.given.clone());
-        (shading.diffuse, shading.compensation) = (Diffuse::listed(NONE), Compensation::None);
-        let lobe = |visibility| {
-            (
-                visible(visibility) as &'static dyn Brdf,
-                MaskingShadowing::Correlated,
-            )
+        let mut sheen = Self {
+            scene: Arc::new(self.scene.sheen()),
+            background: false,
+            ..self.clone()
         };
+        sheen.shading.diffuse = Diffuse::listed(NONE);
+        sheen.shading.compensation = Compensation::None;
+        sheen.choose_sheen_method();
+        Some([base, sheen])
+    }
+
+    /// Sets the method, and what the method reads, to those of the sheen's image.
+    fn choose_sheen_method(&mut self) {
+        let shading = &mut self.shading;
+        if shading.method.is_none() {
+            return;
+        }
+        if shading.method.is_integrated() {
+            shading.method = Method::SHEEN;
+            set_sheen_lobe(shading, shading.sheen_visibility);
+            return;
+        }
         match shading.sheen_lookup.map {
-            _ if shading.method.is_none() => {}
-            _ if shading.method.is_integrated() => {
-                shading.method = Method::SHEEN;
-                (shading.brdf, shading.masking_shadowing) = lobe(shading.sheen_visibility);
-            }
             SheenMap::Irradiance => {
-                (shading.method, shading.diffuse) =
-                    (Method::listed(NONE), Diffuse::listed(IRRADIANCE));
+                shading.method = Method::listed(NONE);
+                shading.diffuse = Diffuse::listed(IRRADIANCE);
             }
             SheenMap::Levels => shading.method = Method::SHEEN_LOOKUP,
             SheenMap::Charlie => {
-                (shading.method, given) = (Method::SHEEN_LOOKUP, Given::default());
+                shading.method = Method::SHEEN_LOOKUP;
                 // Both visibilities have one D.
-                (shading.brdf, shading.masking_shadowing) = lobe(SheenVisibility::Charlie);
+                set_sheen_lobe(shading, SheenVisibility::Charlie);
                 shading.precompute.prefilter = PrefilterBy::Harmonic;
                 shading.precompute.prefilter_weight = &WEIGHTS[0];
+                self.given = Given::default();
             }
         }
-        Some([
-            base,
-            Self {
-                scene: Arc::new(self.scene.sheen()),
-                shading,
-                given,
-                background: false,
-                ..self.clone()
-            },
-        ])
     }
 }
 
-fn visible(visibility: SheenVisibility) -> &'static SheenVisibility {
+fn set_sheen_lobe(shading: &mut Shading, visibility: SheenVisibility) {
+    shading.brdf = listed_visibility(visibility);
+    shading.masking_shadowing = MaskingShadowing::Correlated;
+}
+
+/// Returns a visibility as a model that lives as long as the program.
+fn listed_visibility(visibility: SheenVisibility) -> &'static SheenVisibility {
     SheenVisibility::listed(Listed::name(&visibility))
 }
 
@@ -92,20 +97,21 @@ impl Pipeline {
             .for_each(|pixel| pixel.alpha = pixel.alpha.max(SHEEN_ALPHA_MIN));
         let lookup = method.has_pass().then_some(sheen_lookup);
         let pairs = self.layer_albedos(
-            visible(sheen_visibility),
+            listed_visibility(sheen_visibility),
             MaskingShadowing::Correlated,
             &pixels,
         );
         let shares = pixels.iter().zip(pairs).map(|(pixel, pair)| {
-            shares(
+            let shares = shares(
                 lookup,
                 pixel.weight,
                 pixel.alpha,
                 pixel.n_dot_v,
                 pair.element_sum(),
-            )
+            );
+            [shares.base, shares.sheen]
         });
-        let shares: Vec<_> = shares.collect();
+        let shares: Vec<[DVec3; 2]> = shares.collect();
         Ok(combined([&under, &over], &shares).after(over))
     }
 }

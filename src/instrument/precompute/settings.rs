@@ -113,28 +113,38 @@ impl PrecomputeSettings {
     /// Checks that nothing is 0 and that the prefiltered map has two levels or more, none too small
     /// for the layout.
     pub fn validate(&self) -> Result<(), SettingsError> {
-        let fault = |field, what: String| Err(SettingsError { field, what });
-        let smaller = |pair: [u32; 2]| pair[0].min(pair[1]);
+        self.check_counts()?;
+        self.check_faces()?;
+        self.check_levels()?;
+        self.check_harmonic_degree()
+    }
+
+    fn check_counts(&self) -> Result<(), SettingsError> {
+        let shorter = |[a, b]: [u32; 2]| a.min(b);
         for (field, count) in [
             ("prefilter_sample_count", self.prefilter_sample_count),
             ("dfg_sample_count", self.dfg_sample_count),
             ("dfg_size", self.dfg_size),
-            ("irradiance_size", smaller(self.irradiance_size)),
+            ("irradiance_size", shorter(self.irradiance_size)),
             (
                 "irradiance_sample_count",
-                smaller(self.irradiance_sample_count),
+                shorter(self.irradiance_sample_count),
             ),
         ] {
             if count == 0 {
-                return fault(field, "0; expected at least 1".into());
+                return fault(field, "0; expected at least 1".to_owned());
             }
         }
         if self.dfg_size == 1 {
             return fault(
                 "dfg_size",
-                "1; expected at least 2, as both ends of its axes are texels".into(),
+                "1; expected at least 2, as both ends of its axes are texels".to_owned(),
             );
         }
+        Ok(())
+    }
+
+    fn check_faces(&self) -> Result<(), SettingsError> {
         for (field, [width, height]) in [
             ("prefilter_size", self.prefilter_size),
             ("irradiance_size", self.irradiance_size),
@@ -150,11 +160,13 @@ impl PrecomputeSettings {
                 );
             }
         }
-        let (levels, [width, height], least) = (
-            self.prefilter_level_count,
-            self.prefilter_size,
-            self.layout.side_min,
-        );
+        Ok(())
+    }
+
+    fn check_levels(&self) -> Result<(), SettingsError> {
+        let levels = self.prefilter_level_count;
+        let [width, height] = self.prefilter_size;
+        let least = self.layout.side_min;
         let halved = |times: u32| width.min(height).checked_shr(times).unwrap_or(0);
         if levels < 2 {
             return fault(
@@ -187,11 +199,19 @@ impl PrecomputeSettings {
                 ),
             );
         }
+        Ok(())
+    }
+
+    /// Checks that harmonics can make the narrowest filtered level.
+    fn check_harmonic_degree(&self) -> Result<(), SettingsError> {
+        let levels = self.prefilter_level_count;
         let mapping = self.level_mapping;
         if self.prefilter == PrefilterBy::Harmonic
             && mapping.alpha_from_mip(1.0, levels) < harmonic::ALPHA_MIN
         {
-            let (name, alpha, degree) = (mapping.name, harmonic::ALPHA_MIN, harmonic::DEGREE_MAX);
+            let name = mapping.name;
+            let alpha = harmonic::ALPHA_MIN;
+            let degree = harmonic::DEGREE_MAX;
             return fault(
                 "prefilter_level_count",
                 format!(
@@ -203,4 +223,8 @@ impl PrecomputeSettings {
         }
         Ok(())
     }
+}
+
+fn fault(field: &'static str, what: String) -> Result<(), SettingsError> {
+    Err(SettingsError { field, what })
 }

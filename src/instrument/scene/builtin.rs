@@ -89,7 +89,8 @@ fn design() -> Scene {
 /// (source document 0). The top right one is fully reflective (albedo 1, metallic 1, the smallest
 /// alpha).
 fn spheres() -> Scene {
-    let (columns, rows) = (SPHERES_ALPHA.len(), SPHERES_METALLIC.len());
+    let columns = SPHERES_ALPHA.len();
+    let rows = SPHERES_METALLIC.len();
     let centred = |i: usize, count: usize| (i as f64 - 0.5 * (count as f64 - 1.0)) * SPHERES_PITCH;
     let mut spheres = Vec::new();
     let mut materials = Vec::new();
@@ -119,7 +120,8 @@ fn spheres() -> Scene {
 
 /// The rectangle [-1, 1] x [-2, 2] of the plane y = 0, seen from 20 degrees above the horizon.
 fn plane() -> Scene {
-    let (half_width, half_depth) = (1.0, 2.0);
+    let half_width = 1.0;
+    let half_depth = 2.0;
     let corner = |u: f32, v: f32| {
         [
             (2.0 * u - 1.0) * half_width,

@@ -153,7 +153,8 @@ impl Camera {
             return self;
         }
         let (low, high) = scene.bounds();
-        let (middle, radius) = (0.5 * (low + high), 0.5 * (high - low).length());
+        let middle = 0.5 * (low + high);
+        let radius = 0.5 * (high - low).length();
         let backward = -self.forward;
         let pole = 90.0 - Orbit::POLE_DEG;
         let yaw = backward.x.atan2(backward.z) + orbit.yaw_deg.to_radians();
@@ -197,7 +198,9 @@ impl Camera {
     /// The eye is the origin: positions of `design` are opposite to their views.
     fn of_design() -> Self {
         let projection = perspective(perspective_extent());
-        let (right, up, forward) = (DVec3::X, DVec3::Y, DVec3::NEG_Z);
+        let right = DVec3::X;
+        let up = DVec3::Y;
+        let forward = DVec3::NEG_Z;
         Self {
             eye: DVec3::ZERO,
             right,
@@ -240,8 +243,8 @@ impl Camera {
                 // The plane through the eye with slope e is `x - eye_x <= e (eye_z - z)`. It
                 // touches the scene at the support of (1, 0, e), so the sum of both sides gives
                 // eye_z and their difference eye_x.
-                let (slope_x, slope_y) =
-                    (extent_y * aspect / FRAME_MARGIN, extent_y / FRAME_MARGIN);
+                let slope_x = extent_y * aspect / FRAME_MARGIN;
+                let slope_y = extent_y / FRAME_MARGIN;
                 let [to_right, to_left] = [
                     reach(right + backward * slope_x),
                     reach(backward * slope_x - right),

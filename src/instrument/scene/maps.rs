@@ -51,11 +51,37 @@ pub(super) enum Meaning {
     Direction,
 }
 
+impl Meaning {
+    /// Converts the linear channels of a texel to what the map means, so that filtering may follow.
+    fn value(self, [x, y, z]: [f32; 3]) -> [f32; 3] {
+        match self {
+            Self::Color | Self::Linear | Self::Alpha => [x, y, z],
+            Self::Normal { scale } => [
+                scale * (2.0 * x - 1.0),
+                scale * (2.0 * y - 1.0),
+                2.0 * z - 1.0,
+            ],
+            Self::Direction => {
+                let unit = Vec2::new(2.0 * x - 1.0, 2.0 * y - 1.0).normalize_or(Vec2::X);
+                (z * unit).extend(0.0).to_array()
+            }
+        }
+    }
+}
+
+/// The textures of a scene's files, reduced while they are too many texels together.
 pub(super) struct Maps {
     textures: Vec<Texture>,
     /// Longest side, a power of two; halved while all textures have too many texels together.
     longest_side: u32,
     is_any_cut: bool,
+}
+
+/// All textures of a scene.
+pub(super) struct ReadMaps {
+    pub textures: Vec<Texture>,
+    /// Whether textures were reduced, in a sentence.
+    pub warning: Option<String>,
 }
 
 impl Default for Maps {
@@ -71,43 +97,25 @@ impl Default for Maps {
 impl Maps {
     /// Decodes a texture and returns its index.
     pub fn add(&mut self, bytes: &[u8], meaning: Meaning, wrap: Wrap) -> Result<usize, String> {
-        let mut texture = decode(bytes, meaning)?;
-        if let Meaning::Normal { scale } = meaning {
-            // Linear, so that filtering may follow.
-            let signed = |[x, y, z]: [f32; 3]| {
-                [
-                    scale * (2.0 * x - 1.0),
-                    scale * (2.0 * y - 1.0),
-                    2.0 * z - 1.0,
-                ]
-            };
-            texture
-                .data
-                .iter_mut()
-                .for_each(|texel| *texel = signed(*texel));
+        let mut image = decode(bytes, meaning)?;
+        for texel in &mut image.data {
+            *texel = meaning.value(*texel);
         }
-        if meaning == Meaning::Direction {
-            let direction = |[x, y, length]: [f32; 3]| {
-                let unit = Vec2::new(2.0 * x - 1.0, 2.0 * y - 1.0).normalize_or(Vec2::X);
-                (length * unit).extend(0.0).to_array()
-            };
-            texture
-                .data
-                .iter_mut()
-                .for_each(|texel| *texel = direction(*texel));
-        }
-        self.textures.push(Texture::new(texture, wrap));
+        self.textures.push(Texture::new(image, wrap));
         self.cut();
-        let texels = |maps: &[Texture]| {
-            maps.iter()
-                .map(|map| map.levels[0].data.len() as u64)
-                .sum::<u64>()
-        };
-        while self.longest_side > 1 && texels(&self.textures) > MAX_TEXELS {
+        while self.longest_side > 1 && self.texel_count() > MAX_TEXELS {
             self.longest_side /= 2;
             self.cut();
         }
         Ok(self.textures.len() - 1)
+    }
+
+    /// Counts the texels of all finest levels.
+    fn texel_count(&self) -> u64 {
+        self.textures
+            .iter()
+            .map(|map| map.levels[0].data.len() as u64)
+            .sum()
     }
 
     /// Drops levels longer than the longest side; independent of the textures' order.
@@ -124,17 +132,18 @@ impl Maps {
         }
     }
 
-    /// Returns the textures, and a warning if any was reduced.
-    pub fn finish(self) -> (Vec<Texture>, Option<String>) {
+    pub fn finish(self) -> ReadMaps {
         let side = self.longest_side;
-        let warning = || {
+        let warning = self.is_any_cut.then(|| {
             format!(
                 "textures with more than {MAX_TEXELS} texels together were halved to at most \
                  {side} x {side}"
             )
-        };
-        let warning = self.is_any_cut.then(warning);
-        (self.textures, warning)
+        });
+        ReadMaps {
+            textures: self.textures,
+            warning,
+        }
     }
 }
 
@@ -155,14 +164,12 @@ fn decode(bytes: &[u8], meaning: Meaning) -> Result<RgbImage, String> {
             "it has {width}x{height} texels; expected at most {MAX_FILE_TEXELS}"
         ));
     }
-    let to_linear = |x: f32| {
-        if meaning == Meaning::Color {
-            srgb_decode(x)
-        } else {
-            x
-        }
+    let to_linear: fn(f32) -> f32 = if meaning == Meaning::Color {
+        srgb_decode
+    } else {
+        |x: f32| x
     };
-    let has_alpha = meaning == Meaning::Alpha;
+    let reads_alpha = meaning == Meaning::Alpha;
     let mut texels: Vec<[f32; 3]> = Vec::new();
     texels
         .try_reserve_exact(width as usize * height as usize)
@@ -176,7 +183,7 @@ fn decode(bytes: &[u8], meaning: Meaning) -> Result<RgbImage, String> {
             let linear = |x: u16| to_linear(f32::from(x) / f32::from(u16::MAX));
             texels.extend(
                 deep.pixels()
-                    .map(|texel| read(texel.0, has_alpha).map(linear)),
+                    .map(|texel| channels(texel.0, reads_alpha).map(linear)),
             );
         }
         image => {
@@ -186,7 +193,7 @@ fn decode(bytes: &[u8], meaning: Meaning) -> Result<RgbImage, String> {
             texels.extend(
                 bytes
                     .pixels()
-                    .map(|texel| read(texel.0, has_alpha).map(|x| linear[usize::from(x)])),
+                    .map(|texel| channels(texel.0, reads_alpha).map(|x| linear[usize::from(x)])),
             );
         }
     }
@@ -194,6 +201,6 @@ fn decode(bytes: &[u8], meaning: Meaning) -> Result<RgbImage, String> {
 }
 
 /// Returns the channels of a texel that a map reads.
-fn read<T: Copy>([r, g, b, a]: [T; 4], has_alpha: bool) -> [T; 3] {
-    if has_alpha { [a; 3] } else { [r, g, b] }
+fn channels<T: Copy>([r, g, b, a]: [T; 4], reads_alpha: bool) -> [T; 3] {
+    if reads_alpha { [a; 3] } else { [r, g, b] }
 }

@@ -34,13 +34,12 @@ pub(super) fn is_degenerate([a, b, c]: [DVec3; 3]) -> bool {
 
 impl Mesh {
     pub(super) fn empty(material: usize) -> Self {
-        let (positions, normals, uvs, tangents, indices) = Default::default();
         Self {
-            positions,
-            normals,
-            uvs,
-            tangents,
-            indices,
+            positions: Vec::new(),
+            normals: Vec::new(),
+            uvs: Vec::new(),
+            tangents: Vec::new(),
+            indices: Vec::new(),
             material,
         }
     }

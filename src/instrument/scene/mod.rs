@@ -118,7 +118,8 @@ fn toward_viewer_of_files() -> DVec3 {
 
 /// Returns the unit vector at an azimuth to the right of +z and an elevation, degrees.
 fn toward(azimuth_deg: f64, elevation_deg: f64) -> DVec3 {
-    let (azimuth, elevation) = (azimuth_deg.to_radians(), elevation_deg.to_radians());
+    let azimuth = azimuth_deg.to_radians();
+    let elevation = elevation_deg.to_radians();
     DVec3::new(
         azimuth.sin() * elevation.cos(),
         elevation.sin(),
@@ -141,7 +142,8 @@ impl Scene {
             )),
             None => {
                 let names: Vec<&str> = SCENES.iter().map(|entry| entry.name).collect();
-                let (known, near) = (names.join(", "), suggestion(spec, &names));
+                let known = names.join(", ");
+                let near = suggestion(spec, &names);
                 let files = scene_extensions();
                 let what = format!(
                     "neither a built-in scene ({known}) nor the path of a file ({files}){near}"
@@ -272,95 +274,108 @@ impl Scene {
         unhashed.hashed()
     }
 
+    /// Sets the hash from everything but names.
     fn hashed(mut self) -> Self {
-        let mut hasher = blake3::Hasher::new();
-        // Lengths keep different scenes from feeding equal bytes.
-        fn list<T: bytemuck::NoUninit>(hasher: &mut blake3::Hasher, values: &[T]) {
-            hasher.update(&(values.len() as u64).to_ne_bytes());
-            hasher.update(bytemuck::cast_slice(values));
-        }
-        list(&mut hasher, &self.toward_viewer.to_array());
-        list(&mut hasher, &[u8::from(self.is_design)]);
+        let mut hasher = SceneHasher(blake3::Hasher::new());
+        hasher.list(&self.toward_viewer.to_array());
+        hasher.list(&[u8::from(self.is_design)]);
         for sphere in &self.spheres {
-            list(&mut hasher, &sphere.center.extend(sphere.radius).to_array());
-            list(&mut hasher, &[sphere.material as u64]);
+            hasher.list(&sphere.center.extend(sphere.radius).to_array());
+            hasher.list(&[sphere.material as u64]);
         }
-        list(
-            &mut hasher,
-            &[self.spheres.len() as u64, self.meshes.len() as u64],
-        );
+        hasher.list(&[self.spheres.len() as u64, self.meshes.len() as u64]);
         for mesh in &self.meshes {
-            list(&mut hasher, &mesh.positions);
-            list(&mut hasher, &mesh.normals);
-            list(&mut hasher, &mesh.uvs);
-            list(&mut hasher, &mesh.tangents);
-            list(&mut hasher, &mesh.indices);
-            list(&mut hasher, &[mesh.material as u64]);
+            hasher.list(&mesh.positions);
+            hasher.list(&mesh.normals);
+            hasher.list(&mesh.uvs);
+            hasher.list(&mesh.tangents);
+            hasher.list(&mesh.indices);
+            hasher.list(&[mesh.material as u64]);
         }
-        list(&mut hasher, &[self.materials.len() as u64]);
+        hasher.list(&[self.materials.len() as u64]);
         for material in &self.materials {
-            list(&mut hasher, &material.albedo);
-            list(&mut hasher, &[material.metallic, material.alpha]);
-            list(&mut hasher, &material.f0);
-            let maps = [
-                material.albedo_map,
-                material.metallic_map,
-                material.roughness_map,
-                material.normal_map,
-            ];
-            list(
-                &mut hasher,
-                &maps.map(|map| map.map_or(0, |map| map as u64 + 1)),
-            );
-            list(&mut hasher, &[u8::from(material.is_one_sided)]);
-            let Anisotropy {
-                strength,
-                turn,
-                map,
-                is_shown,
-            } = material.anisotropy;
-            if strength > 0.0 || is_shown {
-                list(&mut hasher, &[strength, turn]);
-                list(
-                    &mut hasher,
-                    &[map.map_or(0, |map| map as u64 + 1), u64::from(is_shown)],
-                );
-            }
-            let Coat {
-                weight,
-                weight_map,
-                alpha,
-                roughness_map,
-                normal_map,
-            } = material.coat;
-            if weight > 0.0 {
-                list(&mut hasher, &[weight, alpha]);
-                list(
-                    &mut hasher,
-                    &[weight_map, roughness_map, normal_map]
-                        .map(|map| map.map_or(0, |map| map as u64 + 1)),
-                );
-            }
-            let Sheen {
-                color,
-                color_map,
-                alpha,
-                roughness_map,
-            } = material.sheen;
-            if color != [0.0; 3] {
-                list(&mut hasher, &[color, [alpha, 0.0, 0.0]].concat());
-                list(
-                    &mut hasher,
-                    &[color_map, roughness_map].map(|map| map.map_or(0, |map| map as u64 + 1)),
-                );
-            }
+            hasher.material(material);
         }
         for texture in &self.textures {
             let Wrap(u, v) = texture.wrap;
-            list(&mut hasher, &[texture.levels[0].width, u as u32, v as u32]);
-            list(&mut hasher, &texture.levels[0].data);
+            hasher.list(&[texture.levels[0].width, u as u32, v as u32]);
+            hasher.list(&texture.levels[0].data);
         }
-        self.hash = hasher.finalize().to_hex().to_string();
+        self.hash = hasher.0.finalize().to_hex().to_string();
         self
+    }
+}
+
+/// Hashes lists with their lengths, which keep different scenes from feeding equal bytes.
+struct SceneHasher(blake3::Hasher);
+
+impl SceneHasher {
+    fn list<T: bytemuck::NoUninit>(&mut self, values: &[T]) {
+        self.0.update(&(values.len() as u64).to_ne_bytes());
+        self.0.update(bytemuck::cast_slice(values));
+    }
+
+    /// Hashes the presence and index of each map.
+    fn maps<const N: usize>(&mut self, maps: [Option<usize>; N]) {
+        self.list(&maps.map(|map| map.map_or(0, |map| map as u64 + 1)));
+    }
+
+    /// Hashes a material; a layer without effect leaves the hash as it was before the layer
+    /// existed.
+    fn material(&mut self, material: &Material) {
+        self.list(&material.albedo);
+        self.list(&[material.metallic, material.alpha]);
+        self.list(&material.f0);
+        self.maps([
+            material.albedo_map,
+            material.metallic_map,
+            material.roughness_map,
+            material.normal_map,
+        ]);
+        self.list(&[u8::from(material.is_one_sided)]);
+        self.anisotropy(&material.anisotropy);
+        self.coat(&material.coat);
+        self.sheen(&material.sheen);
+    }
+
+    fn anisotropy(&mut self, anisotropy: &Anisotropy) {
+        let Anisotropy {
+            strength,
+            turn,
+            map,
+            is_shown,
+        } = *anisotropy;
+        if strength > 0.0 || is_shown {
+            self.list(&[strength, turn]);
+            let map = map.map_or(0, |map| map as u64 + 1);
+            self.list(&[map, u64::from(is_shown)]);
+        }
+    }
+
+    fn coat(&mut self, coat: &Coat) {
+        let Coat {
+            weight,
+            weight_map,
+            alpha,
+            roughness_map,
+            normal_map,
+        } = *coat;
+        if weight > 0.0 {
+            self.list(&[weight, alpha]);
+            self.maps([weight_map, roughness_map, normal_map]);
+        }
+    }
+
+    fn sheen(&mut self, sheen: &Sheen) {
+        let Sheen {
+            color,
+            color_map,
+            alpha,
+            roughness_map,
+        } = *sheen;
+        if color != [0.0; 3] {
+            self.list(&[color, [alpha, 0.0, 0.0]].concat());
+            self.maps([color_map, roughness_map]);
+        }
     }
 }

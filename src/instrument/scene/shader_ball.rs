@@ -32,9 +32,14 @@ type Part = Vec<(DVec2, DVec2)>;
 /// Makes an arc whose normals turn from `from` to `to` degrees; a negative radius makes it concave.
 fn arc(center: DVec2, radius: f64, from: f64, to: f64) -> Part {
     let rows = ((to - from).abs() / ROW_DEG).ceil().max(1.0);
-    let at = |row: f64| toward(from + (to - from) * row / rows);
+    let normal_at = |row: f64| toward(from + (to - from) * row / rows);
     (0..=rows as u32)
-        .map(|row| (center + radius * at(f64::from(row)), at(f64::from(row))))
+        .map(|row| {
+            (
+                center + radius * normal_at(f64::from(row)),
+                normal_at(f64::from(row)),
+            )
+        })
         .collect()
 }
 
@@ -62,7 +67,10 @@ fn ball() -> Vec<Part> {
 }
 
 fn cup() -> Vec<Part> {
-    let (edge_deg, lip, wall_deg, foot) = (128.0, 0.07, 72.0, 0.05);
+    let edge_deg = 128.0;
+    let lip = 0.07;
+    let wall_deg = 72.0;
+    let foot = 0.05;
     // Normals point to the bowl's centre, so the radius is negative.
     let bowl = arc(DVec2::ZERO, -(1.0 + GAP), 0.0, edge_deg - 180.0);
     let rim = arc(
@@ -86,13 +94,13 @@ fn revolved(parts: &[Part], turn: DQuat) -> Mesh {
         for (point, normal) in part {
             for column in 0..=COLUMNS {
                 let (sin, cos) = (TAU * f64::from(column) / f64::from(COLUMNS)).sin_cos();
-                let place = |p: &DVec2| {
+                let revolve = |p: &DVec2| {
                     (turn * DVec3::new(p.x * sin, p.y, p.x * cos))
                         .as_vec3()
                         .to_array()
                 };
-                mesh.positions.push(place(point));
-                mesh.normals.push(place(normal));
+                mesh.positions.push(revolve(point));
+                mesh.normals.push(revolve(normal));
             }
         }
         for row in 0..part.len() as u32 - 1 {

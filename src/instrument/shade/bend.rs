@@ -47,6 +47,7 @@ pub enum Normal {
     Cap = code::BEND_NORMAL_CAP,
 }
 
+/// The direction that is looked up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum Toward {
@@ -72,16 +73,16 @@ pub enum Toward {
 #[repr(u32)]
 pub enum DfgWidth {
     /// The alpha of the level.
-    Own,
+    Level,
     /// The root of the mean square.
     Square,
 }
 
-/// One renderer's way.
+/// How one renderer looks up an anisotropic lobe.
 #[derive(Debug)]
 pub struct Bend {
     pub name: &'static str,
-    /// Where it is from, for `splitsum list bends`.
+    /// Its source, for `splitsum list bends`.
     pub about: &'static str,
     pub parameters: Parameters,
     pub normal: Normal,
@@ -89,10 +90,11 @@ pub struct Bend {
     pub dfg: DfgWidth,
 }
 
-/// One line for each way.
+/// One line for each renderer.
 macro_rules! bends {
     ($($name:literal $parameters:ident $normal:ident $toward:ident $dfg:ident $about:literal;)*) => {
-        /// Every way; the first bends nothing, and the next two nothing at another width.
+        /// Every lookup. The first does not bend the normal; the next two do not either, at other
+        /// widths.
         pub static BENDS: &[Bend] = &[$(Bend {
             name: $name,
             about: $about,
@@ -105,19 +107,19 @@ macro_rules! bends {
 }
 
 bends! {
-    "none" Square Plain Mirror Own "along r at the root mean square width";
-    "none-narrow" Narrow Plain Mirror Own "along r at the narrow width";
-    "none-mean" Mean Plain Mirror Own "along r at the mean width";
-    "cap" Square Cap Cap Own "the mirror direction about the mean visible normal, ours";
-    "filament" Mean Linear Normal Own "getReflectedVector of Filament";
-    "gltf" Narrow QuarticUnit Bent Own "KHR_materials_anisotropy, section on image-based lighting";
-    "khronos" Narrow Quartic Mirror Own "getIBLRadianceAnisotropy of the glTF Sample Renderer";
-    "three" Narrow QuarticUnit BentLess Own "getIBLAnisotropyRadiance of three.js since 2025";
-    "bevy" Narrow QuarticAlpha Twice Own "bend_normal_for_anisotropy of Bevy";
-    "godot" Geometric Linear Bent Own "the sky's lookup of Godot's forward renderer";
-    "playcanvas" Narrow QuarticRoot Mirror Own "reflDirAniso of PlayCanvas";
-    "unity" Mean Root Unity Own "GetGGXAnisotropicModifiedNormalAndRoughness of HDRP";
-    "materialx" Geometric Plain Mirror Own "mx_environment_prefilter of MaterialX: no bend";
+    "none" Square Plain Mirror Level "along r at the root mean square width";
+    "none-narrow" Narrow Plain Mirror Level "along r at the narrow width";
+    "none-mean" Mean Plain Mirror Level "along r at the mean width";
+    "cap" Square Cap Cap Level "the mirror direction about the mean visible normal, ours";
+    "filament" Mean Linear Normal Level "getReflectedVector of Filament";
+    "gltf" Narrow QuarticUnit Bent Level "KHR_materials_anisotropy, section on image-based lighting";
+    "khronos" Narrow Quartic Mirror Level "getIBLRadianceAnisotropy of the glTF Sample Renderer";
+    "three" Narrow QuarticUnit BentLess Level "getIBLAnisotropyRadiance of three.js since 2025";
+    "bevy" Narrow QuarticAlpha Twice Level "bend_normal_for_anisotropy of Bevy";
+    "godot" Geometric Linear Bent Level "the sky's lookup of Godot's forward renderer";
+    "playcanvas" Narrow QuarticRoot Mirror Level "reflDirAniso of PlayCanvas";
+    "unity" Mean Root Unity Level "GetGGXAnisotropicModifiedNormalAndRoughness of HDRP";
+    "materialx" Geometric Plain Mirror Level "mx_environment_prefilter of MaterialX: no bend";
     "filament-square" Mean Linear Normal Square "filament, with A and B at the root mean square \
                                                  width";
     "gltf-square" Narrow QuarticUnit Bent Square "gltf, with A and B at the root mean square width";
@@ -127,6 +129,7 @@ bends! {
 listed!(Bend, "bend", BENDS);
 
 impl Bend {
+    /// Returns the specialization constant `bend`.
     pub fn code(&self) -> u32 {
         self.parameters as u32
             | (self.normal as u32) << 4

@@ -1,5 +1,5 @@
-//! Clear coat: a second specular lobe over the base, with its own weight c, width alpha_c and
-//! normal n_c.
+//! Clear coat: a second specular lobe over the base, with a weight c, a width alpha_c and a normal
+//! n_c of its own.
 //!
 //! With base L_b and, at μ = n_c·v and alpha_c, the coat's integrals `I1 = ∫ f n·l L dl` for F = 1
 //! and `I` for f0 = 0.04, its albedo `E = 0.04 A + B` and Schlick's `F = 0.04 + 0.96 (1 - μ)⁵`, the
@@ -81,10 +81,12 @@ pub struct CoatRenderer {
     pub alpha: fn(f32) -> f32,
     /// Scales P.
     pub scale: CoatWeight,
-    /// What the base loses: its specular term `(1 - c w)^p` and its diffuse term with the other
-    /// power.
+    /// The reflectance w that the base loses: a term of the base is scaled by `(1 - c w)^power`.
     pub loss: CoatWeight,
-    pub powers: [i32; 2],
+    /// Power for the specular term.
+    pub specular_power: i32,
+    /// Power for the diffuse term.
+    pub diffuse_power: i32,
 }
 
 const EXACT: CoatRenderer = CoatRenderer {
@@ -94,7 +96,8 @@ const EXACT: CoatRenderer = CoatRenderer {
     alpha: |alpha| alpha,
     scale: CoatWeight::Fresnel,
     loss: CoatWeight::Fresnel,
-    powers: [1, 1],
+    specular_power: 1,
+    diffuse_power: 1,
 };
 
 /// Every renderer; the first is exact. Sources at the versions that `docs/coat.md` names.
@@ -112,7 +115,7 @@ pub static COAT_RENDERERS: &[CoatRenderer] = &[
         about: "environment_map_light_clearcoat of Bevy: Frostbite's direction, the base's \
                 specular term attenuated twice",
         lookup: Some("split-sum-frostbite"),
-        powers: [2, 1],
+        specular_power: 2,
         ..EXACT
     },
     CoatRenderer {
@@ -121,7 +124,8 @@ pub static COAT_RENDERERS: &[CoatRenderer] = &[
                 the diffuse term never",
         lookup: Some("split-sum"),
         alpha: |_| crate::base::glsl::constants::ALPHA_MIN,
-        powers: [2, 0],
+        specular_power: 2,
+        diffuse_power: 0,
         ..EXACT
     },
     CoatRenderer {
@@ -147,9 +151,8 @@ listed!(CoatRenderer, "coat renderer", COAT_RENDERERS);
 /// What the images of a coated surface count, pixel by pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct CoatShares {
-    /// Of the base's specular and diffuse terms.
-    pub base: [f64; 2],
-    /// Of the coat's image.
+    pub base_specular: f64,
+    pub base_diffuse: f64,
     pub coat: f64,
 }
 
@@ -161,17 +164,21 @@ pub fn shares(
     n_dot_v: f64,
     pair: DVec2,
 ) -> CoatShares {
-    let (loss, coat) = match (renderer.lookup, layering) {
-        (Some(_), _) => (
-            renderer.loss,
-            renderer.scale.reflectance(n_dot_v, pair) / (pair.x + pair.y),
-        ),
-        (None, CoatLayering::Khr) => (layering.loss(), layering.loss().reflectance(n_dot_v, pair)),
-        (None, CoatLayering::Albedo) => (layering.loss(), 1.0),
+    let is_exact = renderer.lookup.is_none();
+    let loss = if is_exact {
+        layering.loss()
+    } else {
+        renderer.loss
+    };
+    let coat = match layering {
+        _ if !is_exact => renderer.scale.reflectance(n_dot_v, pair) / (pair.x + pair.y),
+        CoatLayering::Khr => loss.reflectance(n_dot_v, pair),
+        CoatLayering::Albedo => 1.0,
     };
     let left = 1.0 - weight * loss.reflectance(n_dot_v, pair);
     CoatShares {
-        base: renderer.powers.map(|power| left.powi(power)),
+        base_specular: left.powi(renderer.specular_power),
+        base_diffuse: left.powi(renderer.diffuse_power),
         coat: weight * coat,
     }
 }

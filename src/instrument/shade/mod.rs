@@ -48,5 +48,5 @@ pub const EXACT_SPLIT: &str = "ladder-view";
 
 pub use crate::base::glsl::constants::FILE_PREFIX;
 pub use diffuse::{DIFFUSE, Diffuse};
-pub use method::{METHODS, Method, Role, own, words_in};
-pub use shading::Shading;
+pub use method::{METHODS, Method, Role, from_file};
+pub use shading::{PointTable, Shading};

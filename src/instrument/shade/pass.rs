@@ -1,9 +1,10 @@
 //! The device passes of all methods but the reference: specular, diffuse, background.
 
 use super::{Method, Shading};
-use crate::base::glsl::constants::SHADE_FLAG_NO_SPECULAR;
+use crate::base::glsl::constants::{ANISOTROPY_NONE, SHADE_FLAG_NO_SPECULAR};
 use crate::base::glsl::layout::{BackgroundParams, ShadeParams, SharedStruct};
-use crate::instrument::brdf::{Brdf, MaskingShadowing};
+use crate::base::glsl::specialization::Specialization;
+use crate::instrument::brdf::Brdf;
 use crate::instrument::environment::layout::MapLayout;
 use crate::instrument::gbuffer::pass::GbufferImages;
 use crate::instrument::gpu::{
@@ -81,10 +82,11 @@ impl<'a> Passes<'a> {
             .collect()
     }
 
-    /// Adds the law of the widths to specialization constants.
-    pub(super) fn with_widths(&self, mut constants: [u32; 9]) -> [u32; 9] {
-        constants[7] = self.tangents.map_or(0, |_| self.shading.widths as u32);
-        constants
+    /// Returns the specialization constant `anisotropy`: the law of the widths if the scene has
+    /// lobes of two.
+    pub(super) fn anisotropy(&self) -> u32 {
+        self.tangents
+            .map_or(ANISOTROPY_NONE, |_| self.shading.widths as u32)
     }
 
     /// Returns the push constants for rows from `first_row` on.
@@ -98,8 +100,8 @@ impl<'a> Passes<'a> {
         } = *self;
         let rows = shading.placement.environment_from_world().transpose();
         let row = |v: DVec3| v.extend(0.0).as_vec4().to_array();
-        let ([width, height], [environment_width, environment_height]) =
-            (gbuffer.size, tables.environment.mip_size(0));
+        let [width, height] = gbuffer.size;
+        let [environment_width, environment_height] = tables.environment.mip_size(0);
         ShadeParams {
             environment_from_world_0: row(rows.x_axis),
             environment_from_world_1: row(rows.y_axis),
@@ -115,7 +117,6 @@ impl<'a> Passes<'a> {
             prefilter_level_count: shading.precompute.prefilter_level_count,
             environment_scale: shading.environment_scale,
             lod_bias: shading.lod_bias,
-            pad0: 0,
             flags: if shading.method.is_none() {
                 SHADE_FLAG_NO_SPECULAR
             } else {
@@ -133,15 +134,19 @@ impl<'a> Passes<'a> {
         &self,
         recorder: &mut Recorder,
         shader: &str,
-        constants: [u32; 9],
+        specialization: Specialization,
         rest: &[Bind<'a>],
         push: &[u8],
         part: Part,
     ) -> Result<(), GpuError> {
         let rest = [rest, &[Bind::ReadWrite(self.radiance)]].concat();
+        let specialization = Specialization {
+            anisotropy: self.anisotropy(),
+            ..specialization
+        };
         recorder.dispatch(
             shader,
-            &self.with_widths(constants),
+            &specialization.words(),
             &self.binds(&rest),
             push,
             part.groups,
@@ -185,10 +190,13 @@ impl<'a> Passes<'a> {
             point_count: points.count,
             ..self.params(part.first_row)
         };
-        let constants = self.with_widths(self.shading.constants());
+        let specialization = Specialization {
+            anisotropy: self.anisotropy(),
+            ..self.shading.specialization()
+        };
         recorder.dispatch(
             &shader,
-            &constants,
+            &specialization.words(),
             &self.binds(&binds),
             &params.to_bytes(),
             part.groups,
@@ -217,13 +225,14 @@ impl<'a> Passes<'a> {
             "shade/diffuse.comp:{}:{}",
             precompute.layout.name, diffuse.name
         );
-        let constants = self.shading.table_constants(MaskingShadowing::default());
-        self.dispatch(recorder, &shader, constants, &rest, &push, part)
+        let specialization = self.shading.table_specialization();
+        self.dispatch(recorder, &shader, specialization, &rest, &push, part)
     }
 
     /// Shows the environment in pixels where nothing is hit.
     pub fn background(&self, recorder: &mut Recorder, part: Part) -> Result<(), GpuError> {
-        let ([width, height], camera) = (self.gbuffer.size, self.camera);
+        let [width, height] = self.gbuffer.size;
+        let camera = self.camera;
         let turn = self.shading.placement.environment_from_world();
         let [extent_x, extent_y] = match camera.projection {
             Projection::Perspective { .. } => camera.extent(f64::from(width) / f64::from(height)),
@@ -243,7 +252,7 @@ impl<'a> Passes<'a> {
         self.dispatch(
             recorder,
             BACKGROUND_SHADER,
-            [0; 9],
+            Specialization::default(),
             &rest,
             &params.to_bytes(),
             part,

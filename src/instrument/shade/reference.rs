@@ -69,7 +69,8 @@ impl Surface {
 
     /// Calls a function with the focus on the lobe, which at grazing views is a long arc.
     pub(crate) fn focused<T>(&self, integrate: impl FnOnce(Focus) -> T) -> T {
-        let (frame, Widths(widths)) = (self.frame(), self.widths());
+        let frame = self.frame();
+        let Widths(widths) = self.widths();
         let v = frame.to_local(self.v);
         // Slopes of the half vector over the widths.
         let place = |l: DVec3| {
@@ -139,7 +140,8 @@ pub fn specular(
     let Surface {
         model, masking, v, ..
     } = *surface;
-    let (frame, widths) = (surface.frame(), surface.widths());
+    let frame = surface.frame();
+    let widths = surface.widths();
     let v_local = frame.to_local(v);
     let kernel = |l: DVec3| {
         let l_local = frame.to_local(l);

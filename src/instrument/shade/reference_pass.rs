@@ -5,12 +5,12 @@ use super::Method;
 use super::pass::{Passes, TABLE};
 use crate::base::glsl::constants::{GROUP_SIDE, SCRAMBLE_COUNT};
 use crate::base::glsl::layout::{ShadeParams, SharedStruct};
+use crate::base::glsl::specialization::Specialization;
 use crate::base::pixels::GrayImage;
-use crate::instrument::brdf::{Brdf, MaskingShadowing};
+use crate::instrument::brdf::Brdf;
 use crate::instrument::environment::distribution::EnvironmentDistribution;
 use crate::instrument::gpu::{Bind, Buffer, Gpu, GpuError, Report, Sampler};
 use crate::instrument::metrics::Epsilon;
-use crate::instrument::precompute::PrecomputeSettings;
 use std::ops::Range;
 
 /// Most samples of a pixel that one dispatch takes.
@@ -24,24 +24,24 @@ pub enum Lobe {
 }
 
 impl Lobe {
-    /// Specialization constants: masking, f32 filter, bend of levels, weight, unused, compensation,
-    /// DFG table's axes, law of the widths, visibility of sheen.
-    fn constants(self, gpu: &Gpu, passes: &Passes) -> [u32; 9] {
+    /// Returns the specialization constants of both passes of the lobe.
+    fn specialization(self, gpu: &Gpu, passes: &Passes) -> Specialization {
         let shading = passes.shading;
-        let PrecomputeSettings {
-            level_mapping,
-            prefilter_weight,
-            ..
-        } = shading.precompute;
-        let mut constants = shading.table_constants(MaskingShadowing::default());
-        constants[1] = u32::from(gpu.info().has_exact_filter);
-        if let Self::Specular(_) = self {
-            constants[0] = shading.masking_shadowing as u32;
-            constants[2] = (level_mapping.bend as f32).to_bits();
-            constants[3] = prefilter_weight.code;
-            constants[8] = shading.sheen_visibility as u32;
+        let general = Specialization {
+            exact_filter: u32::from(gpu.info().has_exact_filter),
+            anisotropy: passes.anisotropy(),
+            ..shading.table_specialization()
+        };
+        match self {
+            Self::Diffuse(_) => general,
+            Self::Specular(_) => Specialization {
+                masking: shading.masking_shadowing as u32,
+                level_bend: shading.precompute.level_mapping.bend as f32,
+                prefilter_weight: shading.precompute.prefilter_weight.code,
+                sheen_visibility: shading.sheen_visibility as u32,
+                ..general
+            },
         }
-        passes.with_widths(constants)
     }
 
     /// Names the shaders that take the samples and that add the term to the image.
@@ -166,17 +166,18 @@ impl Sums {
     ) -> Result<f64, GpuError> {
         let sums: Vec<[[f32; 4]; 2]> = gpu.read_buffer(&self.0)?;
         let scrambles = f64::from(SCRAMBLE_COUNT);
-        let (mut sum, mut count) = (0.0, 0u64);
+        let mut sum = 0.0;
+        let mut count = 0u64;
         let pixels = sums.chunks_exact(SCRAMBLE_COUNT as usize).zip(&mask.data);
         for (estimates, _) in pixels.filter(|(_, hit)| **hit > 0.0) {
             for channel in 0..3 {
-                let of = |[high, low]: &[[f32; 4]; 2]| {
+                let estimate = |[high, low]: &[[f32; 4]; 2]| {
                     (f64::from(high[channel]) + f64::from(low[channel])) * scale
                 };
-                let mean = estimates.iter().map(of).sum::<f64>() / scrambles;
+                let mean = estimates.iter().map(estimate).sum::<f64>() / scrambles;
                 let squared = estimates
                     .iter()
-                    .map(|estimate| (of(estimate) - mean).powi(2))
+                    .map(|sums| (estimate(sums) - mean).powi(2))
                     .sum::<f64>();
                 sum += epsilon.relative(squared / (scrambles * (scrambles - 1.0)), mean);
             }
@@ -229,7 +230,8 @@ impl ReferenceRun<'_> {
     /// Adds one term to the radiance and its squared standard error to `squared_error`.
     pub fn run(&self, gpu: &Gpu, lobe: Lobe) -> Result<(Report, Convergence), GpuError> {
         let mut total = Report::default();
-        let (mut done, mut samples) = (0, self.stop.first());
+        let mut done = 0;
+        let mut samples = self.stop.first();
         let scale = f64::from(self.passes.shading.environment_scale);
         let relative_error = loop {
             let pairs = samples / SAMPLES_PER_PAIR;
@@ -290,7 +292,7 @@ impl ReferenceRun<'_> {
         } = self.passes;
         let [width, height] = gbuffer.size;
         let [shader, _] = lobe.shaders(shading.brdf);
-        let constants = lobe.constants(gpu, &self.passes);
+        let constants = lobe.specialization(gpu, &self.passes).words();
         let rest = [
             Bind::Sample(&tables.environment, Sampler::TEXELS),
             Bind::Read(&self.distribution.words),
@@ -340,7 +342,8 @@ impl ReferenceRun<'_> {
             Bind::ReadWrite(radiance),
             Bind::ReadWrite(self.squared_error),
         ];
-        let (binds, [_, shader]) = (self.passes.binds(&rest), lobe.shaders(shading.brdf));
+        let binds = self.passes.binds(&rest);
+        let [_, shader] = lobe.shaders(shading.brdf);
         let mut total = Report::default();
         for part in gpu.parts(gbuffer.size, 1, SCRAMBLE_COUNT.into()) {
             let push = ShadeParams {
@@ -351,7 +354,7 @@ impl ReferenceRun<'_> {
             total.add(gpu.submit_pass(lobe.pass_name(), |r| {
                 r.dispatch(
                     &shader,
-                    &lobe.constants(gpu, &self.passes),
+                    &lobe.specialization(gpu, &self.passes).words(),
                     &binds,
                     &push,
                     part.groups,

@@ -6,6 +6,7 @@ use super::frames::Frames;
 use super::sheen::{SHEEN_LOOKUPS, SheenLookup};
 use super::{Diffuse, Method, NONE};
 use crate::base::glsl::constants::PIXEL_POINTS_SHIFTED;
+use crate::base::glsl::specialization::Specialization;
 use crate::base::math::sequence::{FramePoints, PixelPoints, R2_OF_FRAMES, SEQUENCES, Sequence};
 use crate::base::names::Listed;
 use crate::instrument::brdf::{
@@ -13,6 +14,14 @@ use crate::instrument::brdf::{
 };
 use crate::instrument::environment::Placement;
 use crate::instrument::precompute::PrecomputeSettings;
+
+/// The points of a sampled method as the device stores them.
+#[derive(Clone, Copy, Debug)]
+pub struct PointTable {
+    pub sequence: &'static Sequence,
+    pub set: u32,
+    pub pixel_points: PixelPoints,
+}
 
 /// How an image is shaded, for any scene, camera and environment.
 #[derive(Clone, Copy, Debug)]
@@ -84,55 +93,60 @@ impl Shading {
         self.method.tables(self.precompute)
     }
 
-    /// Returns the specialization constants of the specular pass.
-    pub fn constants(&self) -> [u32; 9] {
-        let mut constants = self.table_constants(self.masking_shadowing);
-        constants[2] = (self.precompute.level_mapping.bend as f32).to_bits();
-        constants[4] = match self.frame.map(|_| self.frames.points) {
-            None => self.pixel_points as u32,
-            Some(FramePoints::Owen) => PixelPoints::Owen as u32,
-            Some(_) => PIXEL_POINTS_SHIFTED,
-        };
-        constants[8] = if self.method.uses_bend {
-            self.bend.code()
-        } else {
-            self.sheen_lookup.code()
-        };
-        constants
-    }
-
-    /// Returns the table of points: sequence, set, and its kind.
-    pub fn point_table(&self) -> (&'static Sequence, u32, PixelPoints) {
-        match self.frame.map(|_| self.frames.points) {
-            None => (self.sequence, self.point_set, self.pixel_points),
-            Some(FramePoints::Owen) => (self.sequence, self.point_set, PixelPoints::Owen),
-            Some(FramePoints::R2) => (&R2_OF_FRAMES, 0, PixelPoints::Owen),
-            Some(FramePoints::Blue) => (self.sequence, 0, PixelPoints::Owen),
+    /// Returns the specialization constants of the specular pass, for lobes of one width.
+    pub fn specialization(&self) -> Specialization {
+        Specialization {
+            masking: self.masking_shadowing as u32,
+            level_bend: self.precompute.level_mapping.bend as f32,
+            pixel_points: match self.points_of_frame() {
+                None => self.pixel_points as u32,
+                Some(FramePoints::Owen) => PixelPoints::Owen as u32,
+                Some(FramePoints::R2 | FramePoints::Blue) => PIXEL_POINTS_SHIFTED,
+            },
+            bend: self.bend.code(),
+            sheen_lookup: self.sheen_lookup.code(),
+            ..self.table_specialization()
         }
     }
 
-    /// Returns the seed of the scrambles of pixels; the first frame has the set's own.
+    /// Returns the specialization constants of passes that read no map of the lobe.
+    pub(super) fn table_specialization(&self) -> Specialization {
+        Specialization {
+            compensation: self.compensation as u32,
+            dfg_axes: self.precompute.dfg_axes as u32,
+            ..Specialization::default()
+        }
+    }
+
+    /// How a sequence of frames assigns the points; `None` for an image alone.
+    fn points_of_frame(&self) -> Option<FramePoints> {
+        self.frame.map(|_| self.frames.points)
+    }
+
+    /// Returns the points that the device stores, before pixels scramble or shift them.
+    pub fn point_table(&self) -> PointTable {
+        let owen = |sequence, set| PointTable {
+            sequence,
+            set,
+            pixel_points: PixelPoints::Owen,
+        };
+        match self.points_of_frame() {
+            None => PointTable {
+                sequence: self.sequence,
+                set: self.point_set,
+                pixel_points: self.pixel_points,
+            },
+            Some(FramePoints::Owen) => owen(self.sequence, self.point_set),
+            Some(FramePoints::R2) => owen(&R2_OF_FRAMES, 0),
+            Some(FramePoints::Blue) => owen(self.sequence, 0),
+        }
+    }
+
+    /// Returns the seed of the scrambles of pixels; the first frame has the seed of the set.
     pub fn point_seed(&self) -> u32 {
         /// 2^32 over the golden ratio: no two frames of near sets have one seed.
         const STEP: u32 = 0x9e37_79b9;
         self.point_set
             .wrapping_add(self.frame.unwrap_or(0).wrapping_mul(STEP))
-    }
-
-    /// Returns the specialization constants of passes that read no map of the lobe.
-    pub(super) fn table_constants(&self, masking: MaskingShadowing) -> [u32; 9] {
-        // The second and the fourth belong to the reference, the eighth to the scene
-        // (`Passes::tangents`).
-        [
-            masking as u32,
-            0,
-            0,
-            0,
-            0,
-            self.compensation as u32,
-            self.precompute.dfg_axes as u32,
-            0,
-            0,
-        ]
     }
 }

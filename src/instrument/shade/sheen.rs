@@ -1,4 +1,5 @@
-//! Sheen of cloth over a base ([`crate::instrument::brdf::SheenVisibility`]), with its own colour C and width.
+//! Sheen of cloth over a base ([`crate::instrument::brdf::SheenVisibility`]), with a colour C and a
+//! width of its own.
 //!
 //! With base L_b, `I = ∫ f_s n·l L dl` of the lobe for colour 1 and its albedo `E = ∫ f_s n·l dl`,
 //! the truth is
@@ -13,7 +14,7 @@ use crate::base::names::listed;
 use crate::instrument::brdf::{perceptual_roughness_from_alpha, reflect};
 use glam::DVec3;
 
-/// What a lookup reads.
+/// The map that a lookup reads.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum SheenMap {
     /// The prefiltered map of the image.
@@ -24,6 +25,7 @@ pub enum SheenMap {
     Irradiance,
 }
 
+/// The direction that is looked up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum SheenToward {
@@ -34,11 +36,12 @@ pub enum SheenToward {
     Moment = code::SHEEN_TOWARD_MOMENT,
 }
 
+/// The level that is looked up.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 #[repr(u32)]
 pub enum SheenLevel {
-    /// Of the sheen's alpha.
-    Own = code::SHEEN_LEVEL_OWN,
+    /// The level of the sheen's alpha.
+    Alpha = code::SHEEN_LEVEL_ALPHA,
     Roughest = code::SHEEN_LEVEL_ROUGHEST,
 }
 
@@ -52,7 +55,7 @@ pub enum SheenAlbedo {
 }
 
 impl SheenAlbedo {
-    fn at(self, exact: f64, n_dot_v: f64, alpha: f64) -> f64 {
+    fn value(self, exact: f64, n_dot_v: f64, alpha: f64) -> f64 {
         match self {
             Self::Exact => exact,
             Self::Fit(fit) => fit(n_dot_v, perceptual_roughness_from_alpha(alpha)).clamp(0.0, 1.0),
@@ -64,7 +67,7 @@ impl SheenAlbedo {
 #[derive(Debug)]
 pub struct SheenLookup {
     pub name: &'static str,
-    /// Where it is from, for `splitsum list sheen-lookups`.
+    /// Its source, for `splitsum list sheen-lookups`.
     pub about: &'static str,
     pub map: SheenMap,
     pub toward: SheenToward,
@@ -92,7 +95,7 @@ pub static SHEEN_LOOKUPS: &[SheenLookup] = &[
         name: "normal",
         about: "the level of its roughness along n",
         toward: SheenToward::Normal,
-        level: SheenLevel::Own,
+        level: SheenLevel::Alpha,
         ..MOMENT
     },
     SheenLookup {
@@ -106,14 +109,14 @@ pub static SHEEN_LOOKUPS: &[SheenLookup] = &[
         about: "a map prefiltered by the sheen lobe, along n",
         map: SheenMap::Charlie,
         toward: SheenToward::Normal,
-        level: SheenLevel::Own,
+        level: SheenLevel::Alpha,
         ..MOMENT
     },
     SheenLookup {
         name: "filament",
         about: "evaluateSheenIBL of Filament, also Babylon.js: the level of its roughness along r",
         toward: SheenToward::Mirror,
-        level: SheenLevel::Own,
+        level: SheenLevel::Alpha,
         ..MOMENT
     },
     SheenLookup {
@@ -122,7 +125,7 @@ pub static SHEEN_LOOKUPS: &[SheenLookup] = &[
                 lobe, along r",
         map: SheenMap::Charlie,
         toward: SheenToward::Mirror,
-        level: SheenLevel::Own,
+        level: SheenLevel::Alpha,
         ..MOMENT
     },
     SheenLookup {
@@ -164,19 +167,15 @@ fn three_albedo(n_dot_v: f64, pr: f64) -> f64 {
 
 /// The same function before, π times.
 fn three_albedo_before(n_dot_v: f64, pr: f64) -> f64 {
-    let (a, b, more) = match pr < 0.25 {
-        true => (
-            -339.2 * pr * pr + 161.4 * pr - 25.9,
-            44.0 * pr * pr - 23.7 * pr + 3.26,
-            0.0,
-        ),
-        false => (
-            -8.48 * pr * pr + 14.3 * pr - 9.95,
-            1.97 * pr * pr - 3.27 * pr + 0.72,
-            0.1 * (pr - 0.25),
-        ),
-    };
-    (a * n_dot_v + b).exp() + more
+    if pr < 0.25 {
+        let a = -339.2 * pr * pr + 161.4 * pr - 25.9;
+        let b = 44.0 * pr * pr - 23.7 * pr + 3.26;
+        (a * n_dot_v + b).exp()
+    } else {
+        let a = -8.48 * pr * pr + 14.3 * pr - 9.95;
+        let b = 1.97 * pr * pr - 3.27 * pr + 0.72;
+        (a * n_dot_v + b).exp() + 0.1 * (pr - 0.25)
+    }
 }
 
 /// `mx_imageworks_sheen_dir_albedo_analytic`, whose roughness is alpha.
@@ -205,48 +204,60 @@ impl SheenLookup {
         if is_plain { self } else { &SHEEN_LOOKUPS[0] }
     }
 
+    /// Returns the specialization constant `sheen_lookup`.
     pub fn code(&self) -> u32 {
         self.toward as u32 | (self.level as u32) << 4
     }
 
-    /// Returns direction and alpha of the level that are looked up, as
+    /// Returns the lookup for a unit normal and view, as
     /// `shaders/shade/method/sheen_lookup.glsl`.
-    pub fn place(&self, [n, v]: [DVec3; 2], alpha: f64) -> (DVec3, f64) {
+    pub fn tap(&self, [n, v]: [DVec3; 2], alpha: f64) -> SheenTap {
         let n_dot_v = n.dot(v);
-        let grazing = 2.7 * perceptual_roughness_from_alpha(alpha) + 3.48 * alpha;
         let direction = match self.toward {
             SheenToward::Normal => n,
             SheenToward::Mirror => reflect(v, n),
             SheenToward::Moment => {
+                let grazing = 2.7 * perceptual_roughness_from_alpha(alpha) + 3.48 * alpha;
                 (v + (grazing + (1.17 * alpha - grazing) * n_dot_v - n_dot_v) * n).normalize()
             }
         };
-        (
+        SheenTap {
             direction,
-            if self.level == SheenLevel::Roughest {
-                1.0
-            } else {
-                alpha
+            alpha: match self.level {
+                SheenLevel::Alpha => alpha,
+                SheenLevel::Roughest => 1.0,
             },
-        )
+        }
     }
 }
 
-/// What the images of a surface with sheen count: the base's and the sheen's. Without a lookup the
-/// sheen's image is I.
+/// A lookup of the prefiltered map.
+#[derive(Clone, Copy, Debug)]
+pub struct SheenTap {
+    pub direction: DVec3,
+    /// Alpha of the level.
+    pub alpha: f64,
+}
+
+/// What the images of a surface with sheen count.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SheenShares {
+    pub base: DVec3,
+    pub sheen: DVec3,
+}
+
+/// Returns the shares at a pixel. Without a lookup the sheen's image is I.
 pub fn shares(
     lookup: Option<&SheenLookup>,
     color: DVec3,
     alpha: f64,
     n_dot_v: f64,
     albedo: f64,
-) -> [DVec3; 2] {
-    let [factor, loss] = match lookup {
-        Some(lookup) => [lookup.factor, lookup.loss].map(|of| of.at(albedo, n_dot_v, alpha)),
-        None => [1.0, albedo],
-    };
-    [
-        DVec3::splat((1.0 - color.max_element() * loss).max(0.0)),
-        factor * color,
-    ]
+) -> SheenShares {
+    let factor = lookup.map_or(1.0, |lookup| lookup.factor.value(albedo, n_dot_v, alpha));
+    let loss = lookup.map_or(albedo, |lookup| lookup.loss.value(albedo, n_dot_v, alpha));
+    SheenShares {
+        base: DVec3::splat((1.0 - color.max_element() * loss).max(0.0)),
+        sheen: factor * color,
+    }
 }

@@ -12,7 +12,8 @@ impl ToneCurve {
     /// Panics if radiance is negative or not finite, or if exposure or contrast is not positive and
     /// finite.
     pub fn apply(&self, radiance: [f64; 3]) -> [f64; 3] {
-        let (exposure, contrast) = (f64::from(self.exposure), f64::from(self.contrast));
+        let exposure = f64::from(self.exposure);
+        let contrast = f64::from(self.contrast);
         let positive = |x: f64| x.is_finite() && x > 0.0;
         assert!(
             positive(exposure) && positive(contrast),

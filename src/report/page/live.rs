@@ -14,7 +14,7 @@ use crate::instrument::gpu::shader_sources;
 use crate::instrument::precompute::taps::TapCount;
 use crate::instrument::scene::camera::PERSPECTIVE_FOV_DEG;
 use crate::instrument::shade::bend::Bend;
-use crate::instrument::shade::{METHODS, Method, Shading, own};
+use crate::instrument::shade::{METHODS, Method, Shading, from_file};
 use crate::report::live::model::LiveModel;
 use crate::report::live::record::{LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord, LiveShader};
 use serde::Serialize;
@@ -117,7 +117,7 @@ fn shaders_of_file(method: &LiveShader) -> Result<BTreeMap<String, String>, Stri
     for (permutation, choice) in sources.permutations(&entry, &choice)? {
         let text = sources.expand(&entry, &choice, Language::Es)?;
         parse(&entry, &text, Language::Es)?;
-        let name = page_name(&own::shader_name(&permutation, &method.name));
+        let name = page_name(&from_file::shader_name(&permutation, &method.name));
         shaders.insert(name, text);
     }
     Ok(shaders)

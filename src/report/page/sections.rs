@@ -3,8 +3,8 @@
 use super::model::field;
 use super::page_run::{PageRun, link};
 use crate::draw::figure::svg::WIDTHS;
+use crate::draw::method_titles::words_in;
 use crate::draw::words::{Span, spans};
-use crate::instrument::shade::words_in;
 use crate::report::write::drawing;
 use crate::run::store::ANSWERS_FOLDER;
 use crate::study::questions::Answer;

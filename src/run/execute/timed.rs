@@ -5,7 +5,7 @@
 //! block design).
 
 use super::{Progress, Run, RunError, of_cell};
-use crate::base::names::short_number;
+use crate::base::numbers::short_number;
 use crate::experiment::config::Timing;
 use crate::instrument::pipeline::{DeviceInfo, RenderRequest, TimingSamples};
 use crate::run::renderer::{RenderFault, Renderer, Served};

@@ -15,9 +15,9 @@
 //! (`tests/numeric/study/estimate.rs`).
 
 use super::line::t_95;
+pub use crate::base::math::order_statistics::median;
+use crate::base::math::order_statistics::{COVERAGE, median_order, order_coverage};
 use crate::experiment::value::Value;
-pub use crate::run::statistics::median;
-use crate::run::statistics::{COVERAGE, median_order, order_coverage};
 
 /// Fewer environments than this have no 95 % interval.
 pub const CLUSTERS_MIN: usize = 6;

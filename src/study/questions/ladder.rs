@@ -10,7 +10,7 @@
 //! shown instead.
 
 use super::prelude::*;
-use crate::base::csv::rounded;
+use crate::base::numbers::round_to_significant;
 use crate::instrument::ladder::BANDS;
 use crate::instrument::metrics::ALL_VIEWS;
 use crate::instrument::shade::REFERENCE;
@@ -156,7 +156,7 @@ impl<'r, 'f> Group<'r, 'f> {
     /// The mean of a number over environments, with the digits of `steps.csv`.
     fn rounded_mean(&self, step: &str, number: fn(&Resolved) -> f64) -> Option<f64> {
         let mean = self.numbers(step, number).estimate()?;
-        Some(rounded(mean.value, DIGITS))
+        Some(round_to_significant(mean.value, DIGITS))
     }
 
     /// Whether environments are enough for an interval.
@@ -280,9 +280,9 @@ fn table(frame: &Frame, groups: &[Group], steps: &[&str]) -> Table {
                 group.n_dot_v[0],
                 group.n_dot_v[1],
                 *step,
-                rounded(value, DIGITS),
-                rounded(lo, DIGITS),
-                rounded(hi, DIGITS),
+                round_to_significant(value, DIGITS),
+                round_to_significant(lo, DIGITS),
+                round_to_significant(hi, DIGITS),
                 group.rounded_mean(step, |resolved| resolved.step.first_in),
                 group.rounded_mean(step, |resolved| resolved.step.last_out),
                 group.rounded_mean(step, |resolved| resolved.step.shapley),

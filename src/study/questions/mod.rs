@@ -12,11 +12,14 @@ pub use super::finding::{Finding, Sentences};
 use super::finished::{Finished, check_weight};
 use super::frame::{Frame, Shape};
 use super::table::{Column, column};
-use crate::base::names::not_one_of;
+use crate::base::names::not_listed;
 use crate::experiment::axis::{AXES, AxisId, ENVIRONMENT, METHOD, Part, SCENE};
 use crate::experiment::config::Config;
 use crate::experiment::fault::Faults;
 use crate::instrument::metrics::Weight;
+
+/// Where a user finds every question.
+const LISTED_QUESTIONS: &str = "a name of `splitsum list questions`";
 
 const ERROR: Column = column(
     "error",
@@ -205,7 +208,7 @@ pub fn check(config: &Config, faults: &mut Faults) {
     for ask in &config.asks {
         let name = &ask.question;
         let Some(question) = question(name) else {
-            let fault = not_one_of("question", name, &names, "");
+            let fault = not_listed("question", name, &names, "", Some(LISTED_QUESTIONS));
             faults.add(&ask.place, format!("asks: {fault}"));
             continue;
         };

@@ -12,7 +12,7 @@
 //! Times hold for the timed device only. Times of a CPU driver say nothing about a GPU.
 
 use super::prelude::*;
-use crate::run::statistics::median_interval;
+use crate::base::math::order_statistics::median_interval;
 use crate::run::timing::{FRAME, Key, PRECOMPUTE, PassSamples, TimingRecord, swept_axes};
 use crate::run::timing_ratios::{Ratio, ratios};
 

@@ -272,8 +272,8 @@ impl Renderer for Fake {
         bands: &[[f64; 2]],
     ) -> Served<Vec<Attribution>> {
         let is_scrambled = self.0.borrow().is_scrambled;
-        let of_band = |seen_at: [f64; 2]| {
-            let dice = |what: &str, i: usize| dice(request, &format!("{what} {i} {seen_at:?}"));
+        let of_band = |n_dot_v: [f64; 2]| {
+            let dice = |what: &str, i: usize| dice(request, &format!("{what} {i} {n_dot_v:?}"));
             let varied = |what: &str, i: usize| {
                 let scramble = if is_scrambled {
                     2.0 * dice(what, i) - 0.5
@@ -285,7 +285,7 @@ impl Renderer for Fake {
             let own = |i: usize| varied("own", i);
             let error = (0..STEPS.len()).map(own).sum();
             // A band has fewer views than all.
-            let most = if seen_at == [0.0, 1.0] { 0.02 } else { 0.05 };
+            let most = if n_dot_v == [0.0, 1.0] { 0.02 } else { 0.05 };
             let noise = |what: &str, i: usize| {
                 if is_scrambled {
                     most * dice(what, i)
@@ -305,7 +305,7 @@ impl Renderer for Fake {
             };
             let steps = (0..STEPS.len()).map(step).collect();
             Attribution {
-                seen_at,
+                n_dot_v,
                 pixel_count: 10,
                 error,
                 noise: 1e-6,

@@ -1,7 +1,7 @@
 //! Order statistics against values worked out by hand.
 
 use fastrand::Rng;
-use splitsum::run::statistics::{median, median_interval, median_order};
+use splitsum::base::math::order_statistics::{median, median_interval, median_order};
 use std::f64::consts::LN_2;
 
 #[test]

@@ -1,8 +1,8 @@
 //! Intervals over environments, compared with simulated studies whose truth is known.
 
 use fastrand::Rng;
+use splitsum::base::math::order_statistics::order_coverage;
 use splitsum::experiment::value::Value;
-use splitsum::run::statistics::order_coverage;
 use splitsum::study::frame::estimate::{Middle, estimate};
 use std::f64::consts::TAU;
 

@@ -32,7 +32,7 @@ impl Block {
     /// padded with the last.
     pub(super) fn all(count: usize) -> Vec<Self> {
         let pairs = count.div_ceil(2);
-        let of = |first: usize| {
+        let block = |first: usize| {
             let theta: [f64; LANES] = std::array::from_fn(|lane| {
                 PI * ((first + lane).min(pairs - 1) as f64 + 0.5) / count as f64
             });
@@ -41,16 +41,16 @@ impl Block {
                 sin: theta.map(f64::sin),
             }
         };
-        (0..pairs).step_by(LANES).map(of).collect()
+        (0..pairs).step_by(LANES).map(block).collect()
     }
 
     /// Makes a block of at most [`LANES`] unit directions; padded with the last.
     pub(super) fn at(directions: &[DVec3]) -> Self {
-        let own: [DVec3; LANES] =
+        let lanes: [DVec3; LANES] =
             std::array::from_fn(|lane| directions[lane.min(directions.len() - 1)]);
         Self {
-            cos: own.map(|d| d.y),
-            sin: own.map(|d| d.x.hypot(d.z).max(1e-12)),
+            cos: lanes.map(|d| d.y),
+            sin: lanes.map(|d| d.x.hypot(d.z).max(1e-12)),
         }
     }
 }
@@ -69,9 +69,9 @@ impl Legendre {
             let factor = |l: f64| ((4.0 * l * l - 1.0) / (l * l - (m * m) as f64)).sqrt();
             let mut last = f64::INFINITY;
             let step = |l: usize| {
-                let own = factor((l + 1) as f64);
-                let step = [own, own / last];
-                last = own;
+                let current = factor((l + 1) as f64);
+                let step = [current, current / last];
+                last = current;
                 step
             };
             (m..degree).map(step).collect()
@@ -99,18 +99,18 @@ impl Legendre {
         {
             return false;
         }
-        let (mut last, mut own) = (
-            [0.0; LANES],
-            block
-                .sin
-                .map(|sin| (self.first[m] + m as f64 * sin.ln()).exp()),
-        );
-        let (cos, steps) = (block.cos, &self.steps[m][..degree - m]);
-        found.resize(degree - m + 1, own);
-        found[0] = own;
+        let mut last = [0.0; LANES];
+        let mut current = block
+            .sin
+            .map(|sin| (self.first[m] + m as f64 * sin.ln()).exp());
+        let cos = block.cos;
+        let steps = &self.steps[m][..degree - m];
+        found.resize(degree - m + 1, current);
+        found[0] = current;
         for (value, [a, b]) in found[1..].iter_mut().zip(steps) {
-            (0..LANES).for_each(|lane| value[lane] = a * cos[lane] * own[lane] - b * last[lane]);
-            (last, own) = (own, *value);
+            (0..LANES)
+                .for_each(|lane| value[lane] = a * cos[lane] * current[lane] - b * last[lane]);
+            (last, current) = (current, *value);
         }
         true
     }

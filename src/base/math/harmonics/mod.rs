@@ -57,7 +57,8 @@ impl Harmonics {
         let blocks = Block::all(rows.count);
         let of_order = |m: usize| {
             let halves = rows.halves(m, &spectra);
-            let (mut sums, mut p) = (vec![[0.0; 6]; degree + 1 - m], Vec::new());
+            let mut sums = vec![[0.0; 6]; degree + 1 - m];
+            let mut p = Vec::new();
             for (block, halves) in blocks.iter().zip(halves.chunks(LANES)) {
                 if !legendre.fill(m, degree, block, &mut p) {
                     continue;
@@ -68,8 +69,8 @@ impl Harmonics {
                         .iter_mut()
                         .zip(halves)
                         .for_each(|(value, half)| *value = half[parity]);
-                    let own = sums.iter_mut().skip(parity).step_by(2);
-                    for (sum, p) in own.zip(p.iter().skip(parity).step_by(2)) {
+                    let parity_sums = sums.iter_mut().skip(parity).step_by(2);
+                    for (sum, p) in parity_sums.zip(p.iter().skip(parity).step_by(2)) {
                         (0..LANES).for_each(|lane| {
                             (0..6).for_each(|i| sum[i] += p[lane] * values[lane][i])
                         });
@@ -91,16 +92,17 @@ impl Harmonics {
     /// directions cost little.
     pub fn bands(&self, degree: usize, directions: &[DVec3]) -> Vec<Vec<DVec3>> {
         let degree = degree.min(self.degree());
-        let of_block = |own: &[DVec3]| {
-            let block = Block::at(own);
-            let (mut bands, mut p) = (vec![vec![DVec3::ZERO; degree + 1]; own.len()], Vec::new());
+        let bands_of = |members: &[DVec3]| {
+            let block = Block::at(members);
+            let mut bands = vec![vec![DVec3::ZERO; degree + 1]; members.len()];
+            let mut p = Vec::new();
             for m in 0..=degree {
                 if !self.legendre.fill(m, degree, &block, &mut p) {
                     continue;
                 }
                 // Orders -m are conjugates: they double the real part.
                 let twice = if m == 0 { 1.0 } else { 2.0 };
-                for (lane, (bands, d)) in bands.iter_mut().zip(own).enumerate() {
+                for (lane, (bands, d)) in bands.iter_mut().zip(members).enumerate() {
                     let (sin, cos) = (m as f64 * TAU * uv_from_direction(*d).x).sin_cos();
                     for ((band, value), p) in bands[m..].iter_mut().zip(&self.orders[m]).zip(&p) {
                         let part = |i: usize| value[i] * cos - value[i + 3] * sin;
@@ -112,7 +114,7 @@ impl Harmonics {
         };
         directions
             .par_chunks(LANES)
-            .flat_map_iter(of_block)
+            .flat_map_iter(bands_of)
             .collect()
     }
 
@@ -145,23 +147,25 @@ impl Harmonics {
         let inverse = RealFftPlanner::<f64>::new().plan_fft_inverse(width);
         let of_block = |block: &Block| {
             // By order: sums over even and over odd l + m, by lane.
-            let (mut sums, mut p) = (vec![[[[0.0; LANES]; 6]; 2]; degree + 1], Vec::new());
+            let mut sums = vec![[[[0.0; LANES]; 6]; 2]; degree + 1];
+            let mut p = Vec::new();
             for (m, sums) in sums.iter_mut().enumerate() {
                 if !self.legendre.fill(m, degree, block, &mut p) {
                     continue;
                 }
                 for (parity, sums) in sums.iter_mut().enumerate() {
-                    let mut own = [[0.0; LANES]; 6];
+                    let mut parity_sums = [[0.0; LANES]; 6];
                     let values = scaled[m].iter().skip(parity).step_by(2);
                     for (value, p) in values.zip(p.iter().skip(parity).step_by(2)) {
                         (0..6).for_each(|i| {
-                            (0..LANES).for_each(|lane| own[i][lane] += value[i] * p[lane])
+                            (0..LANES).for_each(|lane| parity_sums[i][lane] += value[i] * p[lane])
                         });
                     }
-                    *sums = own;
+                    *sums = parity_sums;
                 }
             }
-            let (mut spectrum, mut line) = (inverse.make_input_vec(), inverse.make_output_vec());
+            let mut spectrum = inverse.make_input_vec();
+            let mut line = inverse.make_output_vec();
             let mut scratch = inverse.make_scratch_vec();
             let mut row = |lane: usize, sign: f64| {
                 let mut texels = vec![DVec3::ZERO; width];
@@ -172,13 +176,14 @@ impl Harmonics {
                         let value = Complex::new(part(channel), part(channel + 3)) * turn;
                         // Orders beyond the columns' rate fold back, as point values do.
                         let bin = m % width;
-                        match () {
-                            () if m == 0 => spectrum[0].re += value.re,
-                            () if bin == 0 || 2 * bin == width => {
-                                spectrum[bin].re += 2.0 * value.re
-                            }
-                            () if 2 * bin < width => spectrum[bin] += value,
-                            () => spectrum[width - bin] += value.conj(),
+                        if m == 0 {
+                            spectrum[0].re += value.re;
+                        } else if bin == 0 || 2 * bin == width {
+                            spectrum[bin].re += 2.0 * value.re;
+                        } else if 2 * bin < width {
+                            spectrum[bin] += value;
+                        } else {
+                            spectrum[width - bin] += value.conj();
                         }
                     }
                     inverse
@@ -242,7 +247,8 @@ fn spectra(
     let factors: Vec<Complex<f64>> = (0..=degree).map(factor).collect();
     let row = |y: usize| {
         let mut found = vec![[0.0; 6]; degree + 1];
-        let (mut line, mut spectrum) = (forward.make_input_vec(), forward.make_output_vec());
+        let mut line = forward.make_input_vec();
+        let mut spectrum = forward.make_output_vec();
         for channel in 0..3 {
             line.iter_mut()
                 .enumerate()
@@ -289,7 +295,8 @@ struct Rows {
 
 impl Rows {
     fn new(height: usize, degree: usize) -> Self {
-        let (count, mut planner) = (smooth_even(degree + 1), FftPlanner::new());
+        let count = smooth_even(degree + 1);
+        let mut planner = FftPlanner::new();
         let orders = || (0..=degree + 1).map(|k| k as f64);
         let half = 0.5 * PI / height as f64;
         let linear =
@@ -320,19 +327,21 @@ impl Rows {
     /// Returns the weighted sum and difference of `g |sin θ|` of each row pair, its series cut at
     /// the degree.
     fn halves(&self, m: usize, spectra: &[Vec<Sextet>]) -> Vec<[Sextet; 2]> {
-        let (height, count) = (self.height, self.count);
+        let height = self.height;
+        let count = self.count;
         let value = |row: usize, channel: usize| {
-            let own = &spectra[row][m];
-            Complex::new(own[channel], own[channel + 3])
+            let coefficients = &spectra[row][m];
+            Complex::new(coefficients[channel], coefficients[channel + 3])
         };
         // S = g sgn θ on the circle, even for odd orders: g |sin θ| is S sin θ.
-        let (is_odd, sign) = (m % 2 == 1, if m % 2 == 1 { 1.0 } else { -1.0 });
+        let is_odd = m % 2 == 1;
+        let sign = if m % 2 == 1 { 1.0 } else { -1.0 };
         let mut circle = vec![Complex::default(); 6 * height];
         for channel in 0..3 {
             let line = &mut circle[2 * height * channel..][..2 * height];
             for row in 0..height {
-                let own = value(row, channel);
-                (line[row], line[2 * height - 1 - row]) = (own, sign * own);
+                let coefficient = value(row, channel);
+                (line[row], line[2 * height - 1 - row]) = (coefficient, sign * coefficient);
             }
         }
         self.forward.process(&mut circle);
@@ -352,7 +361,8 @@ impl Rows {
             // W_k = (S_k-1 - S_k+1)/2i, W_-k = -sign W_k.
             let out = &mut found[2 * count * channel..][..2 * count];
             let degree = self.linear.len() - 2;
-            let (mut last, mut own) = (sign * series(1), series(0));
+            let mut last = sign * series(1);
+            let mut current = series(0);
             for k in 0..=degree {
                 let next = series(k + 1);
                 let w = (last - next) * Complex::new(0.0, -0.5);
@@ -360,7 +370,7 @@ impl Rows {
                 if k > 0 {
                     out[2 * count - k] = -sign * w * self.turn[k].conj();
                 }
-                (last, own) = (own, next);
+                (last, current) = (current, next);
             }
         }
         self.inverse.process(&mut found);
@@ -371,7 +381,8 @@ impl Rows {
                     if i < 3 { value.re } else { value.im }
                 })
             };
-            let (north, south) = (part(row), part(count - 1 - row));
+            let north = part(row);
+            let south = part(count - 1 - row);
             [
                 std::array::from_fn(|i| north[i] + south[i]),
                 std::array::from_fn(|i| north[i] - south[i]),

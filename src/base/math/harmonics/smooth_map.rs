@@ -42,14 +42,15 @@ impl SmoothMap {
 
     pub fn value(&self, direction: DVec3) -> DVec3 {
         let size = DVec2::new(self.width as f64, self.height as f64);
-        let place = uv_from_direction(direction) * size - 0.5;
-        let ((column, columns), (row, rows)) = (stencil(place.x), stencil(place.y));
+        let texel = uv_from_direction(direction) * size - 0.5;
+        let (column, columns) = stencil(texel.x);
+        let (row, rows) = stencil(texel.y);
         let mut sum = DVec4::ZERO;
         for (j, weight) in rows.iter().enumerate() {
             let line = &self.texels[(row + j) * (self.width + STENCIL) + column..][..STENCIL];
             let mut across = DVec4::ZERO;
-            for (texel, own) in line.iter().zip(&columns) {
-                across += *own * *texel;
+            for (texel, weight) in line.iter().zip(&columns) {
+                across += *weight * *texel;
             }
             sum += *weight * across;
         }
@@ -59,7 +60,7 @@ impl SmoothMap {
 
 /// Returns first point (counted with the margin) and weights of the Lagrange interpolation at a
 /// position.
-fn stencil(place: f64) -> (usize, [f64; STENCIL]) {
+fn stencil(position: f64) -> (usize, [f64; STENCIL]) {
     /// `1 / Π (i - j)` over the other points.
     const SCALES: [f64; STENCIL] = {
         let mut scales = [1.0; STENCIL];
@@ -74,10 +75,11 @@ fn stencil(place: f64) -> (usize, [f64; STENCIL]) {
         }
         scales
     };
-    let floor = place.floor();
-    let t = place - floor + (STENCIL / 2 - 1) as f64;
+    let floor = position.floor();
+    let t = position - floor + (STENCIL / 2 - 1) as f64;
     let mut weights = SCALES;
-    let (mut left, mut right) = (1.0, 1.0);
+    let mut left = 1.0;
+    let mut right = 1.0;
     for i in 0..STENCIL {
         weights[i] *= left;
         left *= t - i as f64;

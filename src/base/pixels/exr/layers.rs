@@ -4,6 +4,7 @@ use crate::base::pixels::file::Fault;
 use ::exr::meta::header::Header;
 use std::collections::{HashMap, HashSet};
 
+/// A set of colour channels.
 pub(super) struct Layer {
     pub part: usize,
     /// Prefix of the channels, else the name of the part.
@@ -15,126 +16,145 @@ pub(super) struct Layer {
     pub alpha: Option<usize>,
 }
 
+/// The layer to read.
+pub(super) struct Choice {
+    pub layer: Layer,
+    /// Names the layers that are left out.
+    pub warning: Option<String>,
+}
+
 /// Lists every layer with colour, part by part, unprefixed channels first.
 fn layers(headers: &[Header]) -> Vec<Layer> {
-    let mut layers = Vec::new();
-    for (part, header) in headers
+    headers
         .iter()
         .enumerate()
         .filter(|(_, header)| !header.deep)
-    {
-        let names: Vec<String> = header
-            .channels
-            .list
-            .iter()
-            .map(|channel| channel.name.to_string())
-            .collect();
-        let mut prefixes = vec![""];
-        let mut seen = HashSet::from([""]);
-        let ends = names
-            .iter()
-            .filter_map(|name| name.rfind('.').map(|dot| &name[..=dot]));
-        prefixes.extend(ends.filter(|prefix| seen.insert(prefix)));
-        let index: HashMap<&str, usize> = names
-            .iter()
-            .enumerate()
-            .map(|(i, n)| (n.as_str(), i))
-            .collect();
-        for prefix in prefixes {
-            let find = |channel: &str| index.get(format!("{prefix}{channel}").as_str()).copied();
-            let rgb = ["R", "G", "B"].map(find);
-            if rgb.iter().any(Option::is_some) {
-                let part_name = header
-                    .own_attributes
-                    .layer_name
-                    .as_ref()
-                    .map(ToString::to_string);
-                let name = if prefix.is_empty() {
-                    part_name
-                } else {
-                    Some(prefix.trim_end_matches('.').to_owned())
-                };
-                layers.push(Layer {
-                    part,
-                    name,
-                    is_plain: prefix.is_empty(),
-                    rgb,
-                    alpha: find("A"),
-                });
-            }
-        }
-    }
-    layers
+        .flat_map(|(part, header)| layers_of_part(part, header))
+        .collect()
 }
 
-/// Chooses the layer; warns if there were others.
-pub(super) fn choose(
-    headers: &[Header],
-    name: Option<&str>,
-) -> Result<(Layer, Option<String>), Fault> {
-    let mut layers = layers(headers);
-    let names = |layers: &[Layer]| {
-        layers
-            .iter()
-            .filter_map(|layer| layer.name.clone())
-            .collect::<Vec<_>>()
-            .join(", ")
+fn layers_of_part(part: usize, header: &Header) -> Vec<Layer> {
+    let names: Vec<String> = header
+        .channels
+        .list
+        .iter()
+        .map(|channel| channel.name.to_string())
+        .collect();
+    let indices: HashMap<&str, usize> = names
+        .iter()
+        .enumerate()
+        .map(|(i, name)| (name.as_str(), i))
+        .collect();
+    let layer = |prefix: &str| {
+        let index = |channel: &str| indices.get(format!("{prefix}{channel}").as_str()).copied();
+        let rgb = ["R", "G", "B"].map(index);
+        if rgb.iter().all(Option::is_none) {
+            return None;
+        }
+        let is_plain = prefix.is_empty();
+        let name = if is_plain {
+            let part_name = header.own_attributes.layer_name.as_ref();
+            part_name.map(ToString::to_string)
+        } else {
+            Some(prefix.trim_end_matches('.').to_owned())
+        };
+        Some(Layer {
+            part,
+            name,
+            is_plain,
+            rgb,
+            alpha: index("A"),
+        })
     };
+    prefixes(&names).into_iter().filter_map(layer).collect()
+}
+
+/// Lists the prefixes of channels, each with its dot, in order of first use; the empty one first.
+fn prefixes(names: &[String]) -> Vec<&str> {
+    let mut known = HashSet::new();
+    let dotted = names
+        .iter()
+        .filter_map(|name| name.rfind('.').map(|dot| &name[..=dot]));
+    std::iter::once("")
+        .chain(dotted)
+        .filter(|prefix| known.insert(*prefix))
+        .collect()
+}
+
+/// Joins the names of layers.
+fn joined_names(layers: &[Layer]) -> String {
+    let names: Vec<&str> = layers
+        .iter()
+        .filter_map(|layer| layer.name.as_deref())
+        .collect();
+    names.join(", ")
+}
+
+/// Chooses the layer of a name, or the first; warns if the file has others.
+pub(super) fn choose(headers: &[Header], name: Option<&str>) -> Result<Choice, Fault> {
+    let mut layers = layers(headers);
     if let Some(name) = name {
-        let found = layers
+        let index = layers
             .iter()
             .position(|layer| layer.name.as_deref() == Some(name));
-        let place = || {
-            format!(
-                " in layer {name:?} (layers with colour: {})",
-                names(&layers)
+        let index = index.ok_or_else(|| {
+            let all = joined_names(&layers);
+            no_colour(
+                headers,
+                &format!(" in layer {name:?} (layers with colour: {all})"),
             )
-        };
-        let index = found.ok_or_else(|| no_colour(headers, &place()))?;
-        return Ok((layers.swap_remove(index), None));
+        })?;
+        return Ok(Choice {
+            layer: layers.swap_remove(index),
+            warning: None,
+        });
     }
     if layers.is_empty() {
         return Err(no_colour(headers, ""));
     }
-    let chosen = layers.remove(0);
-    let place = match (headers.len(), &chosen.name) {
-        // Unprefixed channels are a file's image by convention.
-        (1, _) if chosen.is_plain || layers.is_empty() => return Ok((chosen, None)),
-        (1, name) => format!(
-            "Only layer {:?} is used",
-            name.as_deref().unwrap_or_default()
-        ),
-        (count, _) => format!("Only part {} of {count} is used", chosen.part + 1),
-    };
-    let warning = match names(&layers) {
-        others if others.is_empty() => format!("{place}."),
-        others => format!("{place}; FILE#NAME reads another ({others})."),
-    };
-    Ok((chosen, Some(warning)))
+    let layer = layers.remove(0);
+    let warning = others_left_out(headers.len(), &layer, &layers);
+    Ok(Choice { layer, warning })
 }
 
-/// Reports a file or layer without R, G and B.
-fn no_colour(headers: &[Header], place: &str) -> Fault {
-    let all = || {
-        headers
-            .iter()
-            .flat_map(|header| &header.channels.list)
-            .map(|channel| channel.name.to_string())
+/// Returns a warning if a file of `part_count` parts has other images than the chosen layer.
+fn others_left_out(part_count: usize, chosen: &Layer, others: &[Layer]) -> Option<String> {
+    let subject = if part_count == 1 {
+        // Unprefixed channels are a file's image by convention.
+        if chosen.is_plain || others.is_empty() {
+            return None;
+        }
+        format!("layer {:?}", chosen.name.as_deref().unwrap_or_default())
+    } else {
+        format!("part {} of {part_count}", chosen.part + 1)
     };
-    let is_luminance = all().any(|name| name == "Y");
+    let others = joined_names(others);
+    Some(if others.is_empty() {
+        format!("Only {subject} is used.")
+    } else {
+        format!("Only {subject} is used; FILE#NAME reads another ({others}).")
+    })
+}
+
+/// Reports a file or layer without R, G and B; `scope` names the layer.
+fn no_colour(headers: &[Header], scope: &str) -> Fault {
+    let names: Vec<String> = headers
+        .iter()
+        .flat_map(|header| &header.channels.list)
+        .map(|channel| channel.name.to_string())
+        .collect();
     let deep = if headers.iter().any(|header| header.deep) {
         " (deep parts are not read)"
     } else {
         ""
     };
-    let convert = if is_luminance {
+    let convert = if names.iter().any(|name| name == "Y") {
         "; convert the image to RGB"
     } else {
         ""
     };
-    let what = format!(
-        "has the channels {}{deep}",
-        all().collect::<Vec<_>>().join(", ")
-    );
-    Fault::new(what, format!("R, G, B channels{place}{convert}"))
+    Fault::new(
+        format!("has the channels {}{deep}", names.join(", ")),
+        format!("R, G, B channels{scope}{convert}"),
+    )
 }

@@ -3,12 +3,13 @@
 //! The crate `exr` parses and unpacks. The checks here are those that it lacks: claims of memory
 //! and time, and repeated blocks, which would leave others at 0.
 
-use super::layers::choose;
+use super::layers::{Choice, Layer, choose};
 use crate::base::color::{Chromaticities, REC709};
 use crate::base::pixels::file::{ENVIRONMENT_TEXELS_MAX, Fault, check_claim, filled, read_bounded};
 use crate::base::pixels::{Decoded, GrayImage, PixelsError, RgbImage};
 use ::exr::block::UncompressedBlock;
 use ::exr::block::chunk::{Chunk, CompressedBlock};
+use ::exr::block::lines::LineRef;
 use ::exr::block::reader::{FilteredChunksReader, Reader};
 use ::exr::meta::attribute::EnvironmentMap;
 use ::exr::meta::header::Header;
@@ -82,7 +83,10 @@ fn decode(bytes: &[u8], layer: Option<&str>, most_texels: u64) -> Result<Decoded
             "a valid OpenEXR file",
         )
     })?;
-    let (layer, warning) = choose(&meta.headers, layer)?;
+    let Choice {
+        layer,
+        warning: other_layers,
+    } = choose(&meta.headers, layer)?;
     let header = &meta.headers[layer.part];
     let Vec2(width, height) = header.layer_size;
     check_claim(
@@ -93,72 +97,124 @@ fn decode(bytes: &[u8], layer: Option<&str>, most_texels: u64) -> Result<Decoded
         TEXELS_PER_BYTE,
     )?;
     let block_bytes = check_unpacked(header)?;
-    let mut chunks = chunks(bytes, layer.part).map_err(damaged)?;
+    let chunks = chunks(bytes, layer.part).map_err(damaged)?;
+    let mut planes = Planes::new(header, &layer)?;
+    read_blocks(chunks, &meta, block_bytes, &mut planes)?;
 
-    let mut rgb = filled(width * height, [0.0; 3])?;
-    let mut alpha = layer
-        .alpha
-        .map(|_| filled(width * height, 0.0))
-        .transpose()?;
-    let mut seen = HashSet::new();
+    let mut warnings = oddities(header);
+    warnings.extend(other_layers);
+    warnings.extend(missing_channels(&layer));
+    convert_to_rec709(&mut planes.rgb, header, &mut warnings);
+    Ok(planes.decoded(warnings))
+}
+
+/// The values of one layer, and where blocks of its part belong.
+struct Planes<'h> {
+    header: &'h Header,
+    layer: &'h Layer,
+    rgb: Vec<[f32; 3]>,
+    alpha: Option<Vec<f32>>,
+    /// Column and line of each block so far.
+    known_blocks: HashSet<(usize, usize)>,
+}
+
+impl<'h> Planes<'h> {
+    fn new(header: &'h Header, layer: &'h Layer) -> Result<Self, Fault> {
+        let Vec2(width, height) = header.layer_size;
+        Ok(Self {
+            header,
+            layer,
+            rgb: filled(width * height, [0.0; 3])?,
+            alpha: layer
+                .alpha
+                .map(|_| filled(width * height, 0.0))
+                .transpose()?,
+            known_blocks: HashSet::new(),
+        })
+    }
+
+    /// Takes the values of a block. Refuses a second one at the same position, since another would
+    /// be missing.
+    fn put_block(&mut self, block: &UncompressedBlock) -> Result<(), Fault> {
+        let Vec2(x, y) = block.index.pixel_position;
+        let belongs = block.index.layer == self.layer.part && block.index.level == Vec2(0, 0);
+        if !belongs || !self.known_blocks.insert((x, y)) {
+            let what =
+                format!("the block at column {x}, line {y} comes twice or belongs elsewhere");
+            return Err(Fault::new(what, "every block once"));
+        }
+        for line in block.lines(&self.header.channels) {
+            self.put_line(&line);
+        }
+        Ok(())
+    }
+
+    /// Takes a line of one channel.
+    fn put_line(&mut self, line: &LineRef) {
+        let Vec2(x, y) = line.location.position;
+        let first = y * self.header.layer_size.width() + x;
+        let texels = first..first + line.location.sample_count;
+        let channel = line.location.channel;
+        let sample_type = self.header.channels.list[channel].sample_type;
+        let color = self
+            .layer
+            .rgb
+            .iter()
+            .position(|wanted| *wanted == Some(channel));
+        if let Some(color) = color {
+            let targets = self.rgb[texels].iter_mut().map(|texel| &mut texel[color]);
+            put_samples(targets, line.value, sample_type);
+        } else if self.layer.alpha == Some(channel)
+            && let Some(alpha) = &mut self.alpha
+        {
+            put_samples(alpha[texels].iter_mut(), line.value, sample_type);
+        }
+    }
+
+    fn decoded(self, warnings: Vec<String>) -> Decoded {
+        let width = self.header.layer_size.width() as u32;
+        let height = self.header.layer_size.height() as u32;
+        Decoded {
+            rgb: RgbImage::new(width, height, self.rgb),
+            alpha: self.alpha.map(|alpha| GrayImage::new(width, height, alpha)),
+            warnings,
+        }
+    }
+}
+
+/// Unpacks the blocks in batches, to bound the memory, and in parallel.
+fn read_blocks(
+    mut chunks: impl Iterator<Item = Result<Chunk, Error>>,
+    meta: &MetaData,
+    block_bytes: usize,
+    planes: &mut Planes,
+) -> Result<(), Fault> {
+    let batch_length = (BATCH_BYTES / block_bytes).max(1);
     loop {
         let batch = chunks
             .by_ref()
-            .take((BATCH_BYTES / block_bytes).max(1))
-            .collect::<Result<Vec<Chunk>, Error>>();
-        let batch = batch.map_err(damaged)?;
+            .take(batch_length)
+            .collect::<Result<Vec<Chunk>, Error>>()
+            .map_err(damaged)?;
         if batch.is_empty() {
-            break;
+            return Ok(());
         }
         let blocks = batch
             .into_par_iter()
-            .map(|chunk| unpack(chunk, &meta))
+            .map(|chunk| unpack(chunk, meta))
             .collect::<Result<Vec<_>, Fault>>()?;
-        for block in blocks {
-            let Vec2(x, y) = block.index.pixel_position;
-            if (block.index.layer, block.index.level) != (layer.part, Vec2(0, 0))
-                || !seen.insert((x, y))
-            {
-                let what =
-                    format!("the block at column {x}, line {y} comes twice or belongs elsewhere");
-                return Err(Fault::new(what, "every block once"));
-            }
-            for line in block.lines(&header.channels) {
-                let Vec2(x, y) = line.location.position;
-                let (channel, pixels) = (
-                    line.location.channel,
-                    y * width + x..y * width + x + line.location.sample_count,
-                );
-                let kind = header.channels.list[channel].sample_type;
-                if let Some(i) = layer.rgb.iter().position(|wanted| *wanted == Some(channel)) {
-                    put(
-                        rgb[pixels].iter_mut().map(|texel| &mut texel[i]),
-                        line.value,
-                        kind,
-                    );
-                } else if let Some(alpha) = alpha.as_mut().filter(|_| layer.alpha == Some(channel))
-                {
-                    put(alpha[pixels].iter_mut(), line.value, kind);
-                }
-            }
+        for block in &blocks {
+            planes.put_block(block)?;
         }
     }
-    let mut warnings = oddities(header);
-    warnings.extend(warning);
-    let missing = ["R", "G", "B"]
+}
+
+fn missing_channels(layer: &Layer) -> impl Iterator<Item = String> {
+    ["R", "G", "B"]
         .iter()
         .zip(layer.rgb)
-        .filter(|(_, channel)| channel.is_none());
-    warnings
-        .extend(missing.map(|(name, _)| format!("Channel {name} is missing; it was set to 0.")));
-    convert_to_rec709(&mut rgb, header, &mut warnings);
-    let (width, height) = (width as u32, height as u32);
-    let alpha = alpha.map(|alpha| GrayImage::new(width, height, alpha));
-    Ok(Decoded {
-        rgb: RgbImage::new(width, height, rgb),
-        alpha,
-        warnings,
-    })
+        .filter(|(_, channel)| channel.is_none())
+        .map(|(name, _)| format!("Channel {name} is missing; it was set to 0."))
 }
 
 /// Returns the bytes of a part's block, at least 1. Refuses parts that need too much memory or
@@ -171,30 +227,35 @@ fn check_unpacked(header: &Header) -> Result<usize, Fault> {
         ),
         BlockDescription::Tiles(tiles) => tiles.tile_size,
     };
-    let bytes = |Vec2(x, y): Vec2<usize>| {
+    let bytes_of = |Vec2(x, y): Vec2<usize>| {
         x.saturating_mul(y)
             .saturating_mul(header.channels.bytes_per_pixel)
             .max(1)
     };
-    let (block, all) = (bytes(block), bytes(header.layer_size));
-    for (what, bytes, most) in [
-        ("a block has", block, BLOCK_BYTES_MAX),
-        ("its blocks have", all, PART_BYTES_MAX),
-    ] {
-        if bytes > most {
-            let what = format!(
-                "{what} {} MiB of pixels in {} channels",
+    let check = |subject: &str, bytes: usize, most: usize| {
+        if bytes <= most {
+            return Ok(());
+        }
+        Err(Fault::new(
+            format!(
+                "{subject} {} MiB of pixels in {} channels",
                 bytes >> 20,
                 header.channels.list.len()
-            );
-            let expected = format!(
+            ),
+            format!(
                 "at most {} MiB; keep the channels of the colour only",
                 most >> 20
-            );
-            return Err(Fault::new(what, expected));
-        }
-    }
-    Ok(block)
+            ),
+        ))
+    };
+    let block_bytes = bytes_of(block);
+    check("a block has", block_bytes, BLOCK_BYTES_MAX)?;
+    check(
+        "its blocks have",
+        bytes_of(header.layer_size),
+        PART_BYTES_MAX,
+    )?;
+    Ok(block_bytes)
 }
 
 fn unpack(chunk: Chunk, meta: &MetaData) -> Result<UncompressedBlock, Fault> {
@@ -246,23 +307,30 @@ fn check_dwa_counters(chunk: &Chunk, header: &Header) -> Result<(), Fault> {
     }
 }
 
-fn put<'t>(targets: impl Iterator<Item = &'t mut f32>, bytes: &[u8], kind: SampleType) {
-    fn each<'t, const N: usize>(
-        targets: impl Iterator<Item = &'t mut f32>,
-        bytes: &[u8],
-        number: impl Fn([u8; N]) -> f32,
-    ) {
-        targets
-            .zip(bytes.as_chunks().0)
-            .for_each(|(to, from)| *to = number(*from));
-    }
-    match kind {
-        SampleType::F16 => each(targets, bytes, |bytes| f16::from_ne_bytes(bytes).to_f32()),
-        SampleType::F32 => each(targets, bytes, f32::from_ne_bytes),
-        SampleType::U32 => each(targets, bytes, |bytes| u32::from_ne_bytes(bytes) as f32),
+/// Converts the samples of a line to f32.
+fn put_samples<'t>(
+    targets: impl Iterator<Item = &'t mut f32>,
+    bytes: &[u8],
+    sample_type: SampleType,
+) {
+    match sample_type {
+        SampleType::F16 => put_numbers(targets, bytes, |b| f16::from_ne_bytes(b).to_f32()),
+        SampleType::F32 => put_numbers(targets, bytes, f32::from_ne_bytes),
+        SampleType::U32 => put_numbers(targets, bytes, |b| u32::from_ne_bytes(b) as f32),
     }
 }
 
+fn put_numbers<'t, const N: usize>(
+    targets: impl Iterator<Item = &'t mut f32>,
+    bytes: &[u8],
+    number: impl Fn([u8; N]) -> f32,
+) {
+    for (target, sample) in targets.zip(bytes.as_chunks().0) {
+        *target = number(*sample);
+    }
+}
+
+/// Converts colours from the header's chromaticities, if they differ from Rec.709.
 fn convert_to_rec709(rgb: &mut [[f32; 3]], header: &Header, warnings: &mut Vec<String>) {
     let xy = |Vec2(x, y): Vec2<f32>| DVec2::new(x.into(), y.into());
     let chromaticities = header
@@ -275,22 +343,23 @@ fn convert_to_rec709(rgb: &mut [[f32; 3]], header: &Header, warnings: &mut Vec<S
             white: xy(c.white),
         });
     let foreign = chromaticities.filter(|c| !c.is_close_to(&REC709));
-    if let Some(matrix) = foreign.and_then(|c| c.to_rec709_with_warning("chromaticities", warnings))
-    {
-        rgb.iter_mut().for_each(|texel| {
-            *texel = (matrix * DVec3::from(texel.map(f64::from)))
-                .as_vec3()
-                .to_array()
-        });
+    let Some(matrix) = foreign.and_then(|c| c.to_rec709_with_warning("chromaticities", warnings))
+    else {
+        return;
+    };
+    for texel in rgb {
+        let converted = matrix * DVec3::from(texel.map(f64::from));
+        *texel = converted.as_vec3().to_array();
     }
 }
 
+/// Returns warnings about header fields that are ignored.
 fn oddities(header: &Header) -> Vec<String> {
     let mut warnings = Vec::new();
-    let (Vec2(x, y), Vec2(width, height)) =
-        (header.own_attributes.layer_position, header.layer_size);
+    let Vec2(x, y) = header.own_attributes.layer_position;
+    let Vec2(width, height) = header.layer_size;
     let display = header.shared_attributes.display_window;
-    if (display.position, display.size) != (Vec2(x, y), Vec2(width, height)) {
+    if display.position != Vec2(x, y) || display.size != Vec2(width, height) {
         warnings.push(format!(
             "The data window ({width}x{height} at {x}, {y}) differs from the display window ({}x{} \
              at {}, {}); the data window is used.",

@@ -31,7 +31,8 @@ pub static CAP: Builtin = Builtin {
         ),
     ],
     make: |values, size| {
-        let (radiance, ambient) = (values.get("radiance"), values.get("ambient"));
+        let radiance = values.get("radiance");
+        let ambient = values.get("ambient");
         let center = raster::direction(
             values.get("azimuth_deg").to_radians(),
             values.get("elevation_deg").to_radians(),

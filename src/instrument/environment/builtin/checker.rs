@@ -27,8 +27,10 @@ pub static CHECKER: Builtin = Builtin {
         parameter("low", "radiance of the others", 0.0, [0.0, 1e6]),
     ],
     make: |values, size| {
-        let (columns, rows) = (values.get("columns"), values.get("rows"));
-        let (high, low) = (values.get("high"), values.get("low"));
+        let columns = values.get("columns");
+        let rows = values.get("rows");
+        let high = values.get("high");
+        let low = values.get("low");
         raster::supersampled(size, SAMPLES_PER_SIDE, |uv, _| {
             let cell = (uv.x * columns).floor() + (uv.y * rows).floor();
             DVec3::splat(if cell.rem_euclid(2.0) < 1.0 {

@@ -17,7 +17,8 @@ pub static GRADIENT: Builtin = Builtin {
         ),
     ],
     make: |values, size| {
-        let (mean, slope) = (values.get("mean"), values.get("slope"));
+        let mean = values.get("mean");
+        let slope = values.get("slope");
         raster::at_centers(size, |d| DVec3::splat((mean + slope * d.y).max(0.0)))
     },
 };

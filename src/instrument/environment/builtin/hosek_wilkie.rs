@@ -35,21 +35,22 @@ impl Sky {
         let points = ALBEDOS * TURBIDITIES * POINTS;
         let (coefficients, radiances) = data.split_at(3 * points * COEFFICIENTS);
         let t = (elevation / FRAC_PI_2).powf(1.0 / 3.0);
-        let at = |data: &[f32], stride: usize, index: usize| {
+        let interpolated = |data: &[f32], stride: usize, index: usize| {
             interpolated(data, stride, index, turbidity, albedo, t)
         };
         let of_channel = |channel: usize| &coefficients[channel * points * COEFFICIENTS..];
         Self {
             coefficients: [0, 1, 2]
-                .map(|i| std::array::from_fn(|k| at(of_channel(i), COEFFICIENTS, k))),
-            radiances: [0, 1, 2].map(|i| at(&radiances[i * points..], 1, 0)),
+                .map(|i| std::array::from_fn(|k| interpolated(of_channel(i), COEFFICIENTS, k))),
+            radiances: [0, 1, 2].map(|i| interpolated(&radiances[i * points..], 1, 0)),
         }
     }
 
     /// Returns the RGB radiance at angles to the zenith and to the sun, radians. Under a low sun it
     /// may be negative.
     pub fn radiance(&self, theta: f32, gamma: f32) -> [f32; 3] {
-        let (cos_gamma, cos_theta) = (gamma.cos(), theta.cos().abs());
+        let cos_gamma = gamma.cos();
+        let cos_theta = theta.cos().abs();
         let rayleigh = cos_gamma * cos_gamma;
         [0, 1, 2].map(|channel| {
             // The data set has I before H.
@@ -72,7 +73,8 @@ fn interpolated(
     albedo: f32,
     t: f32,
 ) -> f32 {
-    let (whole, part) = (turbidity.trunc() as usize, turbidity.fract());
+    let whole = turbidity.trunc() as usize;
+    let part = turbidity.fract();
     let turbidities = [whole.saturating_sub(1), whole.min(TURBIDITIES - 1)];
     let mut sum = 0.0;
     for (albedo_index, albedo_weight) in [1.0 - albedo, albedo].into_iter().enumerate() {
@@ -86,9 +88,14 @@ fn interpolated(
 }
 
 fn quintic(point: impl Fn(usize) -> f32, t: f32) -> f32 {
-    let (t2, u) = (t * t, 1.0 - t);
-    let (t3, t4, u2) = (t2 * t, t2 * t2, u * u);
-    let (t5, u3, u4) = (t4 * t, u2 * u, u2 * u2);
+    let t2 = t * t;
+    let u = 1.0 - t;
+    let t3 = t2 * t;
+    let t4 = t2 * t2;
+    let u2 = u * u;
+    let t5 = t4 * t;
+    let u3 = u2 * u;
+    let u4 = u2 * u2;
     let u5 = u4 * u;
     point(0) * u5
         + point(1) * 5.0 * u4 * t

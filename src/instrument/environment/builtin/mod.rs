@@ -68,6 +68,11 @@ impl Values {
             .map(|&(_, value)| value)
             .expect("a formula reads only its own parameters")
     }
+
+    fn set(&mut self, name: &str, value: f64) {
+        let entry = self.0.iter_mut().find(|(known, _)| *known == name);
+        entry.expect("every parameter has a value").1 = value;
+    }
 }
 
 /// Returns the builtin whose name resembles `word`.
@@ -88,82 +93,83 @@ pub(super) fn make(
     formula: &str,
     size: [u32; 2],
 ) -> Result<RgbImage, EnvironmentError> {
-    let bad = |parameter: &str, value: &str, expected: String| {
-        unusable(
-            spec,
-            format!("{parameter} is {value:?}; expected {expected}"),
-        )
-    };
+    let fault = |what: String| unusable(spec, what);
     let (name, assignments) = formula.split_once(':').unwrap_or((formula, ""));
     let builtin = BUILTINS
         .iter()
         .find(|builtin| builtin.name == name)
         .ok_or_else(|| {
             let names: Vec<_> = BUILTINS.iter().map(|builtin| builtin.name).collect();
-            unusable(
-                spec,
-                names::not_one_of("built-in environment", name, &names, ""),
-            )
+            fault(names::not_one_of("built-in environment", name, &names, ""))
         })?;
-    let texels = u64::from(size[0]) * u64::from(size[1]);
-    if texels == 0 || texels > ENVIRONMENT_TEXELS_MAX {
-        let size = format!("{}x{}", size[0], size[1]);
-        return Err(bad(
-            "the size of a builtin's map",
-            &size,
-            format!("1 to {ENVIRONMENT_TEXELS_MAX} texels"),
-        ));
-    }
-    let mut values = Values(
-        builtin
-            .parameters
-            .iter()
-            .map(|p| (p.name, p.default))
-            .collect(),
-    );
-    let mut given = Vec::new();
-    for assignment in assignments
-        .split(',')
-        .filter(|text| !text.trim().is_empty())
-    {
-        let (key, text) = assignment.split_once('=').ok_or_else(|| {
-            let form = format!(
-                "PARAMETER=VALUE, as in {BUILTIN_PREFIX}cap:half_angle_deg=10,radiance=100"
-            );
-            bad("an assignment", assignment, form)
-        })?;
-        let (key, text) = (key.trim(), text.trim());
-        let parameter = builtin
-            .parameters
-            .iter()
-            .find(|p| p.name == key)
-            .ok_or_else(|| {
-                let names: Vec<_> = builtin.parameters.iter().map(|p| p.name).collect();
-                unusable(
-                    spec,
-                    names::not_one_of(&format!("parameter of {name}"), key, &names, ""),
-                )
-            })?;
-        if given.contains(&key) {
-            return Err(bad(key, text, "one value for each parameter".to_owned()));
-        }
-        given.push(key);
-        let value = text
-            .parse::<f64>()
-            .ok()
-            .filter(|value| (parameter.min..=parameter.max).contains(value));
-        let value = value.ok_or_else(|| {
-            bad(
-                key,
-                text,
-                format!("a number from {} to {}", parameter.min, parameter.max),
-            )
-        })?;
-        let slot = values
-            .0
-            .iter_mut()
-            .find(|(known, _)| *known == parameter.name);
-        slot.expect("every parameter has a slot").1 = value;
-    }
+    check_size(size).map_err(fault)?;
+    let values = builtin.values(assignments).map_err(fault)?;
     Ok((builtin.make)(&values, size))
+}
+
+fn check_size([width, height]: [u32; 2]) -> Result<(), String> {
+    let texels = u64::from(width) * u64::from(height);
+    if (1..=ENVIRONMENT_TEXELS_MAX).contains(&texels) {
+        return Ok(());
+    }
+    Err(unexpected(
+        "the size of a builtin's map",
+        &format!("{width}x{height}"),
+        &format!("1 to {ENVIRONMENT_TEXELS_MAX} texels"),
+    ))
+}
+
+fn unexpected(subject: &str, value: &str, expected: &str) -> String {
+    format!("{subject} is {value:?}; expected {expected}")
+}
+
+impl Builtin {
+    /// Parses `PARAMETER=VALUE,...`; the others have their defaults.
+    fn values(&self, assignments: &str) -> Result<Values, String> {
+        let defaults = self.parameters.iter().map(|p| (p.name, p.default));
+        let mut values = Values(defaults.collect());
+        let mut assigned = Vec::new();
+        for assignment in assignments
+            .split(',')
+            .filter(|text| !text.trim().is_empty())
+        {
+            let (key, text) = assignment.split_once('=').ok_or_else(|| {
+                let form = format!(
+                    "PARAMETER=VALUE, as in {BUILTIN_PREFIX}cap:half_angle_deg=10,radiance=100"
+                );
+                unexpected("an assignment", assignment, &form)
+            })?;
+            let key = key.trim();
+            let text = text.trim();
+            let parameter = self.parameter(key)?;
+            if assigned.contains(&key) {
+                return Err(unexpected(key, text, "one value for each parameter"));
+            }
+            assigned.push(key);
+            values.set(parameter.name, parameter.parse(text)?);
+        }
+        Ok(values)
+    }
+
+    fn parameter(&self, key: &str) -> Result<&'static Parameter, String> {
+        self.parameters
+            .iter()
+            .find(|parameter| parameter.name == key)
+            .ok_or_else(|| {
+                let names: Vec<_> = self.parameters.iter().map(|p| p.name).collect();
+                names::not_one_of(&format!("parameter of {}", self.name), key, &names, "")
+            })
+    }
+}
+
+impl Parameter {
+    fn parse(&self, text: &str) -> Result<f64, String> {
+        text.parse::<f64>()
+            .ok()
+            .filter(|value| (self.min..=self.max).contains(value))
+            .ok_or_else(|| {
+                let range = format!("a number from {} to {}", self.min, self.max);
+                unexpected(self.name, text, &range)
+            })
+    }
 }

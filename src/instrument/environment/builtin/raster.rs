@@ -41,7 +41,8 @@ pub fn supersampled(
 ) -> RgbImage {
     let cos_theta = |row: u32| (PI * f64::from(row) / f64::from(size[1])).cos();
     let v = |y: u32, offset: f64| {
-        let (top, bottom) = (cos_theta(y), cos_theta(y + 1));
+        let top = cos_theta(y);
+        let bottom = cos_theta(y + 1);
         // Equal steps of cos θ are equal solid angles.
         (top + (bottom - top) * offset).clamp(-1.0, 1.0).acos() / PI
     };
@@ -96,7 +97,8 @@ pub fn cover_cap(
     half_angle: f64,
     mut cover: impl FnMut(usize, f64),
 ) {
-    let (columns, rows) = (f64::from(width), f64::from(height));
+    let columns = f64::from(width);
+    let rows = f64::from(height);
     let theta_center = center.x.hypot(center.z).atan2(center.y);
     let u_center = equirect::uv_from_direction(center).x;
     let in_cap = |theta: f64| {
@@ -106,8 +108,10 @@ pub fn cover_cap(
     };
     let mut spans = vec![0.0; width as usize];
     for y in 0..height {
-        let (top, bottom) = (PI * f64::from(y) / rows, PI * f64::from(y + 1) / rows);
-        let (t0, t1) = (in_cap(top), in_cap(bottom));
+        let top = PI * f64::from(y) / rows;
+        let bottom = PI * f64::from(y + 1) / rows;
+        let t0 = in_cap(top);
+        let t1 = in_cap(bottom);
         if t0 >= FRAC_PI_2 || t1 <= -FRAC_PI_2 {
             continue;
         }

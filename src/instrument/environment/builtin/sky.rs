@@ -56,19 +56,14 @@ pub static SKY: Builtin = Builtin {
 fn make(values: &Values, size: [u32; 2]) -> RgbImage {
     let elevation = values.get("elevation_deg").to_radians();
     let sun = raster::direction(values.get("azimuth_deg").to_radians(), elevation);
-    let (turbidity, albedo) = (values.get("turbidity"), values.get("albedo"));
+    let turbidity = values.get("turbidity");
+    let albedo = values.get("albedo");
     // Rounding to f32 may push the elevation above π/2.
     let elevation_f32 = (elevation as f32).min(std::f32::consts::FRAC_PI_2);
     let model = Sky::new(elevation_f32, turbidity as f32, albedo as f32);
-    let sky = |d: DVec3| {
-        let theta = d.y.clamp(0.0, 1.0).acos() as f32;
-        let gamma = d.dot(sun).clamp(-1.0, 1.0).acos() as f32;
-        // The fit can dip below 0 in the channel of a low sun.
-        DVec3::from_array(model.radiance(theta, gamma).map(f64::from)).max(DVec3::ZERO)
-    };
     let dome = raster::at_centers(size, |d| {
         if d.y >= -HORIZON_EPSILON {
-            sky(d)
+            sky_radiance(&model, sun, d)
         } else {
             DVec3::ZERO
         }
@@ -82,7 +77,29 @@ fn make(values: &Values, size: [u32; 2]) -> RgbImage {
         .iter()
         .map(|texel| DVec3::from(texel.map(f64::from)))
         .collect();
-    let [width, height] = size;
+    add_ground(&mut radiance, size, ground);
+    let sun_radiance = e_sun / (TAU * (1.0 - SUN_HALF_ANGLE.cos()));
+    raster::cover_cap(size, sun, SUN_HALF_ANGLE, |texel, coverage| {
+        radiance[texel] += sun_radiance * coverage
+    });
+
+    let scale = 4.0 * PI / luminous_energy(&radiance, size);
+    let texels = radiance
+        .iter()
+        .map(|&texel| (texel * scale).as_vec3().to_array())
+        .collect();
+    RgbImage::new(size[0], size[1], texels)
+}
+
+fn sky_radiance(model: &Sky, sun: DVec3, direction: DVec3) -> DVec3 {
+    let theta = direction.y.clamp(0.0, 1.0).acos() as f32;
+    let gamma = direction.dot(sun).clamp(-1.0, 1.0).acos() as f32;
+    // The fit can dip below 0 in the channel of a low sun.
+    DVec3::from_array(model.radiance(theta, gamma).map(f64::from)).max(DVec3::ZERO)
+}
+
+/// Sets the texels below the horizon, and half of those on it.
+fn add_ground(radiance: &mut [DVec3], [width, height]: [u32; 2], ground: DVec3) {
     for (row, texels) in radiance.chunks_mut(width as usize).enumerate() {
         let y = (PI * (row as f64 + 0.5) / f64::from(height)).cos();
         for texel in texels {
@@ -93,28 +110,18 @@ fn make(values: &Values, size: [u32; 2]) -> RgbImage {
             }
         }
     }
-    let sun_radiance = e_sun / (TAU * (1.0 - SUN_HALF_ANGLE.cos()));
-    raster::cover_cap(size, sun, SUN_HALF_ANGLE, |texel, coverage| {
-        radiance[texel] += sun_radiance * coverage
-    });
+}
 
+/// Integrates the luminance over the sphere.
+fn luminous_energy(radiance: &[DVec3], [width, height]: [u32; 2]) -> f64 {
     let weights = DVec3::from(REC709_LUMINANCE);
-    let energy: f64 = (0..height)
+    (0..height)
         .zip(radiance.chunks(width as usize))
         .map(|(row, texels)| {
             equirect::texel_solid_angle(row, width, height)
                 * texels.iter().sum::<DVec3>().dot(weights)
         })
-        .sum();
-    let scale = 4.0 * PI / energy;
-    RgbImage::new(
-        width,
-        height,
-        radiance
-            .iter()
-            .map(|&texel| (texel * scale).as_vec3().to_array())
-            .collect(),
-    )
+        .sum()
 }
 
 /// Integrates the irradiance of the map's upper half on the horizontal, per channel; exact for

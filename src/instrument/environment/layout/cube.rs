@@ -35,12 +35,20 @@ fn mean_major(a: DVec3, omega_s: f64) -> f64 {
 
 fn place(d: DVec3) -> (u32, DVec2) {
     let a = d.abs();
-    let (face, sc, tc, major) = match () {
-        () if a.x >= a.y && a.x >= a.z => (u32::from(d.x < 0.0), -d.x.signum() * d.z, -d.y, a.x),
-        () if a.y >= a.z => (2 + u32::from(d.y < 0.0), d.x, d.y.signum() * d.z, a.y),
-        () => (4 + u32::from(d.z < 0.0), d.z.signum() * d.x, -d.y, a.z),
-    };
-    (face, 0.5 * (DVec2::new(sc, tc) / major + 1.0))
+    // The major axis chooses the face; the others are its coordinates.
+    let face;
+    let st;
+    if a.x >= a.y && a.x >= a.z {
+        face = u32::from(d.x < 0.0);
+        st = DVec2::new(-d.x.signum() * d.z, -d.y) / a.x;
+    } else if a.y >= a.z {
+        face = 2 + u32::from(d.y < 0.0);
+        st = DVec2::new(d.x, d.y.signum() * d.z) / a.y;
+    } else {
+        face = 4 + u32::from(d.z < 0.0);
+        st = DVec2::new(d.z.signum() * d.x, -d.y) / a.z;
+    }
+    (face, 0.5 * (st + 1.0))
 }
 
 fn direction(face: u32, uv: DVec2) -> DVec3 {
@@ -49,10 +57,8 @@ fn direction(face: u32, uv: DVec2) -> DVec3 {
 
 /// Returns the point on the cube whose faces have distance 1.
 fn on_face(face: u32, uv: DVec2) -> DVec3 {
-    let (st, sign) = (
-        2.0 * uv - 1.0,
-        if face.is_multiple_of(2) { 1.0 } else { -1.0 },
-    );
+    let st = 2.0 * uv - 1.0;
+    let sign = if face.is_multiple_of(2) { 1.0 } else { -1.0 };
     match face / 2 {
         0 => DVec3::new(sign, -st.y, -sign * st.x),
         1 => DVec3::new(st.x, sign, sign * st.y),

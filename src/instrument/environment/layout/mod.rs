@@ -53,8 +53,9 @@ impl MapLayout {
     /// a face size.
     pub fn stencil(&self, d: DVec3, size: [u32; 2]) -> [([u32; 3], f64); 4] {
         let (face, uv) = (self.place)(d);
-        let at = uv * DVec2::new(size[0].into(), size[1].into()) - 0.5;
-        let (low, part) = (at.floor(), at - at.floor());
+        let position = uv * DVec2::new(size[0].into(), size[1].into()) - 0.5;
+        let low = position.floor();
+        let part = position - position.floor();
         let corner =
             |dx: i64, dy: i64| (self.texel)(face, [low.x as i64 + dx, low.y as i64 + dy], size);
         let corners = [corner(0, 0), corner(1, 0), corner(0, 1), corner(1, 1)];

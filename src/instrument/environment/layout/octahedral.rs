@@ -22,7 +22,8 @@ pub const LAYOUT: MapLayout = MapLayout {
 };
 
 fn place(d: DVec3) -> (u32, DVec2) {
-    let (x, z) = (d.x.abs(), d.z.abs());
+    let x = d.x.abs();
+    let z = d.z.abs();
     let r = ((x * x + z * z) / (1.0 + d.y.abs())).sqrt();
     let v = r * z.atan2(x) * FRAC_2_PI;
     let upper = DVec2::new(r - v, v);

@@ -31,8 +31,8 @@ pub enum Bind<'a> {
     /// Written only: earlier contents are lost.
     Write(&'a Buffer),
     ReadWrite(&'a Buffer),
-    /// A range of bytes of a buffer of [`crate::instrument::gpu::Gpu::uniform_from`], as large as the shader's
-    /// block.
+    /// A range of bytes of a buffer of [`crate::instrument::gpu::Gpu::uniform_from`], as large as
+    /// the shader's block.
     Uniform(&'a Buffer, Range<u64>),
 }
 
@@ -47,54 +47,72 @@ enum Resource<'a> {
     Buffer(&'a Buffer, Range<u64>),
 }
 
+/// What a descriptor needs to know of a bind.
+struct Binding<'a> {
+    kind: Kind,
+    access: Access,
+    resource: Resource<'a>,
+}
+
 impl<'a> Bind<'a> {
-    /// Returns the descriptor type, the access and the resource.
-    fn parts(&self) -> (Kind, Access, Resource<'a>) {
-        let whole = |buffer| Resource::Buffer(buffer, 0..vk::WHOLE_SIZE);
-        let sampled = |image, mips, is_array, sampler| {
-            let resource = Resource::Image {
-                image,
-                mips,
-                is_array,
-                sampler: Some(sampler),
-            };
-            (Kind::COMBINED_IMAGE_SAMPLER, Access::SAMPLE, resource)
-        };
-        let stored = |image, mip: u32, is_array, access| {
-            (
-                Kind::STORAGE_IMAGE,
-                access,
-                Resource::Image {
-                    image,
-                    mips: mip..mip + 1,
-                    is_array,
-                    sampler: None,
-                },
-            )
-        };
+    fn binding(&self) -> Binding<'a> {
         match *self {
-            Self::Sample(image, sampler) => sampled(image, 0..image.mip_count(), false, sampler),
-            Self::SampleMip(image, sampler, mip) => sampled(image, mip..mip + 1, false, sampler),
-            Self::SampleFaces(image, sampler, mip) => sampled(image, mip..mip + 1, true, sampler),
+            Self::Sample(image, sampler) => sampled(image, sampler, 0..image.mip_count(), false),
+            Self::SampleMip(image, sampler, mip) => sampled(image, sampler, mip..mip + 1, false),
+            Self::SampleFaces(image, sampler, mip) => sampled(image, sampler, mip..mip + 1, true),
             Self::StoreMip(image, mip) => stored(image, mip, false, Access::STORE),
             Self::StoreFaces(image, mip) => stored(image, mip, true, Access::STORE),
             Self::UpdateFaces(image, mip) => stored(image, mip, true, Access::UPDATE),
-            Self::Read(buffer) => (Kind::STORAGE_BUFFER, Access::LOAD, whole(buffer)),
-            Self::Write(buffer) => (Kind::STORAGE_BUFFER, Access::STORE, whole(buffer)),
-            Self::ReadWrite(buffer) => (Kind::STORAGE_BUFFER, Access::UPDATE, whole(buffer)),
-            Self::Uniform(buffer, ref bytes) => (
-                Kind::UNIFORM_BUFFER,
-                Access::UNIFORM,
-                Resource::Buffer(buffer, bytes.clone()),
-            ),
+            Self::Read(buffer) => storage(buffer, Access::LOAD),
+            Self::Write(buffer) => storage(buffer, Access::STORE),
+            Self::ReadWrite(buffer) => storage(buffer, Access::UPDATE),
+            Self::Uniform(buffer, ref bytes) => Binding {
+                kind: Kind::UNIFORM_BUFFER,
+                access: Access::UNIFORM,
+                resource: Resource::Buffer(buffer, bytes.clone()),
+            },
         }
+    }
+}
+
+fn sampled(image: &Image, sampler: Sampler, mips: Range<u32>, is_array: bool) -> Binding<'_> {
+    Binding {
+        kind: Kind::COMBINED_IMAGE_SAMPLER,
+        access: Access::SAMPLE,
+        resource: Resource::Image {
+            image,
+            mips,
+            is_array,
+            sampler: Some(sampler),
+        },
+    }
+}
+
+fn stored(image: &Image, mip: u32, is_array: bool, access: Access) -> Binding<'_> {
+    Binding {
+        kind: Kind::STORAGE_IMAGE,
+        access,
+        resource: Resource::Image {
+            image,
+            mips: mip..mip + 1,
+            is_array,
+            sampler: None,
+        },
+    }
+}
+
+fn storage(buffer: &Buffer, access: Access) -> Binding<'_> {
+    Binding {
+        kind: Kind::STORAGE_BUFFER,
+        access,
+        resource: Resource::Buffer(buffer, 0..vk::WHOLE_SIZE),
     }
 }
 
 /// Returns the interface of a shader with these binds and push constants.
 pub(super) fn interface(binds: &[Bind<'_>], push: &[u8]) -> Interface {
     Interface {
-        kinds: binds.iter().map(|bind| bind.parts().0).collect(),
+        kinds: binds.iter().map(|bind| bind.binding().kind).collect(),
         push_size: push.len(),
     }
 }
@@ -129,69 +147,31 @@ impl Recorder {
         pipeline: &Pipeline,
         binds: &[Bind<'_>],
     ) -> Result<vk::DescriptorSet, GpuError> {
-        if self.sets_left == 0 {
-            // Room for 16 bindings of each kind per set, more than any pass has.
-            let kinds = [
-                Kind::COMBINED_IMAGE_SAMPLER,
-                Kind::STORAGE_IMAGE,
-                Kind::STORAGE_BUFFER,
-                Kind::UNIFORM_BUFFER,
-            ];
-            let sizes = kinds.map(|ty| vk::DescriptorPoolSize {
-                ty,
-                descriptor_count: 16 * SETS_PER_POOL,
-            });
-            let info = vk::DescriptorPoolCreateInfo::default()
-                .max_sets(SETS_PER_POOL)
-                .pool_sizes(&sizes);
-            // SAFETY: the device is alive.
-            let pool = unsafe { self.device().create_descriptor_pool(&info, None) }
-                .map_err(GpuError::call("vkCreateDescriptorPool", &self.name))?;
-            self.descriptor_pools.push(pool);
-            self.sets_left = SETS_PER_POOL;
-        }
-        self.sets_left -= 1;
-        let pool = *self
-            .descriptor_pools
-            .last()
-            .expect("a pool was just made if there was none");
-        let layouts = [pipeline.set_layout];
-        let allocate = vk::DescriptorSetAllocateInfo::default()
-            .descriptor_pool(pool)
-            .set_layouts(&layouts);
-        // SAFETY: the pool has room for this set.
-        let set = unsafe { self.device().allocate_descriptor_sets(&allocate) }
-            .map_err(GpuError::call("vkAllocateDescriptorSets", &self.name))?[0];
-
+        let set = self.allocate_descriptor_set(pipeline)?;
         // The kind of a bind decides which of the two is read.
         let mut images = vec![[vk::DescriptorImageInfo::default()]; binds.len()];
         let mut buffers = vec![[vk::DescriptorBufferInfo::default()]; binds.len()];
         for ((bind, [image_info]), [buffer_info]) in binds.iter().zip(&mut images).zip(&mut buffers)
         {
-            match bind.parts() {
-                (
-                    _,
-                    access,
-                    Resource::Image {
-                        image,
-                        mips,
-                        is_array,
-                        sampler,
-                    },
-                ) => {
-                    let sampler = sampler
-                        .map(|sampler| self.gpu.shared.sampler(sampler))
-                        .transpose()?;
-                    let (image_view, image_layout) =
-                        (image.inner.view(mips, is_array)?, access.layout);
-                    let sampler = sampler.unwrap_or_default();
+            let binding = bind.binding();
+            match binding.resource {
+                Resource::Image {
+                    image,
+                    mips,
+                    is_array,
+                    sampler,
+                } => {
+                    let sampler = match sampler {
+                        Some(sampler) => self.gpu.shared.sampler(sampler)?,
+                        None => vk::Sampler::default(),
+                    };
                     *image_info = vk::DescriptorImageInfo {
                         sampler,
-                        image_view,
-                        image_layout,
+                        image_view: image.inner.view(mips, is_array)?,
+                        image_layout: binding.access.layout,
                     };
                 }
-                (_, _, Resource::Buffer(buffer, bytes)) => {
+                Resource::Buffer(buffer, bytes) => {
                     *buffer_info = buffer_info
                         .buffer(buffer.inner.raw)
                         .offset(bytes.start)
@@ -205,7 +185,7 @@ impl Recorder {
                 vk::WriteDescriptorSet::default()
                     .dst_set(set)
                     .dst_binding(binding)
-                    .descriptor_type(bind.parts().0)
+                    .descriptor_type(bind.binding().kind)
                     .image_info(image)
                     .buffer_info(buffer)
             })
@@ -215,13 +195,59 @@ impl Recorder {
         Ok(set)
     }
 
+    /// Takes a set from the last pool, or from a new one if that is used up.
+    fn allocate_descriptor_set(
+        &mut self,
+        pipeline: &Pipeline,
+    ) -> Result<vk::DescriptorSet, GpuError> {
+        if self.sets_left == 0 {
+            let pool = self.make_descriptor_pool()?;
+            self.descriptor_pools.push(pool);
+            self.sets_left = SETS_PER_POOL;
+        }
+        self.sets_left -= 1;
+        let pool = *self
+            .descriptor_pools
+            .last()
+            .expect("a pool was just made if there was none");
+        let layouts = [pipeline.set_layout];
+        let allocate = vk::DescriptorSetAllocateInfo::default()
+            .descriptor_pool(pool)
+            .set_layouts(&layouts);
+        // SAFETY: the pool has room for this set.
+        let sets = unsafe { self.device().allocate_descriptor_sets(&allocate) }
+            .map_err(GpuError::call("vkAllocateDescriptorSets", &self.name))?;
+        Ok(sets[0])
+    }
+
+    fn make_descriptor_pool(&self) -> Result<vk::DescriptorPool, GpuError> {
+        // Room for 16 bindings of each kind per set, more than any pass has.
+        let kinds = [
+            Kind::COMBINED_IMAGE_SAMPLER,
+            Kind::STORAGE_IMAGE,
+            Kind::STORAGE_BUFFER,
+            Kind::UNIFORM_BUFFER,
+        ];
+        let sizes = kinds.map(|ty| vk::DescriptorPoolSize {
+            ty,
+            descriptor_count: 16 * SETS_PER_POOL,
+        });
+        let info = vk::DescriptorPoolCreateInfo::default()
+            .max_sets(SETS_PER_POOL)
+            .pool_sizes(&sizes);
+        // SAFETY: the device is alive.
+        unsafe { self.device().create_descriptor_pool(&info, None) }
+            .map_err(GpuError::call("vkCreateDescriptorPool", &self.name))
+    }
+
     pub(super) fn access_binds(&mut self, binds: &[Bind<'_>]) {
         for bind in binds {
-            match bind.parts() {
-                (_, access, Resource::Image { image, mips, .. }) => {
-                    self.access_image(image, mips, access)
+            let binding = bind.binding();
+            match binding.resource {
+                Resource::Image { image, mips, .. } => {
+                    self.access_image(image, mips, binding.access)
                 }
-                (_, access, Resource::Buffer(buffer, _)) => self.access_buffer(buffer, access),
+                Resource::Buffer(buffer, _) => self.access_buffer(buffer, binding.access),
             }
         }
     }
@@ -273,10 +299,8 @@ impl Recorder {
 
     /// Records the barriers of all accesses since the last call.
     pub(super) fn emit(&mut self) {
-        let (images, buffers) = (
-            take(&mut self.image_barriers),
-            take(&mut self.buffer_barriers),
-        );
+        let images = take(&mut self.image_barriers);
+        let buffers = take(&mut self.buffer_barriers);
         if images.is_empty() && buffers.is_empty() {
             return;
         }

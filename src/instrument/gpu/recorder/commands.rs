@@ -50,12 +50,11 @@ impl Recorder {
             .zip(&limits)
             .find(|(end, limit)| end > *limit)
         {
-            let (name, needed, limit) = (shader.to_owned(), needed.into(), limit.into());
             return Err(GpuError::Limit {
                 what: "work groups of",
-                name,
-                needed,
-                limit,
+                name: shader.to_owned(),
+                needed: needed.into(),
+                limit: limit.into(),
             });
         }
         self.access_binds(binds);
@@ -79,20 +78,13 @@ impl Recorder {
         targets: Targets<'_>,
         call: DrawCall<'_>,
     ) -> Result<(), GpuError> {
-        let Targets {
-            colors,
-            depth,
-            clear,
-        } = targets;
+        let interface = interface(binds, push);
         let pipeline =
             self.gpu
                 .shared
-                .graphics_pipeline(description, colors.len(), interface(binds, push))?;
+                .graphics_pipeline(description, targets.colors.len(), interface)?;
         self.access_binds(binds);
-        for image in colors {
-            self.access_image(image, 0..1, Access::COLOR);
-        }
-        self.access_image(depth, 0..1, Access::DEPTH);
+        self.access_targets(targets);
         for buffer in call.vertex_buffers {
             self.access_buffer(buffer, Access::VERTEX);
         }
@@ -100,7 +92,29 @@ impl Recorder {
             self.access_buffer(buffer, Access::INDEX);
         }
         self.emit();
+        self.begin_rendering(targets, call.is_one_sided)?;
+        self.bind(&pipeline, vk::PipelineBindPoint::GRAPHICS, binds, push)?;
+        self.draw_vertices(call);
+        // SAFETY: rendering was begun above.
+        unsafe { self.device().cmd_end_rendering(self.commands) };
+        self.shaders.extend(description.shaders.map(str::to_owned));
+        Ok(())
+    }
 
+    fn access_targets(&mut self, targets: Targets<'_>) {
+        for image in targets.colors {
+            self.access_image(image, 0..1, Access::COLOR);
+        }
+        self.access_image(targets.depth, 0..1, Access::DEPTH);
+    }
+
+    /// Begins rendering to whole targets and sets the dynamic state.
+    fn begin_rendering(&self, targets: Targets<'_>, is_one_sided: bool) -> Result<(), GpuError> {
+        let Targets {
+            colors,
+            depth,
+            clear,
+        } = targets;
         let load = if clear {
             vk::AttachmentLoadOp::CLEAR
         } else {
@@ -114,23 +128,20 @@ impl Recorder {
                 .store_op(vk::AttachmentStoreOp::STORE)
                 .clear_value(value)
         };
-        let mut color_infos = Vec::with_capacity(colors.len());
-        for image in colors {
-            let value = vk::ClearValue {
-                color: vk::ClearColorValue { float32: [0.0; 4] },
-            };
-            color_infos.push(attachment(
-                image.inner.view(0..1, false)?,
-                Access::COLOR.layout,
-                value,
-            ));
-        }
+        let black = vk::ClearValue {
+            color: vk::ClearColorValue { float32: [0.0; 4] },
+        };
         let far = vk::ClearValue {
             depth_stencil: vk::ClearDepthStencilValue {
                 depth: 1.0,
                 stencil: 0,
             },
         };
+        let mut color_infos = Vec::with_capacity(colors.len());
+        for image in colors {
+            let view = image.inner.view(0..1, false)?;
+            color_infos.push(attachment(view, Access::COLOR.layout, black));
+        }
         let depth_info = attachment(depth.inner.view(0..1, false)?, Access::DEPTH.layout, far);
         let [width, height] = depth.inner.size;
         let area = vk::Rect2D {
@@ -142,16 +153,21 @@ impl Recorder {
             .layer_count(1)
             .color_attachments(&color_infos)
             .depth_attachment(&depth_info);
+        // SAFETY: recording; attachments are in their layouts by the barriers of the caller.
+        unsafe { self.device().cmd_begin_rendering(self.commands, &rendering) };
+        self.set_dynamic_state(area, is_one_sided);
+        Ok(())
+    }
+
+    fn set_dynamic_state(&self, area: vk::Rect2D, is_one_sided: bool) {
         let viewport = vk::Viewport {
             x: 0.0,
             y: 0.0,
-            width: width as f32,
-            height: height as f32,
+            width: area.extent.width as f32,
+            height: area.extent.height as f32,
             min_depth: 0.0,
             max_depth: 1.0,
         };
-        // SAFETY: recording; attachments are in their layouts by the barriers above.
-        unsafe { self.device().cmd_begin_rendering(self.commands, &rendering) };
         // SAFETY: recording; the pipeline's viewport is dynamic.
         unsafe {
             self.device()
@@ -159,14 +175,17 @@ impl Recorder {
         };
         // SAFETY: likewise.
         unsafe { self.device().cmd_set_scissor(self.commands, 0, &[area]) };
-        let culled = if call.is_one_sided {
+        let culled = if is_one_sided {
             vk::CullModeFlags::BACK
         } else {
             vk::CullModeFlags::NONE
         };
         // SAFETY: likewise.
         unsafe { self.device().cmd_set_cull_mode(self.commands, culled) };
-        self.bind(&pipeline, vk::PipelineBindPoint::GRAPHICS, binds, push)?;
+    }
+
+    /// Draws the vertices of a call; the pipeline is bound.
+    fn draw_vertices(&self, call: DrawCall<'_>) {
         let vertex_buffers: Vec<_> = call
             .vertex_buffers
             .iter()
@@ -174,7 +193,7 @@ impl Recorder {
             .collect();
         if !vertex_buffers.is_empty() {
             let offsets = vec![0; vertex_buffers.len()];
-            // SAFETY: recording; the buffers are kept alive below.
+            // SAFETY: recording; `access_buffer` keeps the buffers alive.
             unsafe {
                 self.device()
                     .cmd_bind_vertex_buffers(self.commands, 0, &vertex_buffers, &offsets)
@@ -208,10 +227,6 @@ impl Recorder {
                     .cmd_draw(self.commands, call.count, call.instance_count, 0, 0)
             };
         }
-        // SAFETY: rendering was begun above.
-        unsafe { self.device().cmd_end_rendering(self.commands) };
-        self.shaders.extend(description.shaders.map(str::to_owned));
-        Ok(())
     }
 
     pub fn fill(&mut self, buffer: &Buffer, word: u32) {

@@ -34,7 +34,8 @@ pub(in crate::instrument::metrics) struct View {
 impl View {
     /// Filters an image, continued by its outermost pixels.
     pub fn new(image: &Rgb8Image) -> Self {
-        let (width, len) = (image.width as usize, image.data.len());
+        let width = image.width as usize;
+        let len = image.data.len();
         let opponent: Vec<Vec3> = image
             .data
             .iter()
@@ -44,7 +45,8 @@ impl View {
             std::array::from_fn(|c| Plane::from_fn(width, len, |pixel| opponent[pixel][c]));
         drop(opponent);
         let features = features(&channels[0]);
-        let mut lab: [Plane; 3] = std::array::from_fn(|c| seen(&channels[c], &SENSITIVITY_TAPS[c]));
+        let mut lab: [Plane; 3] =
+            std::array::from_fn(|c| filtered(&channels[c], &SENSITIVITY_TAPS[c]));
         drop(channels);
         for pixel in 0..len {
             let color = hunt_lab(Vec3::from_array(
@@ -155,9 +157,9 @@ static SENSITIVITY_TAPS: LazyLock<[Vec<Taps>; 3]> = LazyLock::new(|| {
         let gaussian = |&(a, b): &(f64, f64)| -> Vec<f64> {
             // Both axes multiply, so each has the root.
             let height = (a * (PI / b).sqrt()).sqrt();
-            let at = |i: i32| f64::from(i) / f64::from(PIXELS_PER_DEGREE);
+            let angle = |i: i32| f64::from(i) / f64::from(PIXELS_PER_DEGREE);
             (-radius..=radius)
-                .map(|i| height * (-PI * PI * at(i).powi(2) / b).exp())
+                .map(|i| height * (-PI * PI * angle(i).powi(2) / b).exp())
                 .collect()
         };
         let gaussians: Vec<Vec<f64>> = pairs.iter().map(gaussian).collect();
@@ -172,7 +174,7 @@ static SENSITIVITY_TAPS: LazyLock<[Vec<Taps>; 3]> = LazyLock::new(|| {
 });
 
 /// Filters a channel by its contrast sensitivity.
-fn seen(channel: &Plane, gaussians: &[Taps]) -> Plane {
+fn filtered(channel: &Plane, gaussians: &[Taps]) -> Plane {
     let blurred = |taps: &Taps| channel.filter_rows(taps).filter_columns(taps);
     let mut sum = blurred(&gaussians[0]);
     for taps in &gaussians[1..] {
@@ -190,9 +192,9 @@ static FEATURE_TAPS: LazyLock<[Taps; 3]> = LazyLock::new(|| {
     let sigma = 0.5 * FEATURE_WIDTH * f64::from(PIXELS_PER_DEGREE);
     let radius = (3.0 * sigma).ceil() as i32;
     let taps = |factor: fn(f64) -> f64| -> Taps {
-        let at = |i: i32| f64::from(i) / sigma;
+        let offset = |i: i32| f64::from(i) / sigma;
         let weights: Vec<f64> = (-radius..=radius)
-            .map(|i| factor(at(i)) * (-0.5 * at(i).powi(2)).exp())
+            .map(|i| factor(offset(i)) * (-0.5 * offset(i).powi(2)).exp())
             .collect();
         let sum = |sign: f64| {
             weights
@@ -200,7 +202,8 @@ static FEATURE_TAPS: LazyLock<[Taps; 3]> = LazyLock::new(|| {
                 .map(|weight| (sign * weight).max(0.0))
                 .sum::<f64>()
         };
-        let (positive, negative) = (sum(1.0), sum(-1.0));
+        let positive = sum(1.0);
+        let negative = sum(-1.0);
         weights
             .iter()
             .map(|&w| {

@@ -36,11 +36,12 @@ impl Albedos {
     }
 
     /// Interpolates cubically between nodes.
-    fn at(&self, n_dot_v: f64) -> DVec4 {
+    fn interpolated(&self, n_dot_v: f64) -> DVec4 {
         let last = (Self::COUNT - 1) as f64;
-        let place = ((n_dot_v.sqrt() - Self::S_MIN) / (1.0 - Self::S_MIN) * last).clamp(0.0, last);
-        let first = (place.floor() - 1.0).clamp(0.0, last - 3.0);
-        let t = place - first;
+        let position =
+            ((n_dot_v.sqrt() - Self::S_MIN) / (1.0 - Self::S_MIN) * last).clamp(0.0, last);
+        let first = (position.floor() - 1.0).clamp(0.0, last - 3.0);
+        let t = position - first;
         let weight = |i: usize| -> f64 {
             (0..4)
                 .filter(|j| *j != i)
@@ -54,11 +55,11 @@ impl Albedos {
 
     /// Returns (A, B).
     pub fn exact(&self, n_dot_v: f64) -> DVec2 {
-        self.at(n_dot_v).xy()
+        self.interpolated(n_dot_v).xy()
     }
 
     /// Returns `∫ K (1 - Fc)` and `∫ K Fc`.
     pub fn weighted(&self, n_dot_v: f64) -> DVec2 {
-        self.at(n_dot_v).zw()
+        self.interpolated(n_dot_v).zw()
     }
 }

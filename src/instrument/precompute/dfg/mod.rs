@@ -43,12 +43,12 @@ impl DfgAxes {
         match self {
             Self::FourthRoots => {
                 let low = Self::least_roots();
-                let at = low + (1.0 - low) * (texel - 0.5) / (f64::from(side) - 1.0);
-                (at * at) * (at * at)
+                let roots = low + (1.0 - low) * (texel - 0.5) / (f64::from(side) - 1.0);
+                (roots * roots) * (roots * roots)
             }
             Self::Centres => {
-                let at = texel / f64::from(side);
-                DVec2::new(at.x, alpha_from_perceptual_roughness(at.y))
+                let uv = texel / f64::from(side);
+                DVec2::new(uv.x, alpha_from_perceptual_roughness(uv.y))
             }
         }
     }
@@ -62,9 +62,9 @@ impl DfgAxes {
         match self {
             Self::FourthRoots => {
                 let low = Self::least_roots();
-                let at =
+                let position =
                     (DVec2::new(n_dot_v.sqrt().sqrt(), alpha.sqrt().sqrt()) - low) / (1.0 - low);
-                at * (f64::from(side) - 1.0) + 0.5
+                position * (f64::from(side) - 1.0) + 0.5
             }
             Self::Centres => {
                 DVec2::new(n_dot_v, perceptual_roughness_from_alpha(alpha)) * f64::from(side)

@@ -2,6 +2,7 @@
 
 use super::DfgAxes;
 use crate::base::glsl::layout::{DfgParams, SharedStruct};
+use crate::base::glsl::specialization::Specialization;
 use crate::instrument::brdf::{Brdf, MaskingShadowing};
 use crate::instrument::gpu::{Bind, Format, Gpu, GpuError, Image, Report};
 
@@ -24,10 +25,12 @@ pub fn run(
     table: &Image,
 ) -> Result<Report, GpuError> {
     let [width, height] = table.mip_size(0);
-    let (shader, constants) = (
-        shader(brdf),
-        [masking_shadowing as u32, 0, 0, 0, 0, 0, axes as u32],
-    );
+    let shader = shader(brdf);
+    let specialization = Specialization {
+        masking: masking_shadowing as u32,
+        dfg_axes: axes as u32,
+        ..Specialization::default()
+    };
     let mut total = Report::default();
     for part in gpu.parts([width, height], 1, sample_count.into()) {
         let push = DfgParams {
@@ -39,7 +42,7 @@ pub fn run(
         .to_bytes();
         let binds = [Bind::StoreMip(table, 0)];
         total.add(gpu.submit_pass("dfg", |r| {
-            r.dispatch(&shader, &constants, &binds, &push, part.groups)
+            r.dispatch(&shader, &specialization.words(), &binds, &push, part.groups)
         })?);
     }
     Ok(total)

@@ -111,11 +111,11 @@ pub fn table(
     relative: f64,
 ) -> Pixels<DVec2> {
     let texel = |index: u32| {
-        let at = DVec2::new((index % side).into(), (index / side).into()) + 0.5;
+        let position = DVec2::new((index % side).into(), (index / side).into()) + 0.5;
         let DVec2 {
             x: n_dot_v,
             y: alpha,
-        } = axes.parameters(at, side);
+        } = axes.parameters(position, side);
         let pair = dfg_within(model, masking, n_dot_v, alpha, relative);
         DVec2::new(pair.f0_scale, pair.f90_scale)
     };

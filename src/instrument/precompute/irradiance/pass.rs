@@ -44,15 +44,12 @@ pub fn run(
         source_width,
         source_height,
         first_row: 0,
-        pad0: 0,
     };
-    let (shader, binds) = (
-        shader(layout),
-        [
-            Bind::Sample(environment, Sampler::MAP),
-            Bind::StoreFaces(map, 0),
-        ],
-    );
+    let shader = shader(layout);
+    let binds = [
+        Bind::Sample(environment, Sampler::MAP),
+        Bind::StoreFaces(map, 0),
+    ];
     let mut total = Report::default();
     for part in gpu.parts(
         [width, height],

@@ -83,11 +83,13 @@ pub fn integrals(
         // Panels no longer than a radian and a half of the highest degree: dγ = sin γ dt.
         let step = f64::min(0.25, 1.5 * high.cosh() / degree as f64);
         // The nodes of a panel side by side: a single recurrence would wait for itself.
-        let (mut cosines, mut values) = ([0.0; NODES], [0.0; NODES]);
+        let mut cosines = [0.0; NODES];
+        let mut values = [0.0; NODES];
         for k in 0..NODES {
             let t = high - 0.5 * step * (1.0 + rule.nodes[k]);
             // sin γ = 1/cosh t, cos γ = -tanh t, dω = 2π sin² γ dt.
-            let (sin, cos) = (1.0 / t.cosh(), -t.tanh());
+            let sin = 1.0 / t.cosh();
+            let cos = -t.tanh();
             let h = (DVec3::new(sin, 0.0, cos) + DVec3::Z).normalize();
             let own_weight = if cos > 0.0 { weight(cos) } else { 0.0 };
             values[k] =
@@ -95,11 +97,13 @@ pub fn integrals(
             cosines[k] = cos;
         }
         // (l + 1) P_l+1 = (2l + 1) cos γ P_l - l P_l-1.
-        let (mut last, mut own, mut next) = ([0.0; NODES], [1.0; NODES], [0.0; NODES]);
+        let mut last = [0.0; NODES];
+        let mut current = [1.0; NODES];
+        let mut next = [0.0; NODES];
         for (sum, [a, b]) in sums.iter_mut().zip(&steps) {
-            (0..NODES).for_each(|k| *sum += values[k] * own[k]);
-            (0..NODES).for_each(|k| next[k] = a * cosines[k] * own[k] - b * last[k]);
-            (last, own) = (own, next);
+            (0..NODES).for_each(|k| *sum += values[k] * current[k]);
+            (0..NODES).for_each(|k| next[k] = a * cosines[k] * current[k] - b * last[k]);
+            (last, current) = (current, next);
         }
         high -= step;
     }
@@ -111,7 +115,7 @@ pub fn integrals(
 pub fn cosine_factors(degree: usize) -> Vec<f64> {
     // l!/(2^l (l/2)!²) with the sign, by its ratio.
     let mut central = -1.0;
-    let mut of = |l: usize| match l {
+    let mut factor = |l: usize| match l {
         0 => 1.0,
         1 => 2.0 / 3.0,
         l if l % 2 == 1 => 0.0,
@@ -121,7 +125,7 @@ pub fn cosine_factors(degree: usize) -> Vec<f64> {
             2.0 * central / ((l + 2.0) * (l - 1.0))
         }
     };
-    (0..=degree).map(&mut of).collect()
+    (0..=degree).map(&mut factor).collect()
 }
 
 /// Computes the texels of a map convolved with a kernel of these `k_l`, face by face.
@@ -148,8 +152,8 @@ pub fn texels(
         .collect();
     let row = |&(face, y): &(u32, u32)| {
         let texel = |x: u32| {
-            let at = DVec2::new(x.into(), y.into()) + 0.5;
-            texel(map.value((layout.direction)(face, at / extent)))
+            let texel_position = DVec2::new(x.into(), y.into()) + 0.5;
+            texel(map.value((layout.direction)(face, texel_position / extent)))
         };
         (0..size[0]).map(texel).collect::<Vec<_>>()
     };

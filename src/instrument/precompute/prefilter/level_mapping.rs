@@ -55,7 +55,8 @@ impl LevelMapping {
     /// Returns the microfacet width of level `mip`, which may be fractional. Inverse:
     /// [`Self::mip_from_alpha`].
     pub fn alpha_from_mip(&self, mip: f64, level_count: u32) -> f64 {
-        let (b, u) = (self.bend, mip / last_mip(level_count));
+        let b = self.bend;
+        let u = mip / last_mip(level_count);
         alpha_from_perceptual_roughness(
             2.0 * u / (1.0 + b + ((1.0 - b).powi(2) + 4.0 * b * (1.0 - u)).sqrt()),
         )

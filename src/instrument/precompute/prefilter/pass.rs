@@ -3,6 +3,7 @@
 use super::{Kernel, LevelMapping, harmonic};
 use crate::base::glsl::constants::POINTS_PER_DISPATCH;
 use crate::base::glsl::layout::{PrefilterParams, SharedStruct};
+use crate::base::glsl::specialization::Specialization;
 use crate::base::math::harmonics::Harmonics;
 use crate::instrument::brdf::{Brdf, MODELS, MaskingShadowing};
 use crate::instrument::environment::layout::MapLayout;
@@ -149,8 +150,13 @@ fn sample(
         mapping,
         lod_bias,
     } = recipe;
-    let (shader, sample_count) = (shader(kernel.brdf, layout), points.count());
-    let constants = [kernel.masking as u32, 0, 0, kernel.weight.code];
+    let shader = shader(kernel.brdf, layout);
+    let sample_count = points.count();
+    let specialization = Specialization {
+        masking: kernel.masking as u32,
+        prefilter_weight: kernel.weight.code,
+        ..Specialization::default()
+    };
     let [width, height] = map.mip_size(level);
     let alpha = mapping.alpha_from_mip(f64::from(level), map.mip_count()) as f32;
     let is_mirror = alpha == 0.0;
@@ -182,7 +188,7 @@ fn sample(
             let name = PASSES[(level as usize).min(PASSES.len() - 1)];
             let push = params.to_bytes();
             total.add(gpu.submit_pass(name, |r| {
-                r.dispatch(&shader, &constants, &binds, &push, part.groups)
+                r.dispatch(&shader, &specialization.words(), &binds, &push, part.groups)
             })?);
         }
     }

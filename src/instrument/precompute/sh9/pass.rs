@@ -22,7 +22,6 @@ pub fn run(gpu: &Gpu, environment: &Image, coefficients: &Buffer) -> Result<Repo
         width,
         height,
         group_count: GROUP_COUNT,
-        pad: 0,
     }
     .to_bytes();
     let partials = gpu.buffer("SH9 partial sums", u64::from(16 * SH9_COUNT * GROUP_COUNT))?;

@@ -38,7 +38,8 @@ impl Chain {
             let alpha = mapping
                 .alpha_from_mip(level, level_count)
                 .max(ALPHA_MIN.into());
-            let (alpha2, scale) = (alpha * alpha, 1.0 / integral(kernel, alpha));
+            let alpha2 = alpha * alpha;
+            let scale = 1.0 / integral(kernel, alpha);
             // Beyond the horizon the table goes on with its last value: `density` is 0 there.
             let cos = |i: usize| {
                 let rest = 1.0 - i as f64 / INTERVALS as f64;
@@ -101,10 +102,8 @@ impl Chain {
 
 /// `D(γ/2) w(cos γ)`.
 fn value(kernel: Kernel, alpha: f64, cos: f64) -> f64 {
-    let (sin_h, cos_h) = (
-        (0.5 * (1.0 - cos)).max(0.0).sqrt(),
-        (0.5 * (1.0 + cos)).sqrt(),
-    );
+    let sin_h = (0.5 * (1.0 - cos)).max(0.0).sqrt();
+    let cos_h = (0.5 * (1.0 + cos)).sqrt();
     kernel.brdf.d(DVec3::new(sin_h, 0.0, cos_h), alpha) * kernel.weight(alpha, cos)
 }
 

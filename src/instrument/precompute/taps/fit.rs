@@ -74,11 +74,10 @@ fn direction(angle: f64) -> DVec3 {
 /// at the centre and at the plane of incidence.
 fn rings(angle: f64, narrowest: f64) -> Vec<(DVec3, f64)> {
     const POWER: f64 = 2.2;
-    let (centre, tangent) = (
-        direction(angle),
-        DVec3::new(-angle.cos(), 0.0, -angle.sin()),
-    );
-    let (polar, azimuth) = (GaussLegendre::<28>::new(), GaussLegendre::<10>::new());
+    let centre = direction(angle);
+    let tangent = DVec3::new(-angle.cos(), 0.0, -angle.sin());
+    let polar = GaussLegendre::<28>::new();
+    let azimuth = GaussLegendre::<10>::new();
     let quarter = azimuth
         .nodes
         .iter()
@@ -94,7 +93,8 @@ fn rings(angle: f64, narrowest: f64) -> Vec<(DVec3, f64)> {
         .flat_map(|(phi, weight)| [phi, PI - phi].map(|phi| (phi.sin_cos(), weight)))
         .collect();
     // s = ln tan(γ/2).
-    let (low, high) = (narrowest.ln(), 1.5);
+    let low = narrowest.ln();
+    let high = 1.5;
     let mut found = Vec::with_capacity(polar.nodes.len() * half.len());
     for (x, weight) in polar.nodes.iter().zip(&polar.weights) {
         let s = low + 0.5 * (1.0 + x) * (high - low);
@@ -161,33 +161,37 @@ impl<'a> Fit<'a> {
             own_level,
             level_max: (LEVEL_RATIO_MAX * own_level).min(chain.last()),
         };
-        let own = Tap {
+        let single_tap = Tap {
             angle: moment_angle,
             level: own_level,
             weight: 1.0,
         };
         let error = |taps: &[Tap]| fit.square(&fit.residuals(taps, &fit.kernels(taps)));
-        let scale = error(&[]) + error(&[own]);
+        let scale = error(&[]) + error(&[single_tap]);
         fit.weights.iter_mut().for_each(|weight| *weight /= scale);
         fit
     }
 
     pub fn taps(&self, x: &[f64]) -> Vec<Tap> {
         let rest: f64 = 1.0 - x.iter().skip(4).step_by(3).sum::<f64>();
-        let of = |[angle, level, weight]: [f64; 3]| Tap {
+        let tap_of = |[angle, level, weight]: [f64; 3]| Tap {
             angle: (self.moment_angle + angle * self.angle_unit).clamp(-0.3, 1.7),
             level: (self.own_level * level.exp()).clamp(LEVEL_MIN, self.level_max),
             weight,
         };
         let others = x[2..]
             .chunks_exact(3)
-            .map(|tap| of([tap[0], tap[1], tap[2]]));
-        [of([x[0], x[1], rest])].into_iter().chain(others).collect()
+            .map(|tap| tap_of([tap[0], tap[1], tap[2]]));
+        [tap_of([x[0], x[1], rest])]
+            .into_iter()
+            .chain(others)
+            .collect()
     }
 
     /// Returns the kernel of a tap at the directions, and its derivative by the level.
     fn kernel(&self, tap: &Tap) -> Vec<[f64; 2]> {
-        let (about, density) = (direction(tap.angle), self.chain.lookup(tap.level));
+        let about = direction(tap.angle);
+        let density = self.chain.lookup(tap.level);
         self.directions
             .iter()
             .map(|l| density(l.dot(about)))
@@ -200,14 +204,14 @@ impl<'a> Fit<'a> {
 
     /// Returns `Σ w K - ŵ` at the directions.
     pub fn residuals(&self, taps: &[Tap], kernels: &[Vec<[f64; 2]>]) -> Vec<f64> {
-        let at = |i: usize| {
+        let approximation = |i: usize| {
             taps.iter()
                 .zip(kernels)
                 .map(|(tap, kernel)| tap.weight * kernel[i][0])
                 .sum::<f64>()
         };
         (0..self.directions.len())
-            .map(|i| at(i) - self.densities[i])
+            .map(|i| approximation(i) - self.densities[i])
             .collect()
     }
 
@@ -255,10 +259,12 @@ impl<'a> Fit<'a> {
     /// Minimises the error and its penalties from `start`, pulled towards `near`, by the method of
     /// Levenberg and Marquardt.
     pub fn solve(&self, start: &[f64], near: &[f64], pull: f64) -> Parameters {
-        let (mut x, mut damping) = (start.to_vec(), 1e-2);
+        let mut x = start.to_vec();
+        let mut damping = 1e-2;
         let mut least = self.trial(&x, near, pull);
         for _ in 0..STEP_COUNT {
-            let (matrix, gradient) = self.normal_equations(&x, &least, near, pull);
+            let NormalEquations { matrix, gradient } =
+                self.normal_equations(&x, &least, near, pull);
             let mut gain = 0.0;
             for _ in 0..TRIAL_COUNT {
                 let step = solve_positive(&matrix, &gradient, damping);
@@ -282,51 +288,55 @@ impl<'a> Fit<'a> {
         x
     }
 
-    /// Returns JᵀJ, row by row, and Jᵀr of the cost's square roots.
-    fn normal_equations(
-        &self,
-        x: &[f64],
-        here: &Trial,
-        near: &[f64],
-        pull: f64,
-    ) -> (Vec<Vec<f64>>, Vec<f64>) {
-        let (
-            size,
-            Trial {
-                taps,
-                kernels,
-                residuals,
-                ..
-            },
-        ) = (x.len(), here);
+    /// Returns the derivatives of the residuals by each parameter.
+    fn jacobian(&self, x: &[f64], trial: &Trial) -> Vec<Vec<f64>> {
+        let kernels = &trial.kernels;
         // A moved parameter moves its tap alone, but for the first weight.
-        let moved = |at: usize| {
+        let moved = |index: usize| {
             let mut x = x.to_vec();
-            x[at] += STEP;
+            x[index] += STEP;
             self.taps(&x)
         };
-        let at = |tap: usize| if tap == 0 { 0 } else { 3 * tap - 1 };
-        let mut columns: Vec<Vec<f64>> = vec![Vec::new(); size];
-        for (k, tap) in taps.iter().enumerate() {
-            let turned = self.kernel(&moved(at(k))[k]);
-            let turn = |(turned, [value, _]): (&[f64; 2], &[f64; 2])| {
-                tap.weight * (turned[0] - value) / STEP
-            };
-            columns[at(k)] = turned.iter().zip(&kernels[k]).map(turn).collect();
-            let levels = (moved(at(k) + 1)[k].level - tap.level) / STEP;
-            columns[at(k) + 1] = kernels[k]
+        let mut columns: Vec<Vec<f64>> = vec![Vec::new(); x.len()];
+        for (k, tap) in trial.taps.iter().enumerate() {
+            let first = first_parameter(k);
+            let turned = self.kernel(&moved(first)[k]);
+            columns[first] = turned
+                .iter()
+                .zip(&kernels[k])
+                .map(|(turned, [value, _])| tap.weight * (turned[0] - value) / STEP)
+                .collect();
+            let levels = (moved(first + 1)[k].level - tap.level) / STEP;
+            columns[first + 1] = kernels[k]
                 .iter()
                 .map(|[_, slope]| tap.weight * levels * slope)
                 .collect();
             if k > 0 {
-                columns[at(k) + 2] = kernels[k]
+                columns[first + 2] = kernels[k]
                     .iter()
                     .zip(&kernels[0])
-                    .map(|(own, first)| own[0] - first[0])
+                    .map(|(kernel, first_kernel)| kernel[0] - first_kernel[0])
                     .collect();
             }
         }
-        let (mut matrix, mut gradient) = (vec![vec![0.0; size]; size], vec![0.0; size]);
+        columns
+    }
+
+    /// Returns the normal equations of the cost's square roots.
+    fn normal_equations(
+        &self,
+        x: &[f64],
+        trial: &Trial,
+        near: &[f64],
+        pull: f64,
+    ) -> NormalEquations {
+        let size = x.len();
+        let Trial {
+            taps, residuals, ..
+        } = trial;
+        let columns = self.jacobian(x, trial);
+        let mut matrix = vec![vec![0.0; size]; size];
+        let mut gradient = vec![0.0; size];
         for (i, weight) in self.weights.iter().enumerate() {
             for p in 0..size {
                 let weighted = weight * columns[p][i];
@@ -348,23 +358,40 @@ impl<'a> Fit<'a> {
             }
         }
         for k in 1..taps.len() {
-            gradient[at(k) + 2] += RIDGE * (taps[k].weight - taps[0].weight);
+            let weight_k = first_parameter(k) + 2;
+            gradient[weight_k] += RIDGE * (taps[k].weight - taps[0].weight);
             for j in 1..=k {
-                matrix[at(k) + 2][at(j) + 2] += if j == k { 2.0 * RIDGE } else { RIDGE };
+                let weight_j = first_parameter(j) + 2;
+                matrix[weight_k][weight_j] += if j == k { 2.0 * RIDGE } else { RIDGE };
             }
         }
         for p in 0..size {
             matrix[p][p] += pull + PRIOR;
             gradient[p] += pull * (x[p] - near[p]) + PRIOR * x[p];
         }
-        (matrix, gradient)
+        NormalEquations { matrix, gradient }
     }
+}
+
+/// JᵀJ and Jᵀr.
+struct NormalEquations {
+    /// Row by row; the lower half is set.
+    matrix: Vec<Vec<f64>>,
+    gradient: Vec<f64>,
+}
+
+/// Returns the index of a tap's angle among the parameters, before its level and its weight. The
+/// first tap has no weight of its own.
+fn first_parameter(tap: usize) -> usize {
+    if tap == 0 { 0 } else { 3 * tap - 1 }
 }
 
 /// Solves `(M + damping diag M) x = g` by Cholesky's method. Of M, which is positive definite, the
 /// lower half is read.
 fn solve_positive(matrix: &[Vec<f64>], g: &[f64], damping: f64) -> Vec<f64> {
-    let (size, mut factor, mut x) = (g.len(), matrix.to_vec(), g.to_vec());
+    let size = g.len();
+    let mut factor = matrix.to_vec();
+    let mut x = g.to_vec();
     for i in 0..size {
         factor[i][i] *= 1.0 + damping;
         for j in 0..=i {

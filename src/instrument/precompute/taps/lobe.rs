@@ -46,16 +46,15 @@ impl Lobe {
         let high2 = 0.5 * (1.0 + v.x);
         let ggx_r = |sin2: f64, cos2: f64| (alpha2 * cos2 / (sin2 + alpha2 * cos2)).sqrt();
         let r_ends = [1.0, ggx_r(low2, high2), ggx_r(high2, low2)];
-        let (mut nodes, mut albedos) = (
-            Vec::with_capacity((2 * R_COUNT * PHI_COUNT) as usize),
-            DVec2::ZERO,
-        );
+        let mut nodes = Vec::with_capacity((2 * R_COUNT * PHI_COUNT) as usize);
+        let mut albedos = DVec2::ZERO;
         for (range, i) in (0..2).flat_map(|range| (0..R_COUNT).map(move |i| (range, i))) {
-            let (place, weight) = periodic_node(i, R_COUNT);
-            let r = r_ends[range] + (r_ends[range + 1] - r_ends[range]) * place;
+            let (position, weight) = periodic_node(i, R_COUNT);
+            let r = r_ends[range] + (r_ends[range + 1] - r_ends[range]) * position;
             let u = (1.0 - r) * (1.0 + r);
             let k = 1.0 / (1.0 + (alpha2 - 1.0) * u);
-            let (cos_h, sin_h) = (r * k.sqrt(), alpha * (u * k).sqrt());
+            let cos_h = r * k.sqrt();
+            let sin_h = alpha * (u * k).sqrt();
             let phi_end = match range {
                 0 => PI,
                 _ => (v.z * (0.5 / cos_h - cos_h) / (v.x * sin_h).max(1e-30))
@@ -68,8 +67,8 @@ impl Lobe {
             let of_r =
                 weight * (r_ends[range] - r_ends[range + 1]) * 2.0 * r * (phi_end / PI) * d_ratio;
             for j in 0..PHI_COUNT {
-                let (place, weight) = periodic_node(j, PHI_COUNT);
-                let (sin_phi, cos_phi) = (place * phi_end).sin_cos();
+                let (position, weight) = periodic_node(j, PHI_COUNT);
+                let (sin_phi, cos_phi) = (position * phi_end).sin_cos();
                 let h = DVec3::new(sin_h * cos_phi, sin_h * sin_phi, cos_h);
                 let v_dot_h = v.dot(h);
                 // The sine form keeps l a unit vector at small alpha.
@@ -122,7 +121,8 @@ impl Lobe {
 
     /// Returns the first moment of each part over its integral, as shares of r and n.
     pub fn moments(&self) -> [DVec2; 2] {
-        let (mut x, mut z) = (DVec2::ZERO, DVec2::ZERO);
+        let mut x = DVec2::ZERO;
+        let mut z = DVec2::ZERO;
         for (l, part) in &self.nodes {
             x += *part * l.x;
             z += *part * l.z;

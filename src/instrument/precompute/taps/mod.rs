@@ -67,7 +67,8 @@ impl Tap {
     /// Returns s such that the direction is along `(1 - s) n + s r`, for a view at the angle
     /// `theta` in (0, π/2).
     pub fn place(&self, theta: f64) -> f64 {
-        let (of_n, of_r) = ((theta - self.angle).sin(), self.angle.sin());
+        let of_n = (theta - self.angle).sin();
+        let of_r = self.angle.sin();
         of_r / (of_n + of_r)
     }
 }

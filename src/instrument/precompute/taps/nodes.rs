@@ -100,10 +100,8 @@ impl<'a> Nodes<'a> {
     /// Fits nodes, each from another's parameters.
     fn solve_from(&mut self, pairs: &[(Place, Place)]) {
         let solve = |(to, from): &(Place, Place)| {
-            let (fit, start) = (
-                &self.fits[self.index(*to)],
-                &self.parameters[self.index(*from)],
-            );
+            let fit = &self.fits[self.index(*to)];
+            let start = &self.parameters[self.index(*from)];
             fit.solve(start, start, FIRST_SMOOTH)
         };
         let found: Vec<Parameters> = pairs.par_iter().map(solve).collect();
@@ -116,7 +114,8 @@ impl<'a> Nodes<'a> {
     /// Fits for each f0 the middle column from its middle, and all columns from it; the second f0
     /// begins with the first's middle.
     fn start(&mut self) {
-        let (column, row) = (SIDE / 2, (self.first_row + SIDE) / 2);
+        let column = SIDE / 2;
+        let row = (self.first_row + SIDE) / 2;
         for f0 in 0..F0.len() {
             self.solve_from(&[([f0, row, column], [0, row, column])]);
             for [to, from] in outwards(row, self.first_row) {
@@ -171,7 +170,8 @@ impl<'a> Nodes<'a> {
         let fitted = y.max(self.first_row);
         let index = self.index([f0, fitted, x]);
         let [own, of_fitted] = [y, fitted].map(|y| parameters_from_node([x, y]));
-        let (theta, closer) = (own.x.acos(), own.y / of_fitted.y);
+        let theta = own.x.acos();
+        let closer = own.y / of_fitted.y;
         let levels = self.chain.level(own.y) / self.chain.level(of_fitted.y);
         let draw = |tap: Tap| Tap {
             angle: theta + (tap.angle - theta) * closer,

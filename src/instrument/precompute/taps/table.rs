@@ -79,7 +79,8 @@ impl TapTable {
     /// Returns place between n and r, level and weight of each tap; `dielectric` is the
     /// [`dielectric_share`].
     pub fn taps(&self, n_dot_v: f64, alpha: f64, dielectric: f64) -> Vec<[f64; 3]> {
-        let (side, height) = (f64::from(self.texels.width), f64::from(self.texels.height));
+        let side = f64::from(self.texels.width);
+        let height = f64::from(self.texels.height);
         let of_f0 = self.texels.height / self.texels.width / F0.len() as u32;
         let at = DVec2::new(
             n_dot_v.clamp(0.0, 1.0).sqrt(),

@@ -87,7 +87,8 @@ impl<'a> Buffers<'a> {
         count: usize,
         size: usize,
     ) -> Result<impl Iterator<Item = &'s [u8]> + use<'s, 'a>, String> {
-        let (bytes, stride) = (self.view(view)?, view.stride().unwrap_or(size));
+        let bytes = self.view(view)?;
+        let stride = view.stride().unwrap_or(size);
         let end = (count - 1)
             .checked_mul(stride)
             .and_then(|last| last.checked_add(offset)?.checked_add(size));
@@ -108,7 +109,8 @@ impl<'a> Buffers<'a> {
     /// Concatenates the elements of an accessor: zeros if it has no view, with sparse ones
     /// replaced.
     fn packed(&self, accessor: &Accessor, most: usize) -> Result<Vec<u8>, String> {
-        let (count, size) = (accessor.count(), accessor.size());
+        let count = accessor.count();
+        let size = accessor.size();
         if count == 0 || count > most {
             return Err(format!("has {count} elements; expected 1 to {most}"));
         }
@@ -122,22 +124,25 @@ impl<'a> Buffers<'a> {
         let Some(sparse) = accessor.sparse().filter(|sparse| sparse.count() > 0) else {
             return Ok(packed);
         };
-        let (indices, values, replaced) = (sparse.indices(), sparse.values(), sparse.count());
+        let indices = sparse.indices();
+        let values = sparse.values();
+        let replaced = sparse.count();
         let index_size = match indices.index_type() {
             IndexType::U8 => 1,
             IndexType::U16 => 2,
             IndexType::U32 => 4,
         };
-        let places = self.elements(&indices.view(), indices.offset(), replaced, index_size)?;
-        for (place, value) in
-            places.zip(self.elements(&values.view(), values.offset(), replaced, size)?)
+        let replaced_indices =
+            self.elements(&indices.view(), indices.offset(), replaced, index_size)?;
+        for (index, value) in
+            replaced_indices.zip(self.elements(&values.view(), values.offset(), replaced, size)?)
         {
-            let place = place
+            let index = index
                 .iter()
                 .rev()
                 .fold(0, |number, &byte| number << 8 | usize::from(byte));
-            let slot = packed.chunks_exact_mut(size).nth(place);
-            slot.ok_or_else(|| format!("sparse index {place}; expected below {count}"))?
+            let slot = packed.chunks_exact_mut(size).nth(index);
+            slot.ok_or_else(|| format!("sparse index {index}; expected below {count}"))?
                 .copy_from_slice(value);
         }
         Ok(packed)

@@ -3,15 +3,15 @@
 use crate::instrument::scene::mesh::{Mesh, position};
 use bevy_mikktspace::{Geometry, TangentSpace, generate_tangents};
 
-/// Gives every corner its own vertex and, if `is_flat`, its triangle's normal.
+/// Gives every corner its corners vertex and, if `is_flat`, its triangle's normal.
 pub fn corners(mesh: &Mesh, is_flat: bool) -> Mesh {
     let at = |index: &u32| *index as usize;
-    let mut own = Mesh::empty(mesh.material);
-    own.positions = mesh.indices.iter().map(|i| mesh.positions[at(i)]).collect();
-    own.uvs = mesh.indices.iter().map(|i| mesh.uvs[at(i)]).collect();
-    own.tangents = mesh.indices.iter().map(|i| mesh.tangents[at(i)]).collect();
-    own.indices = (0..mesh.indices.len() as u32).collect();
-    own.normals = if is_flat {
+    let mut corners = Mesh::empty(mesh.material);
+    corners.positions = mesh.indices.iter().map(|i| mesh.positions[at(i)]).collect();
+    corners.uvs = mesh.indices.iter().map(|i| mesh.uvs[at(i)]).collect();
+    corners.tangents = mesh.indices.iter().map(|i| mesh.tangents[at(i)]).collect();
+    corners.indices = (0..mesh.indices.len() as u32).collect();
+    corners.normals = if is_flat {
         let face = |triangle: [u32; 3]| {
             let [a, b, c] = triangle.map(|index| position(&mesh.positions, index));
             [(b - a).cross(c - a).normalize().as_vec3().to_array(); 3]
@@ -20,7 +20,7 @@ pub fn corners(mesh: &Mesh, is_flat: bool) -> Mesh {
     } else {
         mesh.indices.iter().map(|i| mesh.normals[at(i)]).collect()
     };
-    own
+    corners
 }
 
 /// Computes tangents of a mesh from [`corners`]. v points up, as a normal map's green does (glTF

@@ -11,7 +11,7 @@ mod normals;
 mod statements;
 mod triangulate;
 
-use super::maps::{Maps, Meaning};
+use super::maps::{Maps, Meaning, ReadMaps};
 use super::mesh::{Mesh, is_degenerate, position};
 use super::source::{SceneFiles, existing};
 use super::{Material, Scene, SceneError, toward_viewer_of_files};
@@ -34,49 +34,139 @@ pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Sc
         .read(path)
         .map_err(|error| file_error(format!("cannot read the scene: {error}")))?;
     let statements = Statements::new(&bytes);
-    let mut counts = [0; 3];
-    statements.check(path, |keyword, values| {
-        let (element, number_count) = match keyword {
-            "v" => (0, 3),
-            "vt" => (1, 2),
-            "vn" => (2, 3),
-            "f" => return check_face(values, counts),
-            _ => return Ok(()),
-        };
-        counts[element] += 1;
-        check_numbers(values, number_count, MAX_COORDINATE)
-    })?;
+    check_statements(&statements, path)?;
 
-    let mut warnings = Vec::new();
-    if !statements.skipped.is_empty() {
-        let kinds: Vec<String> = statements
-            .skipped
-            .iter()
-            .map(|(kind, count)| format!("{count} x {kind}"))
-            .collect();
-        warnings.push(format!(
-            "statements that are not read: {}",
-            kinds.join(", ")
-        ));
-    }
+    let mut warnings: Vec<String> = skipped_statements(&statements).into_iter().collect();
     let libraries = read_libraries(files, &statements, path, &mut warnings)?;
     let slots: HashMap<String, usize> = libraries
         .iter()
         .enumerate()
         .map(|(slot, material)| (material.name().to_owned(), slot))
         .collect();
+    add_first(&mut warnings, undefined_materials(&statements, &slots));
+
+    let models = read_models(&statements, path, slots)?;
+    let mut assembly = Assembly::default();
+    for model in models {
+        assembly.add(model.mesh);
+    }
+    let Assembled { meshes, materials } = assembly.finish(&mut warnings);
+    if meshes.is_empty() {
+        return Err(file_error(
+            "no face has an area; expected at least one".to_owned(),
+        ));
+    }
+    let mut albedo_maps = AlbedoMaps::new(files);
+    let materials = materials
+        .iter()
+        .map(|library_index| {
+            library_index.map_or_else(Material::default, |index| {
+                libraries[index].material(|path| albedo_maps.index(path))
+            })
+        })
+        .collect();
+    add_first(&mut warnings, albedo_maps.unreadable);
+    let mut scene = Scene::assemble(spec, Vec::new(), meshes, materials);
+    let ReadMaps { textures, warning } = albedo_maps.maps.finish();
+    warnings.extend(warning);
+    scene.textures = textures;
+    scene.warnings = warnings;
+    scene.toward_viewer = toward_viewer_of_files();
+    Ok(scene.hashed())
+}
+
+/// Checks the numbers and corners of every statement.
+fn check_statements(statements: &Statements, path: &Path) -> Result<(), SceneError> {
+    let mut counts = Counts::default();
+    statements.check(path, |keyword, values| {
+        let (count, number_count) = match keyword {
+            "v" => (&mut counts.positions, 3),
+            "vt" => (&mut counts.uvs, 2),
+            "vn" => (&mut counts.normals, 3),
+            "f" => return check_face(values, &counts),
+            _ => return Ok(()),
+        };
+        *count += 1;
+        check_numbers(values, number_count, MAX_COORDINATE)
+    })
+}
+
+/// Numbers of elements above a line.
+#[derive(Default)]
+struct Counts {
+    positions: usize,
+    uvs: usize,
+    normals: usize,
+}
+
+/// Checks the corners of a face.
+fn check_face(values: &str, counts: &Counts) -> Result<(), String> {
+    let corner_count = values.split_whitespace().count();
+    if !(3..=CORNERS_MAX).contains(&corner_count) {
+        return Err(format!(
+            "{corner_count} corners; expected 3 to {CORNERS_MAX}"
+        ));
+    }
+    for corner in values.split_whitespace() {
+        let mut indices = corner.split('/');
+        check_index(corner, indices.next(), "position", counts.positions)?;
+        // Only positions are required.
+        let uv = indices.next().filter(|index| !index.is_empty());
+        check_index(corner, uv, "texture coordinate", counts.uvs)?;
+        let normal = indices.next().filter(|index| !index.is_empty());
+        check_index(corner, normal, "normal", counts.normals)?;
+    }
+    Ok(())
+}
+
+/// Checks an index of a corner; `count` elements of its kind are above.
+fn check_index(corner: &str, index: Option<&str>, kind: &str, count: usize) -> Result<(), String> {
+    let Some(index) = index else {
+        return Ok(());
+    };
+    let distance = index.parse().map_or(0, isize::unsigned_abs);
+    if (1..=count).contains(&distance) {
+        return Ok(());
+    }
+    Err(format!(
+        "\"{corner}\": there is no {kind} {index}; the lines above define {count}"
+    ))
+}
+
+/// Returns the warning about skipped statements.
+fn skipped_statements(statements: &Statements) -> Option<String> {
+    if statements.skipped.is_empty() {
+        return None;
+    }
+    let kinds: Vec<String> = statements
+        .skipped
+        .iter()
+        .map(|(kind, count)| format!("{count} x {kind}"))
+        .collect();
+    Some(format!(
+        "statements that are not read: {}",
+        kinds.join(", ")
+    ))
+}
+
+/// Returns a warning for each used material that no library defines.
+fn undefined_materials(statements: &Statements, defined: &HashMap<String, usize>) -> Vec<String> {
     let undefined: BTreeSet<&str> = statements
         .values("usemtl")
-        .filter(|name| !slots.contains_key(*name))
+        .filter(|name| !name.is_empty() && !defined.contains_key(*name))
         .collect();
-    let undefined = undefined.iter().filter(|name| !name.is_empty());
-    add_first(
-        &mut warnings,
-        undefined.map(|name| {
-            format!("material \"{name}\" is not defined; the default material is used")
-        }),
-    );
+    undefined
+        .iter()
+        .map(|name| format!("material \"{name}\" is not defined; the default material is used"))
+        .collect()
+}
 
+/// Reads the faces, by material; `slots` has the index of each material's name.
+fn read_models(
+    statements: &Statements,
+    path: &Path,
+    slots: HashMap<String, usize>,
+) -> Result<Vec<tobj::Model>, SceneError> {
     let slots = RefCell::new(slots);
     let (models, _) = statements.read(path, |text| {
         // All libraries are known from the first line.
@@ -87,65 +177,46 @@ pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Sc
         };
         tobj::load_obj_buf(&mut text, &options, |_| Ok((Vec::new(), slots.take())))
     })?;
-    let (meshes, used) = assemble(models, &mut warnings);
-    if meshes.is_empty() {
-        return Err(file_error(
-            "no face has an area; expected at least one".to_owned(),
-        ));
-    }
-    let (mut maps, mut known, mut unreadable) = (Maps::default(), HashMap::new(), Vec::new());
-    let mut read_map = |path: &Path| {
-        *known.entry(path.to_owned()).or_insert_with(|| {
-            let bytes = files.read(path).map_err(|error| error.to_string());
-            let index = bytes.and_then(|bytes| maps.add(&bytes, Meaning::Color, Wrap::REPEAT));
-            let place = path.display();
-            index
-                .map_err(|error| {
-                    unreadable.push(format!(
-                        "{place}: cannot read the albedo map: {error}; skipped"
-                    ))
-                })
-                .ok()
-        })
-    };
-    let material = |slot: &Option<usize>| {
-        slot.map_or_else(Material::default, |slot| {
-            libraries[slot].material(&mut read_map)
-        })
-    };
-    let materials = used.iter().map(material).collect();
-    add_first(&mut warnings, unreadable);
-    let mut scene = Scene::assemble(spec, Vec::new(), meshes, materials);
-    let (textures, coarser) = maps.finish();
-    warnings.extend(coarser);
-    scene.textures = textures;
-    scene.warnings = warnings;
-    scene.toward_viewer = toward_viewer_of_files();
-    Ok(scene.hashed())
+    Ok(models)
 }
 
-/// Checks the corners of a face. `counts` has the numbers of positions, texture coordinates and
-/// normals above it.
-fn check_face(values: &str, counts: [usize; 3]) -> Result<(), String> {
-    let corner_count = values.split_whitespace().count();
-    if !(3..=CORNERS_MAX).contains(&corner_count) {
-        return Err(format!(
-            "{corner_count} corners; expected 3 to {CORNERS_MAX}"
-        ));
-    }
-    let kinds = ["position", "texture coordinate", "normal"];
-    for corner in values.split_whitespace() {
-        for ((index, kind), count) in corner.split('/').zip(kinds).zip(counts) {
-            let is_missing = index.is_empty() && kind != kinds[0];
-            let distance = index.parse().map_or(0, isize::unsigned_abs);
-            if !is_missing && !(1..=count).contains(&distance) {
-                return Err(format!(
-                    "\"{corner}\": there is no {kind} {index}; the lines above define {count}"
-                ));
-            }
+/// Reads albedo maps, each file once.
+struct AlbedoMaps<'f> {
+    files: &'f dyn SceneFiles,
+    maps: Maps,
+    /// Index of each read texture; `None` for an unreadable one.
+    known: HashMap<PathBuf, Option<usize>>,
+    /// One warning each.
+    unreadable: Vec<String>,
+}
+
+impl<'f> AlbedoMaps<'f> {
+    fn new(files: &'f dyn SceneFiles) -> Self {
+        Self {
+            files,
+            maps: Maps::default(),
+            known: HashMap::new(),
+            unreadable: Vec::new(),
         }
     }
-    Ok(())
+
+    fn index(&mut self, path: &Path) -> Option<usize> {
+        if let Some(index) = self.known.get(path) {
+            return *index;
+        }
+        let bytes = self.files.read(path).map_err(|error| error.to_string());
+        let index = bytes.and_then(|bytes| self.maps.add(&bytes, Meaning::Color, Wrap::REPEAT));
+        let index = index
+            .map_err(|error| {
+                self.unreadable.push(format!(
+                    "{}: cannot read the albedo map: {error}; skipped",
+                    path.display()
+                ));
+            })
+            .ok();
+        self.known.insert(path.to_owned(), index);
+        index
+    }
 }
 
 /// Printed warnings of one cause; a broken exporter can cause one per line.
@@ -168,109 +239,139 @@ fn read_libraries(
     path: &Path,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<mtl::Source>, SceneError> {
-    let (mut libraries, mut odd) = (Vec::new(), Vec::new());
+    let mut libraries = Vec::new();
+    let mut library_warnings = Vec::new();
     for names in statements.values("mtllib") {
-        let whole = existing(files, path, names);
-        let paths: Vec<PathBuf> = match files.has(&whole) {
-            true => vec![whole],
-            false => names
+        let single = existing(files, path, names);
+        let paths: Vec<PathBuf> = if files.has(&single) {
+            vec![single]
+        } else {
+            names
                 .split_whitespace()
                 .map(|name| existing(files, path, name))
-                .collect(),
+                .collect()
         };
         for path in paths {
-            libraries.extend(mtl::read(files, &path, &mut odd)?);
+            libraries.extend(mtl::read(files, &path, &mut library_warnings)?);
         }
     }
-    add_first(warnings, odd);
+    add_first(warnings, library_warnings);
     Ok(libraries)
 }
 
-/// Builds one mesh per material in order of first use; also returns the index of each material
-/// (`None`: the default).
-fn assemble(
-    models: Vec<tobj::Model>,
-    warnings: &mut Vec<String>,
-) -> (Vec<Mesh>, Vec<Option<usize>>) {
-    let (mut meshes, mut used): (Vec<Mesh>, Vec<Option<usize>>) = (Vec::new(), Vec::new());
-    let (mut degenerate_count, mut crossing_count, mut incomplete_count) = (0, 0, 0);
-    for part in models.into_iter().map(|model| model.mesh) {
-        let slot = used
-            .iter()
-            .position(|known| *known == part.material_id)
-            .unwrap_or_else(|| {
-                used.push(part.material_id);
-                meshes.push(Mesh::empty(meshes.len()));
-                meshes.len() - 1
-            });
-        let mesh = &mut meshes[slot];
-        let first = mesh.positions.len() as u32;
-        mesh.positions.extend(part.positions.as_chunks().0);
-        let vertex_count = mesh.positions.len() - first as usize;
-        let (uvs, normals) = (part.texcoords.as_chunks().0, part.normals.as_chunks().0);
-        if uvs.len() == vertex_count {
+/// Gathers the faces of each material.
+#[derive(Default)]
+struct Assembly {
+    /// One for each material, in order of first use.
+    meshes: Vec<Mesh>,
+    /// Index of each mesh's material among the libraries'; `None`: the default.
+    materials: Vec<Option<usize>>,
+    degenerate_count: usize,
+    crossing_count: usize,
+    incomplete_count: usize,
+}
+
+/// The result of an [`Assembly`].
+struct Assembled {
+    /// Those with triangles.
+    meshes: Vec<Mesh>,
+    /// See [`Assembly::materials`]; also of materials without triangles.
+    materials: Vec<Option<usize>>,
+}
+
+impl Assembly {
+    /// Adds a group of faces with one material.
+    fn add(&mut self, part: tobj::Mesh) {
+        let slot = self.slot(part.material_id);
+        let first = self.meshes[slot].positions.len() as u32;
+        self.add_vertices(slot, &part);
+        self.add_faces(slot, first, &part);
+    }
+
+    fn slot(&mut self, material: Option<usize>) -> usize {
+        if let Some(slot) = self.materials.iter().position(|known| *known == material) {
+            return slot;
+        }
+        let slot = self.meshes.len();
+        self.materials.push(material);
+        self.meshes.push(Mesh::empty(slot));
+        slot
+    }
+
+    fn add_vertices(&mut self, slot: usize, part: &tobj::Mesh) {
+        let mesh = &mut self.meshes[slot];
+        let positions = part.positions.as_chunks().0;
+        let uvs = part.texcoords.as_chunks().0;
+        let normals = part.normals.as_chunks().0;
+        mesh.positions.extend(positions);
+        if uvs.len() == positions.len() {
             mesh.uvs.extend(uvs);
         }
-        if normals.len() == vertex_count {
+        if normals.len() == positions.len() {
             // Zero marks a normal to compute.
-            mesh.normals.extend(normals.iter().map(|n| {
-                Vec3::from(*n)
-                    .as_dvec3()
-                    .normalize_or_zero()
-                    .as_vec3()
-                    .to_array()
-            }));
+            let unit = |normal: &[f32; 3]| Vec3::from(*normal).as_dvec3().normalize_or_zero();
+            mesh.normals
+                .extend(normals.iter().map(|n| unit(n).as_vec3().to_array()));
         }
-        incomplete_count += [uvs.len(), normals.len()]
-            .iter()
-            .filter(|count| !(**count == 0 || **count == vertex_count))
-            .count();
-        mesh.uvs.resize(mesh.positions.len(), [0.0; 2]);
-        mesh.normals.resize(mesh.positions.len(), [0.0; 3]);
-        mesh.tangents.resize(mesh.positions.len(), [0.0; 4]);
+        let is_incomplete = |count: usize| count != 0 && count != positions.len();
+        self.incomplete_count += usize::from(is_incomplete(uvs.len()));
+        self.incomplete_count += usize::from(is_incomplete(normals.len()));
+        let vertex_count = mesh.positions.len();
+        mesh.uvs.resize(vertex_count, [0.0; 2]);
+        mesh.normals.resize(vertex_count, [0.0; 3]);
+        mesh.tangents.resize(vertex_count, [0.0; 4]);
+    }
+
+    /// Splits the faces of a part, whose vertices begin at `first`.
+    fn add_faces(&mut self, slot: usize, first: u32, part: &tobj::Mesh) {
+        let mesh = &mut self.meshes[slot];
         let triangles = vec![3; part.indices.len() / 3];
-        let arities = if part.face_arities.is_empty() {
-            triangles
+        let corner_counts = if part.face_arities.is_empty() {
+            &triangles
         } else {
-            part.face_arities
+            &part.face_arities
         };
         let mut corners = part.indices.iter().map(|index| first + index);
-        for arity in arities {
-            let face: Vec<u32> = corners.by_ref().take(arity as usize).collect();
+        for corner_count in corner_counts {
+            let face: Vec<u32> = corners.by_ref().take(*corner_count as usize).collect();
             let polygon: Vec<DVec3> = face
                 .iter()
                 .map(|&index| position(&mesh.positions, index))
                 .collect();
             let split = triangulate::triangulate(&polygon);
-            crossing_count += usize::from(!split.is_simple);
+            self.crossing_count += usize::from(!split.is_simple);
             for triangle in split.triangles {
                 if is_degenerate(triangle.map(|k| polygon[k])) {
-                    degenerate_count += 1;
+                    self.degenerate_count += 1;
                 } else {
                     mesh.indices.extend(triangle.map(|k| face[k]));
                 }
             }
         }
     }
-    meshes.retain(|mesh| !mesh.indices.is_empty());
-    let counted = [
-        (degenerate_count, "triangles without area are skipped"),
-        (
-            crossing_count,
+
+    /// Fills in missing normals and winds the triangles by them.
+    fn finish(mut self, warnings: &mut Vec<String>) -> Assembled {
+        self.meshes.retain(|mesh| !mesh.indices.is_empty());
+        let mut warn = |count: usize, what: &str| {
+            if count > 0 {
+                warnings.push(format!("{count} {what}"));
+            }
+        };
+        warn(self.degenerate_count, "triangles without area are skipped");
+        warn(
+            self.crossing_count,
             "faces cross themselves; their triangles overlap",
-        ),
-        (
-            incomplete_count,
+        );
+        warn(
+            self.incomplete_count,
             "groups of faces lack some normals or texture coordinates; the others are ignored",
-        ),
-    ];
-    warnings.extend(
-        counted
-            .iter()
-            .filter(|(count, _)| *count > 0)
-            .map(|(count, what)| format!("{count} {what}")),
-    );
-    normals::fill_missing(&mut meshes);
-    meshes.iter_mut().for_each(Mesh::wind_by_normals);
-    (meshes, used)
+        );
+        normals::fill_missing(&mut self.meshes);
+        self.meshes.iter_mut().for_each(Mesh::wind_by_normals);
+        Assembled {
+            meshes: self.meshes,
+            materials: self.materials,
+        }
+    }
 }

@@ -32,10 +32,24 @@ const MAX_VALUE: f32 = 1e30;
 /// A material whose map is not read yet.
 #[derive(Debug)]
 pub struct Source {
-    /// Without albedo.
-    material: Material,
-    kd: Option<[f32; 3]>,
-    map: Option<PathBuf>,
+    name: String,
+    parameters: Parameters,
+    albedo_map: Option<PathBuf>,
+}
+
+/// The parameters of a material, within their ranges.
+#[derive(Debug)]
+struct Parameters {
+    /// `Kd`, linear RGB in [0, 1].
+    albedo: Option<[f32; 3]>,
+    /// `Pr`, perceptual, in [0, 1].
+    roughness: Option<f32>,
+    /// `Pm`, in [0, 1].
+    metallic: Option<f32>,
+    /// `Ns`, of Phong's lobe, at least 0.
+    exponent: Option<f32>,
+    /// `Ni`, index of refraction.
+    ior: Option<f32>,
 }
 
 /// Reads the library at `path`; an unreadable one is empty and causes a warning.
@@ -44,12 +58,12 @@ pub fn read(
     path: &Path,
     warnings: &mut Vec<String>,
 ) -> Result<Vec<Source>, SceneError> {
+    let shown_path = path.display();
     let bytes = match files.read(path) {
         Ok(bytes) => bytes,
         Err(error) => {
-            let place = path.display();
             warnings.push(format!(
-                "{place}: cannot read the materials: {error}; the default material is used"
+                "{shown_path}: cannot read the materials: {error}; the default material is used"
             ));
             return Ok(Vec::new());
         }
@@ -61,25 +75,22 @@ pub fn read(
         _ => Ok(()),
     })?;
     let (found, _) = statements.read(path, |text| tobj::load_mtl_buf(text))?;
-    let mut odd = Vec::new();
+    let mut material_warnings = Vec::new();
     let materials = found
         .iter()
-        .map(|material| Source::new(material, files, path, &mut odd))
+        .map(|material| Source::new(material, files, path, &mut material_warnings))
         .collect();
     warnings.extend(
-        odd.into_iter()
-            .map(|warning| format!("{}: {warning}", path.display())),
+        material_warnings
+            .into_iter()
+            .map(|warning| format!("{shown_path}: {warning}")),
     );
     let unread: Vec<&str> = UNREAD
         .into_iter()
         .filter(|keyword| statements.skipped.contains_key(*keyword))
         .collect();
     if !unread.is_empty() {
-        warnings.push(format!(
-            "{}: {} are not read",
-            path.display(),
-            unread.join(", ")
-        ));
+        warnings.push(format!("{shown_path}: {} are not read", unread.join(", ")));
     }
     Ok(materials)
 }
@@ -91,83 +102,110 @@ impl Source {
         path: &Path,
         warnings: &mut Vec<String>,
     ) -> Self {
-        let name = &found.name;
+        Self {
+            name: found.name.clone(),
+            parameters: Parameters::new(found, warnings),
+            albedo_map: found
+                .diffuse_texture
+                .as_deref()
+                .map(|text| existing(files, path, map_file(text, &found.name, warnings))),
+        }
+    }
+
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Builds the material; `read_map` returns the index of a texture, `None` for an unreadable
+    /// one.
+    pub fn material(&self, read_map: impl FnOnce(&Path) -> Option<usize>) -> Material {
+        let albedo_map = self.albedo_map.as_deref().and_then(read_map);
+        let default_albedo = if albedo_map.is_some() {
+            1.0
+        } else {
+            DEFAULT_ALBEDO
+        };
+        let default = Material::default();
+        let parameters = &self.parameters;
+        Material {
+            name: self.name.clone(),
+            albedo: parameters.albedo.unwrap_or([default_albedo; 3]),
+            albedo_map,
+            metallic: parameters.metallic.unwrap_or(default.metallic),
+            alpha: parameters.alpha(),
+            f0: parameters.f0().map_or(default.f0, |f0| [f0; 3]),
+            ..default
+        }
+    }
+}
+
+impl Parameters {
+    /// Clamps each parameter to its range, with a warning.
+    fn new(found: &tobj::Material, warnings: &mut Vec<String>) -> Self {
         let mut clamp = |parameter: &str, value: f32, most: f32| {
             let clamped = value.clamp(0.0, most);
             if clamped != value {
                 warnings.push(format!(
-                    "material \"{name}\": {parameter} {value} is outside its range and is read as \
-                     {clamped}"
+                    "material \"{}\": {parameter} {value} is outside its range and is read as \
+                     {clamped}",
+                    found.name
                 ));
             }
             clamped
         };
-        let kd = found
+        let albedo = found
             .diffuse
             .map(|rgb| rgb.map(|value| clamp("Kd", value, 1.0)));
-        let mut fraction = |parameter: &str| {
-            let value = found
-                .unknown_param
-                .get(parameter)?
-                .split_whitespace()
-                .next()?;
-            Some(clamp(parameter, value.parse().ok()?, 1.0))
-        };
-        let (roughness, metallic) = (fraction("Pr"), fraction("Pm"));
+        let roughness = first_number(found, "Pr").map(|value| clamp("Pr", value, 1.0));
+        let metallic = first_number(found, "Pm").map(|value| clamp("Pm", value, 1.0));
         let exponent = found.shininess.map(|value| clamp("Ns", value, f32::MAX));
-        let alpha = match (roughness, exponent) {
+        Self {
+            albedo,
+            roughness,
+            metallic,
+            exponent,
+            ior: found.optical_density,
+        }
+    }
+
+    /// Returns the microfacet width.
+    fn alpha(&self) -> f32 {
+        let alpha = match (self.roughness, self.exponent) {
             (Some(roughness), _) => {
                 brdf::alpha_from_perceptual_roughness(f64::from(roughness)) as f32
             }
             (None, Some(exponent)) => (2.0 / (exponent + 2.0)).sqrt(),
             (None, None) => DEFAULT_ALPHA,
         };
-        let default = Material::default();
-        let f0 = found
-            .optical_density
+        // Narrower lobes, such as a mirror's (Pr 0), are not shaded.
+        alpha.max(ALPHA_MIN)
+    }
+
+    /// Returns the dielectric F0, if the file states one.
+    fn f0(&self) -> Option<f32> {
+        self.ior
             .filter(|ior| *ior > 1.0)
-            .map(|ior| brdf::f0_from_ior(f64::from(ior)) as f32);
-        let material = Material {
-            name: name.clone(),
-            metallic: metallic.unwrap_or(default.metallic),
-            // Narrower lobes, such as a mirror's (Pr 0), are not shaded.
-            alpha: alpha.max(ALPHA_MIN),
-            f0: f0.map_or(default.f0, |f0| [f0; 3]),
-            ..default
-        };
-        let map = found.diffuse_texture.as_deref().map(|text| {
-            // File names may contain blanks, but not after options.
-            let options = text
-                .starts_with('-')
-                .then(|| text.rsplit_once(char::is_whitespace))
-                .flatten();
-            if let Some((options, _)) = options {
-                warnings.push(format!(
-                    "material \"{name}\": the options {options} of map_Kd are not read"
-                ));
-            }
-            existing(files, path, options.map_or(text, |(_, file)| file))
-        });
-        Self { material, kd, map }
+            .map(|ior| brdf::f0_from_ior(f64::from(ior)) as f32)
     }
+}
 
-    pub fn name(&self) -> &str {
-        &self.material.name
-    }
+/// Returns the first value of a parameter that the crate `tobj` does not know.
+fn first_number(found: &tobj::Material, parameter: &str) -> Option<f32> {
+    let values = found.unknown_param.get(parameter)?;
+    values.split_whitespace().next()?.parse().ok()
+}
 
-    /// Builds the material; `read_map` returns the index of a texture, `None` for an unreadable
-    /// one.
-    pub fn material(&self, read_map: impl FnOnce(&Path) -> Option<usize>) -> Material {
-        let albedo_map = self.map.as_deref().and_then(read_map);
-        let default = if albedo_map.is_some() {
-            1.0
-        } else {
-            DEFAULT_ALBEDO
-        };
-        Material {
-            albedo: self.kd.unwrap_or([default; 3]),
-            albedo_map,
-            ..self.material.clone()
-        }
+/// Returns the file of a `map_Kd`; warns about options, which are not read.
+fn map_file<'t>(text: &'t str, material: &str, warnings: &mut Vec<String>) -> &'t str {
+    // File names may contain blanks, but not after options.
+    if !text.starts_with('-') {
+        return text;
     }
+    let Some((options, file)) = text.rsplit_once(char::is_whitespace) else {
+        return text;
+    };
+    warnings.push(format!(
+        "material \"{material}\": the options {options} of map_Kd are not read"
+    ));
+    file
 }

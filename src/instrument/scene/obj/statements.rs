@@ -26,7 +26,8 @@ impl Statements {
         let mut lines = text.trim_start_matches('\u{feff}').lines().map(str::trim);
         let mut found = Self::default();
         while let Some(line) = lines.next() {
-            let (mut statement, mut ends) = (line.to_owned(), "\n".to_owned());
+            let mut statement = line.to_owned();
+            let mut ends = "\n".to_owned();
             // A comment that ends in a backslash (a Windows folder, say) does not continue.
             while !line.starts_with('#') && statement.ends_with('\\') {
                 statement.pop();

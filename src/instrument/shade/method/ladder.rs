@@ -53,16 +53,17 @@ pub const FRESNEL: Method = rung(
             v,
             ..
         } = *surface;
-        let (frame, exact) = (Frame::from_normal(n), exact_albedo(surface));
+        let frame = Frame::from_normal(n);
+        let exact = exact_albedo(surface);
         let v_local = frame.to_local(v);
         let kernel = |l: DVec3| {
             let l_local = frame.to_local(l);
             let h = (v_local + l_local).normalize();
-            let lobe = || {
-                model.d(h, alpha) * g2(model, v_local.z, l_local.z, alpha, masking)
-                    / (4.0 * v_local.z)
-            };
-            [if l_local.z > 0.0 { lobe() } else { 0.0 }]
+            if l_local.z <= 0.0 {
+                return [0.0];
+            }
+            let g2 = g2(model, v_local.z, l_local.z, alpha, masking);
+            [model.d(h, alpha) * g2 / (4.0 * v_local.z)]
         };
         let factor = reflectance(surface, &exact) / exact.albedo();
         surface
@@ -100,20 +101,20 @@ fn unmasked(
     inside: DVec3,
 ) -> Bounded {
     let Surface { alpha, n, v, .. } = *surface;
-    let (frame, kernel) = (Frame::from_normal(n), kernel(surface, settings));
+    let frame = Frame::from_normal(n);
+    let kernel = kernel(surface, settings);
     let v_local = frame.to_local(v);
     let value = |l: DVec3| {
         let l_local = frame.to_local(l);
         let h = (v_local + l_local).normalize();
         let v_dot_h = v_local.dot(h);
-        match kernel.weight(alpha, l_local.z) {
-            0.0 => [0.0; 2],
-            weight => {
-                let value = kernel.brdf.d(h, alpha) * h.z / (4.0 * v_dot_h) * weight;
-                let fc = schlick_weight(v_dot_h);
-                [value * (1.0 - fc), value * fc]
-            }
+        let weight = kernel.weight(alpha, l_local.z);
+        if weight == 0.0 {
+            return [0.0; 2];
         }
+        let value = kernel.brdf.d(h, alpha) * h.z / (4.0 * v_dot_h) * weight;
+        let fc = schlick_weight(v_dot_h);
+        [value * (1.0 - fc), value * fc]
     };
     let [below, grazing] = weight_means(kernel, v_local.z, alpha, EXACT);
     let factor = reflectance(surface, &exact_albedo(surface)) / (inside * below + grazing);
@@ -158,24 +159,24 @@ fn blended(
     settings: &PrecomputeSettings,
     tolerance: Tolerance,
 ) -> Bounded {
-    let (count, r) = (
-        settings.prefilter_level_count,
-        reflect(surface.v, surface.n),
-    );
+    let count = settings.prefilter_level_count;
+    let r = reflect(surface.v, surface.n);
     let mapping = settings.level_mapping;
     let mip = mapping.mip_from_alpha(surface.alpha, count);
     let low = mip.floor().min(f64::from(count) - 2.0);
-    let level = |mip: f64, share: f64| match mapping.alpha_from_mip(mip, count) {
-        0.0 => Bounded {
-            value: share * environment.radiance(r),
-            error: DVec3::ZERO,
-        },
-        alpha => scaled(
-            prefilter(environment, kernel(surface, settings), alpha, r, tolerance),
-            DVec3::splat(share),
-        ),
+    let level = |mip: f64, share: f64| {
+        let alpha = mapping.alpha_from_mip(mip, count);
+        if alpha == 0.0 {
+            return Bounded {
+                value: share * environment.radiance(r),
+                error: DVec3::ZERO,
+            };
+        }
+        let mean = prefilter(environment, kernel(surface, settings), alpha, r, tolerance);
+        scaled(mean, DVec3::splat(share))
     };
-    let [smooth, rough] = [level(low, low + 1.0 - mip), level(low + 1.0, mip - low)];
+    let smooth = level(low, low + 1.0 - mip);
+    let rough = level(low + 1.0, mip - low);
     Bounded {
         value: smooth.value + rough.value,
         error: smooth.error + rough.error,
@@ -208,7 +209,7 @@ fn scaled(number: Bounded, factor: DVec3) -> Bounded {
     }
 }
 
-/// A rung with its own map.
+/// A rung that reads a map made for it.
 const fn looked_up(name: &'static str, title: &'static str, about: &'static str) -> Method {
     let twin: SpecularTwin = Twin::Estimator(|surface, light, _| {
         let albedo = light.albedos.exact(surface.n.dot(surface.v));

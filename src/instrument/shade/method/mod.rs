@@ -1,7 +1,7 @@
 //! The specular methods: names, parameters, f64 twins.
 
+pub mod from_file;
 pub mod ladder;
-pub mod own;
 mod sampled;
 mod sampled_unfiltered;
 mod sampled_vndf;
@@ -18,13 +18,13 @@ use super::diffuse::Diffuse;
 use super::reference::integrate;
 use super::twin::{SpecularTwin, Twin};
 use super::{NONE, REFERENCE};
-use crate::base::names::{Listed, listed};
+use crate::base::names::Listed;
 use crate::instrument::brdf::Compensation;
 use crate::instrument::precompute::taps::TapCount;
 use crate::instrument::precompute::{PrecomputeSettings, PrefilterBy, StorageFormat};
 use glam::DVec3;
 
-/// A way to compute the specular term. Names are the stems of shader files (with `-` for `_`).
+/// A method to compute the specular term. Names are the stems of shader files (with `-` for `_`).
 ///
 /// The flags name the axes that change its result: along any other axis an experiment has one cell.
 #[derive(Clone, Copy, Debug)]
@@ -55,6 +55,8 @@ pub struct Method {
     pub storage: Option<StorageFormat>,
     /// Whether its error has a ladder of steps (`crate::instrument::ladder`).
     pub has_ladder: bool,
+    /// Whether it is a split sum to prefer to the textbook's.
+    pub is_corrected: bool,
     /// Replaces its name in the name of its shader: for methods in files.
     pub shader: Option<&'static str>,
     /// The text of its shader, for methods in files.
@@ -102,13 +104,6 @@ pub static METHODS: &[Method] = &[
     ladder::STORAGE,
 ];
 
-const CORRECTED: [&str; 4] = [
-    split_sum_cap::METHOD.name,
-    split_sum_taps::ONE.name,
-    split_sum_taps::TWO.name,
-    split_sum_taps::FOUR.name,
-];
-
 /// The unbiased estimator of the specular integral, by many random samples of BRDF and environment.
 const INTEGRATED: Method = Method {
     uses_samples: true,
@@ -148,6 +143,7 @@ impl Method {
             prefilter: None,
             storage: None,
             has_ladder: false,
+            is_corrected: false,
             shader: None,
             text: None,
             lobe: None,
@@ -156,26 +152,28 @@ impl Method {
 
     /// Returns the settings of its tables if `asked` is requested.
     pub fn tables(&self, asked: PrecomputeSettings) -> PrecomputeSettings {
-        let (prefilter, storage) = (
-            self.prefilter.unwrap_or(asked.prefilter),
-            self.storage.unwrap_or(asked.storage),
-        );
         PrecomputeSettings {
-            prefilter,
-            storage,
+            prefilter: self.prefilter.unwrap_or(asked.prefilter),
+            storage: self.storage.unwrap_or(asked.storage),
             ..asked
         }
     }
 
     /// Its role; `None` for references and their ladder.
     pub fn role(&self) -> Option<Role> {
-        match () {
-            () if self.is_integrated() || self.is_none() => None,
-            () if self.uses_samples => Some(Role::Sampling),
-            () if self.has_ladder => Some(Role::Textbook),
-            () if !self.uses_dfg && self.shader.is_none() => None,
-            () if CORRECTED.contains(&self.name) || self.shader.is_some() => Some(Role::Corrected),
-            () => Some(Role::Other),
+        let is_in_file = self.shader.is_some();
+        if self.is_integrated() || self.is_none() {
+            None
+        } else if self.uses_samples {
+            Some(Role::Sampling)
+        } else if self.has_ladder {
+            Some(Role::Textbook)
+        } else if !self.uses_dfg && !is_in_file {
+            None
+        } else if self.is_corrected || is_in_file {
+            Some(Role::Corrected)
+        } else {
+            Some(Role::Other)
         }
     }
 
@@ -214,17 +212,25 @@ impl Method {
     }
 }
 
-listed!(
-    Method,
-    "method",
-    METHODS,
-    /// Finds a listed method, or `file:PATH` ([`own`]).
+impl Listed for Method {
+    const WHAT: &'static str = "method";
+    const LISTED_IN: Option<&'static str> = Some("a name of `splitsum list methods`");
+
+    fn all() -> impl Iterator<Item = &'static Self> + Clone {
+        METHODS.iter()
+    }
+
+    fn name(&self) -> &'static str {
+        self.name
+    }
+
+    /// Finds a listed method, or `file:PATH` ([`from_file`]).
     fn by_name(name: &str) -> Option<&'static Self> {
         Self::all()
             .find(|method| method.name == name)
-            .or_else(|| own::loaded(name))
+            .or_else(|| from_file::loaded(name))
     }
-);
+}
 
 /// Role of a method, which sets its colour in figures and captions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
@@ -236,33 +242,4 @@ pub enum Role {
     Sampling,
     /// Another split sum, such as an engine's.
     Other,
-}
-
-/// Replaces the code names of methods in a text by their titles: "Split sum (textbook)" for
-/// `split-sum`, "Sampling, 16 samples" for `sampled 16`. The words `none`, `reference` and
-/// `sampled` alone stay: they mean other things, too.
-pub fn words_in(text: &str) -> String {
-    const ENDS: [char; 5] = [':', ',', ';', '.', ')'];
-    let mut words = text.split(' ').peekable();
-    let mut all = Vec::new();
-    while let Some(word) = words.next() {
-        let name = word.trim_end_matches(ENDS);
-        let next = words.peek().map(|next| next.trim_end_matches(ENDS));
-        let count = next.filter(|next| name == word && next.parse::<u32>().is_ok());
-        let is_plain = [NONE, REFERENCE].contains(&name)
-            || (name == sampled::METHOD.name && count.is_none() && next != Some("over"));
-        let Some(method) = Method::by_name(name).filter(|_| !is_plain) else {
-            all.push(word.to_owned());
-            continue;
-        };
-        let count = count.filter(|_| method.uses_samples);
-        let said = method.words(count);
-        let end = if count.is_some() {
-            words.next().unwrap_or_default()
-        } else {
-            word
-        };
-        all.push(said + &end[end.trim_end_matches(ENDS).len()..]);
-    }
-    all.join(" ")
 }

@@ -21,32 +21,54 @@ pub const METHOD: Method = Method {
         "sampled",
         "Sampling",
         "per-pixel half-vector importance sampling, filtered by mip level",
-        Twin::Estimator(|surface, light, samples| estimate(surface, light, samples, true, BY_D)),
+        Twin::Estimator(|surface, light, samples| {
+            estimate(surface, light, samples, Lookup::Filtered, BY_D)
+        }),
     )
 };
 
-/// Draws a half vector; returns it and the density of the direction that mirrors the view.
-type Sampler = fn(&dyn Brdf, DVec2, DVec3, Widths) -> (DVec3, f64);
+/// A half vector, and the density of the direction that mirrors the view about it.
+pub(super) struct HalfVector {
+    h: DVec3,
+    pdf_l: f64,
+}
+
+/// Draws a half vector of a model for a point of the unit square, a view and widths.
+type Sampler = fn(&dyn Brdf, DVec2, DVec3, Widths) -> HalfVector;
+
+/// The map that a sample looks up.
+#[derive(Clone, Copy, PartialEq)]
+pub(super) enum Lookup {
+    /// The environment's levels, by the solid angle of the sample.
+    Filtered,
+    /// The environment's finest level.
+    Finest,
+}
 
 /// Half vectors of density `D n_dot_m`.
 pub(super) const BY_D: Sampler = |model, xi, v_local, widths| {
     let h = widths.sample_d(model, xi);
-    (h, pdf_d_l(model, v_local, h, widths))
+    HalfVector {
+        h,
+        pdf_l: pdf_d_l(model, v_local, h, widths),
+    }
 };
 
 /// Visible normals.
 pub(super) const BY_VNDF: Sampler = |model, xi, v_local, widths| {
     let h = model.sample_vndf(xi, v_local, widths);
-    (h, model.pdf_vndf_l(v_local, h, widths))
+    HalfVector {
+        h,
+        pdf_l: model.pdf_vndf_l(v_local, h, widths),
+    }
 };
 
-/// Computes the sum in the module's documentation; reads the unfiltered environment unless
-/// `filtered`.
+/// Computes the sum in the module's documentation.
 pub(super) fn estimate(
     surface: &Surface,
     light: &Light,
     samples: &Samples,
-    filtered: bool,
+    lookup: Lookup,
     draw: Sampler,
 ) -> DVec3 {
     let Surface {
@@ -56,24 +78,25 @@ pub(super) fn estimate(
         v,
         ..
     } = *surface;
-    let (frame, widths) = (surface.frame(), surface.widths());
+    let frame = surface.frame();
+    let widths = surface.widths();
     let v_local = frame.to_local(v);
     let count = f64::from(samples.count);
     let term = |xi| {
-        let (h, pdf_l) = draw(model, xi, v_local, widths);
+        let HalfVector { h, pdf_l } = draw(model, xi, v_local, widths);
         let l_local = reflect(v_local, h);
         if l_local.z <= 0.0 || v_local.dot(h) <= 0.0 {
             return DVec3::ZERO;
         }
         let l = frame.to_world(l_local);
-        let radiance = match filtered {
-            true => {
+        let radiance = match lookup {
+            Lookup::Filtered => {
                 let omega_s = 1.0 / (count * pdf_l);
                 let lod =
                     lod_from_solid_angles(omega_s, light.filtered.texel_solid_angle(l, omega_s));
                 light.filtered.value(l, lod + samples.lod_bias)
             }
-            false => light.radiance(l, 0.0),
+            Lookup::Finest => light.radiance(l, 0.0),
         };
         radiance * eval(model, v_local, l_local, widths, f0, masking) * (l_local.z / pdf_l)
     };

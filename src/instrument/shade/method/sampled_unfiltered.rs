@@ -1,7 +1,7 @@
 //! As `sampled`, with all lookups in the finest level.
 
 use super::Method;
-use super::sampled::{self, BY_D, estimate};
+use super::sampled::{self, BY_D, Lookup, estimate};
 use crate::instrument::shade::twin::Twin;
 
 pub const METHOD: Method = Method {
@@ -9,6 +9,8 @@ pub const METHOD: Method = Method {
     title: "Sampling, unfiltered",
     about: "as sampled, always from the finest level",
     uses_lod_bias: false,
-    twin: Twin::Estimator(|surface, light, samples| estimate(surface, light, samples, false, BY_D)),
+    twin: Twin::Estimator(|surface, light, samples| {
+        estimate(surface, light, samples, Lookup::Finest, BY_D)
+    }),
     ..sampled::METHOD
 };

@@ -7,7 +7,7 @@
 //! draws the visible normals of GGX and weighs by `D/D_ggx`, at most 4/e.
 
 use super::Method;
-use super::sampled::{self, BY_VNDF, estimate};
+use super::sampled::{self, BY_VNDF, Lookup, estimate};
 use crate::instrument::shade::twin::Twin;
 
 pub const METHOD: Method = Method {
@@ -16,7 +16,7 @@ pub const METHOD: Method = Method {
     about: "as sampled, by visible normals: GGX in a bounded spherical cap, Beckmann by inversion, \
             Phong as GGX",
     twin: Twin::Estimator(|surface, light, samples| {
-        estimate(surface, light, samples, true, BY_VNDF)
+        estimate(surface, light, samples, Lookup::Filtered, BY_VNDF)
     }),
     ..sampled::METHOD
 };

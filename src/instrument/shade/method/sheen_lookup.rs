@@ -11,8 +11,8 @@ const LOOKUP: Method = Method {
         "Sheen",
         "one lookup of a sheen lobe",
         Twin::Estimator(|surface, light, _| {
-            let (direction, alpha) = SHEEN_LOOKUPS[0].place([surface.n, surface.v], surface.alpha);
-            light.mean_radiance(direction, alpha)
+            let tap = SHEEN_LOOKUPS[0].tap([surface.n, surface.v], surface.alpha);
+            light.mean_radiance(tap.direction, tap.alpha)
         }),
     )
 };

@@ -13,13 +13,15 @@ pub(super) const fn shifted(
     about: &'static str,
     twin: SpecularTwin,
 ) -> Method {
-    several(1, [name, title, about], twin)
+    several(1, name, title, about, twin)
 }
 
 /// A split sum of several lookups, without a table of taps.
 pub(super) const fn several(
     lookups: u32,
-    [name, title, about]: [&'static str; 3],
+    name: &'static str,
+    title: &'static str,
+    about: &'static str,
     twin: SpecularTwin,
 ) -> Method {
     Method {

@@ -8,7 +8,7 @@ use crate::instrument::brdf::{Widths, reflect};
 use crate::instrument::shade::bend::{Bend, DfgWidth, Normal, Parameters, Toward};
 use crate::instrument::shade::reference::Surface;
 use crate::instrument::shade::twin::{Light, Twin};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 pub const METHOD: Method = Method {
     uses_bend: true,
@@ -20,75 +20,118 @@ pub const METHOD: Method = Method {
     )
 };
 
+/// A lobe of two widths by the parameters of a renderer, and its view. Vectors are local.
+struct BentLobe {
+    v: DVec3,
+    /// Narrower width last.
+    widths: DVec2,
+    alpha: f64,
+    strength: f64,
+}
+
+/// What is looked up: a local direction, not normalised, and the alpha of the level.
+struct Lookup {
+    direction: DVec3,
+    alpha: f64,
+}
+
 /// Computes `P(d, level) (f0 A + B)`.
 fn split_sum(bend: &Bend, surface: &Surface, light: &Light) -> DVec3 {
-    let Widths(widths) = surface.widths();
-    let (x, y) = (widths.x, widths.y);
-    let (alpha, strength) = match bend.parameters {
-        Parameters::Narrow => (
-            y,
-            if x > y {
-                ((x - y) / (1.0 - y)).sqrt()
-            } else {
-                0.0
-            },
-        ),
-        Parameters::Mean => (0.5 * (x + y), (x - y) / (x + y)),
-        Parameters::Geometric => ((x * y).sqrt(), ((1.0 - y / x) / 0.9).min(1.0)),
-        Parameters::Square => (surface.alpha, 0.0),
+    let frame = surface.frame();
+    let lobe = BentLobe::new(bend.parameters, surface, frame.to_local(surface.v));
+    let lookup = lobe.lookup(bend.toward, lobe.normal(bend.normal));
+    let dfg_alpha = match bend.dfg {
+        DfgWidth::Level => lobe.alpha,
+        DfgWidth::Square => surface.alpha,
     };
-    let (frame, pr) = (surface.frame(), alpha.sqrt());
-    let v = frame.to_local(surface.v);
-    let g = DVec3::new(v.x, 0.0, v.z);
-    let quartic = |width: f64| 1.0 - (1.0 - strength * (1.0 - width)).powi(4);
-    let normal = match bend.normal {
-        Normal::Plain => DVec3::Z,
-        Normal::Linear => DVec3::Z.lerp(g, strength * (5.0 * pr).min(1.0)),
-        Normal::Quartic => DVec3::Z.lerp(g, quartic(pr)),
-        Normal::QuarticUnit => DVec3::Z.lerp(g.normalize(), quartic(pr)),
-        Normal::QuarticAlpha => DVec3::Z.lerp(g.normalize(), quartic(alpha)),
-        Normal::QuarticRoot => DVec3::Z.lerp(g.normalize(), quartic(pr.sqrt())),
-        Normal::Root => DVec3::Z.lerp(g, strength * (1.5 * pr.sqrt()).min(1.0)),
-        Normal::Cap => {
-            let standard = (widths * v.truncate()).extend(v.z).normalize();
-            (widths * standard.truncate()).extend(0.5 * (1.0 + standard.z))
-        }
-    };
-    let normal = normal.normalize();
-    let mirror = reflect(v, normal);
-    let mut level = alpha;
-    let direction = match bend.toward {
-        Toward::Mirror => mirror,
-        Toward::Normal => mirror.lerp(DVec3::Z, alpha * alpha),
-        Toward::Bent => mirror.lerp(normal, alpha),
-        Toward::BentLess => mirror.lerp(normal, alpha * alpha),
-        Toward::Twice => normal.lerp(
-            mirror.lerp(normal, alpha * alpha).normalize(),
-            share_of_r(alpha),
-        ),
-        Toward::Unity => {
-            level = (pr * (1.2 - strength).min(1.0)).powi(2);
-            let smoothness = 1.0 - level;
-            let share = (smoothness * smoothness + smoothness * v.z * v.z).min(1.0);
-            let bent = DVec3::Z.lerp(mirror, (smoothness.sqrt() + level) * share);
-            let back = level * level;
-            bent.lerp(mirror, back * back * (3.0 - 2.0 * back))
-        }
-        Toward::Cap => {
-            let wide = DVec3::Z
-                .lerp(reflect(v, DVec3::Z), share_of_r(alpha))
-                .normalize();
-            mirror.lerp(wide, ((alpha - 0.4) / 0.4).clamp(0.0, 1.0))
-        }
-    };
-    let pair = light.dfg(
-        v.z,
-        if bend.dfg == DfgWidth::Square {
-            surface.alpha
-        } else {
-            alpha
-        },
-    );
-    light.mean_radiance(frame.to_world(direction.normalize()), level)
+    let pair = light.dfg(lobe.v.z, dfg_alpha);
+    light.mean_radiance(frame.to_world(lookup.direction.normalize()), lookup.alpha)
         * (surface.f0 * pair.x + pair.y)
+}
+
+impl BentLobe {
+    fn new(parameters: Parameters, surface: &Surface, v: DVec3) -> Self {
+        let Widths(widths) = surface.widths();
+        let x = widths.x;
+        let y = widths.y;
+        let with = |alpha: f64, strength: f64| Self {
+            v,
+            widths,
+            alpha,
+            strength,
+        };
+        match parameters {
+            Parameters::Narrow if x > y => with(y, ((x - y) / (1.0 - y)).sqrt()),
+            Parameters::Narrow => with(y, 0.0),
+            Parameters::Mean => with(0.5 * (x + y), (x - y) / (x + y)),
+            Parameters::Geometric => with((x * y).sqrt(), ((1.0 - y / x) / 0.9).min(1.0)),
+            Parameters::Square => with(surface.alpha, 0.0),
+        }
+    }
+
+    /// Returns the unit bent normal.
+    fn normal(&self, normal: Normal) -> DVec3 {
+        let Self {
+            v,
+            widths,
+            alpha,
+            strength,
+        } = *self;
+        let pr = alpha.sqrt();
+        let g = DVec3::new(v.x, 0.0, v.z);
+        let quartic = |width: f64| 1.0 - (1.0 - strength * (1.0 - width)).powi(4);
+        let bent = match normal {
+            Normal::Plain => DVec3::Z,
+            Normal::Linear => DVec3::Z.lerp(g, strength * (5.0 * pr).min(1.0)),
+            Normal::Quartic => DVec3::Z.lerp(g, quartic(pr)),
+            Normal::QuarticUnit => DVec3::Z.lerp(g.normalize(), quartic(pr)),
+            Normal::QuarticAlpha => DVec3::Z.lerp(g.normalize(), quartic(alpha)),
+            Normal::QuarticRoot => DVec3::Z.lerp(g.normalize(), quartic(pr.sqrt())),
+            Normal::Root => DVec3::Z.lerp(g, strength * (1.5 * pr.sqrt()).min(1.0)),
+            Normal::Cap => {
+                let standard = (widths * v.truncate()).extend(v.z).normalize();
+                (widths * standard.truncate()).extend(0.5 * (1.0 + standard.z))
+            }
+        };
+        bent.normalize()
+    }
+
+    /// Returns the lookup for a bent normal.
+    fn lookup(&self, toward: Toward, normal: DVec3) -> Lookup {
+        let Self {
+            v,
+            alpha,
+            strength,
+            widths: _,
+        } = *self;
+        let mirror = reflect(v, normal);
+        let direction = match toward {
+            Toward::Mirror => mirror,
+            Toward::Normal => mirror.lerp(DVec3::Z, alpha * alpha),
+            Toward::Bent => mirror.lerp(normal, alpha),
+            Toward::BentLess => mirror.lerp(normal, alpha * alpha),
+            Toward::Twice => normal.lerp(
+                mirror.lerp(normal, alpha * alpha).normalize(),
+                share_of_r(alpha),
+            ),
+            Toward::Unity => {
+                let level = (alpha.sqrt() * (1.2 - strength).min(1.0)).powi(2);
+                let smoothness = 1.0 - level;
+                let share = (smoothness * smoothness + smoothness * v.z * v.z).min(1.0);
+                let bent = DVec3::Z.lerp(mirror, (smoothness.sqrt() + level) * share);
+                let back = level * level;
+                return Lookup {
+                    direction: bent.lerp(mirror, back * back * (3.0 - 2.0 * back)),
+                    alpha: level,
+                };
+            }
+            Toward::Cap => {
+                let wide = DVec3::Z
+                    .lerp(reflect(v, DVec3::Z), share_of_r(alpha))
+                    .normalize();
+                mirror.lerp(wide, ((alpha - 0.4) / 0.4).clamp(0.0, 1.0))
+            }
+        };
+        Lookup { direction, alpha }
+    }
 }

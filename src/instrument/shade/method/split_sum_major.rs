@@ -17,21 +17,17 @@ use std::f64::consts::FRAC_1_SQRT_2;
 
 pub const TWO: Method = several(
     2,
-    [
-        "split-sum-major-two",
-        "Split sum (two on the major axis)",
-        "an anisotropic lobe by two equal lookups along its major axis",
-    ],
+    "split-sum-major-two",
+    "Split sum (two on the major axis)",
+    "an anisotropic lobe by two equal lookups along its major axis",
     Twin::Estimator(|surface, light, _| split_sum(surface, light, 2)),
 );
 
 pub const FOUR: Method = several(
     4,
-    [
-        "split-sum-major-four",
-        "Split sum (four on the major axis)",
-        "an anisotropic lobe by four equal lookups along its major axis",
-    ],
+    "split-sum-major-four",
+    "Split sum (four on the major axis)",
+    "an anisotropic lobe by four equal lookups along its major axis",
     Twin::Estimator(|surface, light, _| split_sum(surface, light, 4)),
 );
 

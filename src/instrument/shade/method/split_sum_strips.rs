@@ -20,21 +20,17 @@ use std::f64::consts::FRAC_2_PI;
 
 pub const TWO: Method = several(
     2,
-    [
-        "split-sum-strips-two",
-        "Split sum (two strips)",
-        "an anisotropic lobe by two lookups along its tangent",
-    ],
+    "split-sum-strips-two",
+    "Split sum (two strips)",
+    "an anisotropic lobe by two lookups along its tangent",
     Twin::Estimator(|surface, light, _| split_sum(surface, light, 2)),
 );
 
 pub const FOUR: Method = several(
     4,
-    [
-        "split-sum-strips-four",
-        "Split sum (four strips)",
-        "an anisotropic lobe by four lookups along its tangent",
-    ],
+    "split-sum-strips-four",
+    "Split sum (four strips)",
+    "an anisotropic lobe by four lookups along its tangent",
     Twin::Estimator(|surface, light, _| split_sum(surface, light, 4)),
 );
 
@@ -55,7 +51,8 @@ fn split_sum(surface: &Surface, light: &Light, count: u32) -> DVec3 {
     let alpha = (0.5 * extent.length_squared())
         .sqrt()
         .clamp(ALPHA_MIN.into(), 1.0);
-    let (mut sum, mut weights) = (DVec3::ZERO, 0.0);
+    let mut sum = DVec3::ZERO;
+    let mut weights = 0.0;
     for i in 0..count as u32 {
         let x = f64::from(STRIP_REACH) * ((2.0 * f64::from(i) + 1.0) / count - 1.0);
         let z = FRAC_2_PI * (1.0 - standard.z) * (1.0 - x * x).sqrt();

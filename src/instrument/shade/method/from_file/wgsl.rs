@@ -1,7 +1,9 @@
 //! Translates functions in WGSL to GLSL, by naga.
 
+use naga::Module;
 use naga::back::glsl::{Options, PipelineOptions, Version, Writer, WriterFlags};
-use naga::valid::{Capabilities, ValidationFlags, Validator};
+use naga::proc::BoundsCheckPolicies;
+use naga::valid::{Capabilities, ModuleInfo, ValidationFlags, Validator};
 use std::path::Path;
 
 /// The GLSL name of the function that is called; all others are `wgsl_NAME`, so that none is a name
@@ -24,70 +26,80 @@ vec2 albedo_pair(float n_dot_v, float perceptual_roughness) {
 }
 ";
 
+/// The entry point of the prototypes.
+const ENTRY_POINT: &str = "splitsum_main";
+
 /// Translates a file with `function`. The error is naga's, with file and line.
 pub fn to_glsl(text: &str, function: &str, path: &Path) -> Result<String, String> {
-    let (whole, shown) = (format!("{text}{PROTOTYPES}"), path.display().to_string());
+    let whole = format!("{text}{PROTOTYPES}");
+    let shown = path.display().to_string();
     let mut module = naga::front::wgsl::parse_str(&whole)
         .map_err(|error| error.emit_to_string_with_path(&whole, &shown))?;
-    let info = Validator::new(ValidationFlags::all(), Capabilities::empty()).validate(&module);
-    let info = info.map_err(|error| error.emit_to_string_with_path(&whole, &shown))?;
+    let info = Validator::new(ValidationFlags::all(), Capabilities::empty())
+        .validate(&module)
+        .map_err(|error| error.emit_to_string_with_path(&whole, &shown))?;
+    rename(&mut module, function);
+    let glsl = write_glsl(&module, &info).map_err(|error| format!("{shown}: {error}"))?;
+    Ok(without_prototypes(&glsl))
+}
+
+/// Renames the constants and functions of a file, so that none has a name of `shaders/`.
+fn rename(module: &mut Module, function: &str) {
     let constants = module
         .constants
         .iter_mut()
-        .filter_map(|(_, own)| own.name.as_mut());
+        .filter_map(|(_, constant)| constant.name.as_mut());
     let functions = module
         .functions
         .iter_mut()
-        .filter_map(|(_, own)| own.name.as_mut());
-    let is_ours = |name: &&mut String| LOOKUPS.contains(&name.as_str());
-    for name in constants.chain(functions).filter(|name| !is_ours(name)) {
+        .filter_map(|(_, function)| function.name.as_mut());
+    let is_lookup = |name: &&mut String| LOOKUPS.contains(&name.as_str());
+    for name in constants.chain(functions).filter(|name| !is_lookup(name)) {
         *name = if name == function {
             FUNCTION.to_owned()
         } else {
             format!("wgsl_{name}")
         };
     }
-    let (version, writer_flags) = (Version::Desktop(450), WriterFlags::INCLUDE_UNUSED_ITEMS);
+}
+
+fn write_glsl(module: &Module, info: &ModuleInfo) -> Result<String, naga::back::glsl::Error> {
     let options = Options {
-        version,
-        writer_flags,
+        version: Version::Desktop(450),
+        writer_flags: WriterFlags::INCLUDE_UNUSED_ITEMS,
         ..Options::default()
     };
-    let (shader_stage, entry_point) = (naga::ShaderStage::Compute, "splitsum_main".to_owned());
-    let pass = PipelineOptions {
-        shader_stage,
-        entry_point,
+    let pipeline = PipelineOptions {
+        shader_stage: naga::ShaderStage::Compute,
+        entry_point: ENTRY_POINT.to_owned(),
         multiview: None,
     };
     let mut glsl = String::new();
-    Writer::new(
-        &mut glsl,
-        &module,
-        &info,
-        &options,
-        &pass,
-        Default::default(),
-    )
-    .and_then(|mut writer| writer.write())
-    .map_err(|error| format!("{shown}: {error}"))?;
-    // Leaves out the header, `main` and the prototypes. A function ends with a brace at the start
-    // of a line.
+    let policies = BoundsCheckPolicies::default();
+    Writer::new(&mut glsl, module, info, &options, &pipeline, policies)?.write()?;
+    Ok(glsl)
+}
+
+/// Replaces the prototypes in naga's GLSL by [`DEFINITIONS`], and leaves out its header and `main`.
+fn without_prototypes(glsl: &str) -> String {
     let is_prototype = |line: &str| {
         LOOKUPS
             .iter()
             .any(|name| line.contains(&format!(" {name}(")))
     };
-    let mut is_left_out = false;
+    // A function ends with a brace at the start of a line.
+    let mut is_in_omitted_function = false;
     let is_kept = |line: &&str| {
-        is_left_out |=
+        is_in_omitted_function |=
             line.starts_with("void main") || !line.starts_with(' ') && is_prototype(line);
-        let is_kept = !is_left_out && !line.starts_with('#') && !line.starts_with("layout");
-        is_left_out &= *line != "}";
+        let is_kept =
+            !is_in_omitted_function && !line.starts_with('#') && !line.starts_with("layout");
+        is_in_omitted_function &= *line != "}";
         is_kept
     };
-    Ok(DEFINITIONS
+    DEFINITIONS
         .lines()
         .chain(glsl.lines().filter(is_kept))
         .flat_map(|line| [line, "\n"])
-        .collect())
+        .collect()
 }

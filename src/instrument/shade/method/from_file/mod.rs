@@ -44,11 +44,9 @@ fn absent(name: String) -> Method {
         .file_stem()
         .unwrap_or_default();
     let title = format!("{} (file)", title.to_string_lossy());
-    let [name, title] =
-        [name, title].map(|text| -> &'static str { Box::leak(text.into_boxed_str()) });
     Method::plain(
-        name,
-        title,
+        Box::leak(name.into_boxed_str()),
+        Box::leak(title.into_boxed_str()),
         "a method in a file",
         Twin::Estimator(|_, _, _| DVec3::ZERO),
     )

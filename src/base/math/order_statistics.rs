@@ -7,7 +7,8 @@ pub fn median(samples: &[f64]) -> f64 {
     let Some(last) = sorted.len().checked_sub(1) else {
         return f64::NAN;
     };
-    let (a, b) = (sorted[last / 2], sorted[last.div_ceil(2)]);
+    let a = sorted[last / 2];
+    let b = sorted[last.div_ceil(2)];
     if a == b || a.is_infinite() && b.is_finite() {
         a
     } else {

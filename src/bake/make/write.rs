@@ -1,0 +1,220 @@
+//! Writes the files of a bake for an engine.
+
+use super::exact_maps::{ExactMap, ExactMaps};
+use super::making::{Making, container};
+use crate::bake::container::{Encoding, Texel, write_table};
+use crate::bake::convention::Convention;
+use crate::bake::parts::{KEY, Manifest};
+use crate::bake::paste::{self, TAPS};
+use crate::bake::sh;
+use crate::bake::source::{FACES, MANIFEST};
+use crate::base::names::Listed;
+use crate::base::pixels::{
+    Fault, GrayImage, PixelsError, Rgb8Image, RgbImage, exr, png, write_atomically,
+};
+use crate::instrument::precompute::prefilter::Kernel;
+use crate::instrument::precompute::sh9::reference::Sh9;
+use crate::instrument::precompute::taps::TapCount;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// The files of a bake in a folder.
+pub struct Writer<'a> {
+    making: &'a Making<'a>,
+    out: &'a Path,
+    kernel: Kernel,
+    manifest: Manifest,
+    /// Metadata of containers without SH.
+    keys: Vec<(String, String)>,
+    pub files: Vec<PathBuf>,
+}
+
+impl<'a> Writer<'a> {
+    pub fn new(
+        making: &'a Making<'a>,
+        convention: &Convention,
+        exact: &ExactMaps,
+        out: &'a Path,
+    ) -> Self {
+        let manifest = manifest(making, convention, &exact.alphas);
+        Self {
+            making,
+            out,
+            kernel: exact.kernel,
+            keys: keys(&manifest),
+            manifest,
+            files: Vec::new(),
+        }
+    }
+
+    /// Writes a file.
+    pub fn bytes(&mut self, name: &str, bytes: &[u8]) -> Result<(), PixelsError> {
+        let path = self.out.join(name);
+        write_bytes(&path, bytes)?;
+        self.files.push(path);
+        Ok(())
+    }
+
+    /// Writes the prefiltered map and the irradiance map.
+    pub fn maps(&mut self, exact: &ExactMaps) -> Result<(), PixelsError> {
+        // SH comes last: Filament's reader searches for that key.
+        let mut keys = self.keys.clone();
+        keys.push(("sh".to_owned(), sh_lines(&exact.radiance)));
+        exact.maps().try_for_each(|map| self.map(map, &keys))
+    }
+
+    fn map(&mut self, map: &ExactMap, keys: &[(String, String)]) -> Result<(), PixelsError> {
+        let Some(format) = container(map.name) else {
+            return self.faces(map);
+        };
+        let encoding = Encoding {
+            texel: self.making.texel,
+            levels: &map.faces,
+            keys,
+            is_packed: self.making.preset.product().is_packed,
+        };
+        self.bytes(map.name, &(format.write)(&encoding))
+    }
+
+    /// Writes a folder with a file for each face.
+    fn faces(&mut self, map: &ExactMap) -> Result<(), PixelsError> {
+        let folder = self.out.join(map.name);
+        std::fs::create_dir_all(&folder).map_err(|error| {
+            Fault::new(format!("cannot be created ({error})"), "a folder of faces").at(&folder)
+        })?;
+        for (k, faces) in map.faces.iter().enumerate() {
+            for (face, name) in faces.iter().zip(FACES) {
+                let path = folder.join(format!("m{k}_{name}.exr"));
+                let alpha = GrayImage::filled(face.width, face.height, 1.0);
+                exr::write_rgba(&path, face, &alpha, &[])?;
+                self.files.push(path);
+            }
+        }
+        Ok(())
+    }
+
+    /// Writes a table in each format of the engine.
+    pub fn tables(&mut self, table: &RgbImage) -> Result<(), PixelsError> {
+        for name in &self.making.preset.product().tables {
+            let path = self.out.join(name);
+            self.table(table, name, &path)?;
+            self.files.push(path);
+        }
+        Ok(())
+    }
+
+    fn table(&self, table: &RgbImage, name: &str, path: &Path) -> Result<(), PixelsError> {
+        if let Some(format) = container(name) {
+            let encoding = Encoding {
+                texel: Texel::listed("rg16f"),
+                levels: &[vec![table.clone()]],
+                keys: &self.keys,
+                is_packed: false,
+            };
+            return write_bytes(path, &(format.write)(&encoding));
+        }
+        if name.ends_with(".png") {
+            let byte = |value: f32| (255.0 * value.clamp(0.0, 1.0)).round() as u8;
+            let bytes = |x, y| table.get(x, y).map(byte);
+            return png::write_rgb8(path, &Rgb8Image::from_fn(table.width, table.height, bytes));
+        }
+        // Viewers show nothing under the names A and B.
+        let channel = |i: usize| table.map(|texel| texel[i]);
+        exr::write_channels(
+            path,
+            vec![("R".into(), channel(0)), ("G".into(), channel(1))],
+        )
+    }
+
+    /// Writes SH as cmgen's text, if the engine reads it.
+    pub fn sh(&mut self, exact: &ExactMaps) -> Result<(), PixelsError> {
+        match self.making.preset.product().sh {
+            Some(name) => self.bytes(name, sh::to_cmgen(&exact.radiance).as_bytes()),
+            None => Ok(()),
+        }
+    }
+
+    /// Writes the table of two taps.
+    pub fn taps(&mut self, convention: &Convention) -> Result<(), PixelsError> {
+        let level_count = convention.mapping_levels(self.making.level_count as usize);
+        let taps = paste::taps(
+            self.kernel,
+            self.making.masking,
+            convention.mapping,
+            level_count,
+            TapCount::Two,
+        );
+        self.bytes(TAPS, &write_table(&taps))
+    }
+
+    /// Writes `bake.json`.
+    pub fn manifest(&mut self) -> Result<(), PixelsError> {
+        let text = serde_json::to_string_pretty(&self.manifest).expect("plain values") + "\n";
+        self.bytes(MANIFEST, text.as_bytes())
+    }
+}
+
+/// Writes a file, complete or not at all.
+pub fn write_bytes(path: &Path, bytes: &[u8]) -> Result<(), PixelsError> {
+    write_atomically(path, |file| file.write_all(bytes))
+}
+
+fn manifest(making: &Making, convention: &Convention, alphas: &[f64]) -> Manifest {
+    let product = making.preset.product();
+    let owned = |name: &str| name.to_owned();
+    Manifest {
+        version: format!("splitsum {}", env!("CARGO_PKG_VERSION")),
+        engine: owned(product.engine),
+        preset: owned(making.preset.name),
+        environment: making.environment.name.clone(),
+        environment_hash: making.environment.hash.clone(),
+        brdf: owned(making.brdf.name()),
+        masking_shadowing: owned(making.masking.name()),
+        prefilter_weight: owned(making.weight.name),
+        prefilter_alphas: alphas.to_vec(),
+        level_mapping: owned(convention.mapping.name),
+        axes: convention.axes.to_string(),
+        table_axes: owned(convention.table_axes.name),
+        units: owned("linear Rec.709, radiance as the environment has it; irradiance over pi"),
+        pixel_format: owned(making.texel.name),
+        specular: owned(product.specular),
+        irradiance: product.irradiance.map(owned),
+        tables: product.tables.iter().map(|name| owned(name)).collect(),
+        sh: product.sh.map(owned),
+        taps: Some(owned(TAPS)),
+    }
+}
+
+/// Builds a container's metadata without SH.
+fn keys(manifest: &Manifest) -> Vec<(String, String)> {
+    let alphas: Vec<String> = manifest
+        .prefilter_alphas
+        .iter()
+        .map(|alpha| format!("{alpha:.6}"))
+        .collect();
+    let common = [("KTXorientation", "rd"), ("KTXwriter", &manifest.version)]
+        .map(|(key, value)| (key.to_owned(), value.to_owned()));
+    let ours = [
+        ("preset", &manifest.preset),
+        ("source", &manifest.environment),
+        ("source_hash", &manifest.environment_hash),
+        ("brdf", &manifest.brdf),
+        ("masking", &manifest.masking_shadowing),
+        ("weight", &manifest.prefilter_weight),
+        ("mapping", &manifest.level_mapping),
+        ("alphas", &alphas.join(",")),
+        ("axes", &manifest.axes),
+        ("table_axes", &manifest.table_axes),
+        ("units", &manifest.units),
+    ]
+    .map(|(key, value)| (format!("{KEY}{key}"), value.clone()));
+    common.into_iter().chain(ours).collect()
+}
+
+/// Writes cmgen's coefficients, a line each.
+fn sh_lines(radiance: &Sh9) -> String {
+    sh::scaled(radiance)
+        .iter()
+        .map(|[r, g, b]| format!("{r} {g} {b}\n"))
+        .collect()
+}

@@ -1,0 +1,199 @@
+//! From the bytes of a `.glb` or `.gltf` to a document whose indices and fields are checked.
+
+use super::extensions;
+use ::gltf::json::{Root, validation::Checked};
+use ::gltf::{Document, Glb, Gltf};
+use serde::Deserialize;
+use std::borrow::Cow::Borrowed;
+
+/// Largest weight of the text, 16 per object and 1 per quotation mark: below 1 GiB, since an object
+/// takes up to 1 KiB.
+const MAX_TEXT_WEIGHT: usize = 1 << 24;
+
+/// Decides whether the file can be read at all.
+#[derive(Deserialize)]
+struct Head {
+    asset: Asset,
+    #[serde(default, rename = "extensionsRequired")]
+    required: Vec<String>,
+    #[serde(default, rename = "extensionsUsed")]
+    used: Vec<String>,
+}
+
+#[derive(Deserialize)]
+struct Asset {
+    version: String,
+}
+
+/// A file's two parts.
+struct Container<'b> {
+    json: &'b [u8],
+    /// The binary part of a `.glb`.
+    blob: Option<&'b [u8]>,
+}
+
+/// A checked document.
+pub struct Parsed<'b> {
+    pub document: Document,
+    /// The binary part of a `.glb`.
+    pub blob: Option<&'b [u8]>,
+}
+
+/// Parses and checks a file.
+pub fn parse(bytes: &[u8]) -> Result<Parsed<'_>, String> {
+    let Container { json: text, blob } = if bytes.starts_with(b"glTF") {
+        binary_container(bytes)?
+    } else {
+        Container {
+            json: bytes,
+            blob: None,
+        }
+    };
+    check_weight(text)?;
+    let head: Head = serde_json::from_slice(text).map_err(|error| format!("not glTF: {error}"))?;
+    check_head(&head)?;
+    let fault = |error: ::gltf::Error| {
+        // Extensions may hold the missing part.
+        let unread = unread_extensions(&head.used);
+        if unread.is_empty() {
+            message(error)
+        } else {
+            format!(
+                "{}; it uses {}, not read",
+                message(error),
+                unread.join(", ")
+            )
+        }
+    };
+    let mut json = Gltf::from_slice_without_validation(text)
+        .map_err(fault)?
+        .document
+        .into_json();
+    drop_unknown(&mut json);
+    check_accessors(&json)?;
+    check_images(&json)?;
+    let document = Document::from_json(json).map_err(fault)?;
+    Ok(Parsed { document, blob })
+}
+
+fn binary_container(bytes: &[u8]) -> Result<Container<'_>, String> {
+    let stated_length = bytes
+        .get(8..12)
+        .map(|b| u32::from_le_bytes([b[0], b[1], b[2], b[3]]) as usize);
+    // The crate subtracts from this length.
+    if stated_length.is_none_or(|length| length < 20 || length > bytes.len()) {
+        let claim =
+            stated_length.map_or("no length".to_owned(), |length| format!("{length} bytes"));
+        return Err(format!(
+            "the header claims {claim}, but the file has {}; it is probably truncated",
+            bytes.len()
+        ));
+    }
+    let glb = Glb::from_slice(bytes).map_err(|error| format!("not binary glTF 2.0: {error}"))?;
+    let Borrowed(json) = glb.json else {
+        return Err("the binary file has no JSON part".to_owned());
+    };
+    let blob = match glb.bin {
+        Some(Borrowed(blob)) => Some(blob),
+        _ => None,
+    };
+    Ok(Container { json, blob })
+}
+
+/// Bounds the memory that the document will take.
+fn check_weight(text: &[u8]) -> Result<(), String> {
+    let weight = |byte: &u8| usize::from(*byte == b'"') + 16 * usize::from(*byte == b'{');
+    if text.iter().map(weight).sum::<usize>() > MAX_TEXT_WEIGHT {
+        return Err(format!(
+            "its JSON has more than {} objects; expected fewer",
+            MAX_TEXT_WEIGHT / 32
+        ));
+    }
+    Ok(())
+}
+
+fn check_head(head: &Head) -> Result<(), String> {
+    if !head.asset.version.starts_with("2.") {
+        return Err(format!(
+            "glTF version {:?}; expected 2.0",
+            head.asset.version
+        ));
+    }
+    match unread_extensions(&head.required).as_slice() {
+        [] => Ok(()),
+        [name] => Err(format!(
+            "it requires the extension {name}, which is not read; export it without"
+        )),
+        names => Err(format!(
+            "it requires the extensions {}, which are not read; export it without",
+            names.join(", ")
+        )),
+    }
+}
+
+fn unread_extensions(names: &[String]) -> Vec<&str> {
+    names
+        .iter()
+        .map(String::as_str)
+        .filter(|name| !extensions::is_accepted(name))
+        .collect()
+}
+
+/// Describes the first fault, and counts the others.
+fn message(error: ::gltf::Error) -> String {
+    let ::gltf::Error::Validation(errors) = error else {
+        return error.to_string();
+    };
+    let more = if errors.len() > 1 {
+        format!(", and {} more faults", errors.len() - 1)
+    } else {
+        String::new()
+    };
+    errors.first().map_or_else(String::new, |(path, error)| {
+        format!("{path}: {error}{more}")
+    })
+}
+
+/// Drops what the crate refuses though the file is valid.
+fn drop_unknown(json: &mut Root) {
+    // The crate refuses extensions unknown to it; ours are checked above.
+    json.extensions_required.clear();
+    // The crate rejects application-specific attributes such as `_FEATURE_ID_0` (section 3.7.2.1).
+    for primitive in json.meshes.iter_mut().flat_map(|mesh| &mut mesh.primitives) {
+        primitive
+            .attributes
+            .retain(|semantic, _| matches!(semantic, Checked::Valid(_)));
+    }
+}
+
+/// Checks the indices of attributes, which the crate follows unchecked.
+fn check_accessors(json: &Root) -> Result<(), String> {
+    let missing = json
+        .meshes
+        .iter()
+        .flat_map(|mesh| &mesh.primitives)
+        .flat_map(|primitive| primitive.attributes.values())
+        .map(|index| index.value())
+        .find(|index| *index >= json.accessors.len());
+    match missing {
+        None => Ok(()),
+        Some(missing) => Err(format!(
+            "there is no accessor {missing}; the file has {}",
+            json.accessors.len()
+        )),
+    }
+}
+
+/// Checks the fields of images that the crate unwraps.
+fn check_images(json: &Root) -> Result<(), String> {
+    let has_source = |image: &::gltf::json::Image| match image.buffer_view {
+        Some(_) => image.mime_type.is_some(),
+        None => image.uri.is_some(),
+    };
+    match json.images.iter().position(|image| !has_source(image)) {
+        None => Ok(()),
+        Some(index) => Err(format!(
+            "image {index}: has neither a URI nor a view with its mimeType"
+        )),
+    }
+}

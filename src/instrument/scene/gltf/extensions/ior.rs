@@ -1,0 +1,29 @@
+//! `KHR_materials_ior`: f0 = ((ior - 1) / (ior + 1))². Without it f0 is 0.04.
+
+use super::MaterialExtension;
+use crate::instrument::brdf;
+use crate::instrument::scene::gltf::textures::TextureReader;
+use crate::instrument::scene::material::Material;
+
+pub const NAME: &str = "KHR_materials_ior";
+
+pub struct Ior {
+    ior: Option<f32>,
+}
+
+impl Ior {
+    pub fn new(material: &::gltf::Material) -> Self {
+        Self {
+            ior: material.ior(),
+        }
+    }
+}
+
+impl MaterialExtension for Ior {
+    fn apply(&self, material: &mut Material, _: &mut TextureReader) -> Result<(), String> {
+        if let Some(ior) = self.ior {
+            material.f0 = [brdf::f0_from_ior(f64::from(ior.max(0.0))) as f32; 3];
+        }
+        Ok(())
+    }
+}
