@@ -17,10 +17,10 @@ use crate::run::provenance::{ExclusionRecord, MetricRecord};
 use crate::run::store::FailureRecord;
 use crate::study::frame::Frame;
 use images::Choice;
-use model::PageAxis;
+use model::{PageAxis, ScriptRun, ScriptTable};
 use page_run::Fact;
 use pictures::Pictures;
-use sections::{ScriptTable, Section};
+use sections::Section;
 use serde::Serialize;
 use std::io::Read;
 use std::path::{Path, PathBuf};
@@ -147,17 +147,6 @@ struct RunContent<'a> {
     experiment: &'a str,
     /// The text of the provenance.
     whole: String,
-}
-
-/// The part of [`RunContent`] that the scripts use, too.
-#[derive(Serialize)]
-pub struct ScriptRun<'a> {
-    failures: &'a [FailureRecord],
-    label: &'a str,
-    link: Option<&'a str>,
-    name: &'a str,
-    shared: &'a str,
-    sheets: &'a [[String; 2]],
 }
 
 impl RunContent<'_> {

@@ -1,9 +1,7 @@
 //! The data of the page's scripts: axes with their values in words, and every cell as one row.
 
-use super::ScriptRun;
 use super::images::{DESIGN, ImageSet};
 use super::page_run::{PageRun, score};
-use super::sections::ScriptTable;
 use crate::base::csv::Cell;
 use crate::base::names::Listed;
 use crate::draw::colormap::{
@@ -15,6 +13,7 @@ use crate::instrument::metrics::{METRICS, Metric, verdict};
 use crate::instrument::scene::is_design;
 use crate::instrument::shade::{METHODS, Method};
 use crate::run::columns::FAILED;
+use crate::run::store::FailureRecord;
 use crate::study::finished::FinishedCell;
 use crate::study::names::Names;
 use indexmap::IndexMap;
@@ -251,6 +250,27 @@ pub fn columns(axes: &[PageAxis], metrics: &[&'static Metric]) -> Vec<&'static s
         .chain(axes)
         .chain(metrics.iter().map(|metric| metric.name))
         .collect()
+}
+
+/// A run, for the scripts.
+#[derive(serde::Serialize)]
+pub struct ScriptRun<'a> {
+    pub failures: &'a [FailureRecord],
+    pub label: &'a str,
+    pub link: Option<&'a str>,
+    pub name: &'a str,
+    pub shared: &'a str,
+    pub sheets: &'a [[String; 2]],
+}
+
+/// The whole table of an answer, for the scripts.
+#[derive(serde::Serialize)]
+pub struct ScriptTable<'a> {
+    pub columns: &'a [String],
+    /// Of the question.
+    pub name: &'static str,
+    pub rows: Vec<Vec<Json>>,
+    pub run: usize,
 }
 
 /// Rows are made while they are written, to save memory.

@@ -1,6 +1,6 @@
 //! The sections of the page: one per answer, with the SVG of `answers/`.
 
-use super::model::field;
+use super::model::{ScriptTable, field};
 use super::page_run::{PageRun, link};
 use crate::draw::figure::svg::WIDTHS;
 use crate::draw::method_titles::words_in;
@@ -10,7 +10,6 @@ use crate::run::store::ANSWERS_FOLDER;
 use crate::study::questions::Answer;
 use crate::study::table::{Table, shown};
 use serde::Serialize;
-use serde_json::Value as Json;
 use std::path::Path;
 
 /// Most rows of a table that is shown if an answer has no digest.
@@ -97,16 +96,6 @@ fn section(
         figure,
         digest,
     }
-}
-
-/// The whole table of an answer, for the scripts.
-#[derive(Serialize)]
-pub struct ScriptTable<'a> {
-    columns: &'a [String],
-    /// Of the question.
-    name: &'static str,
-    rows: Vec<Vec<Json>>,
-    run: usize,
 }
 
 /// The whole tables of the answers of a run.
