@@ -61,6 +61,61 @@ pub const REC709: Chromaticities = Chromaticities {
     white: DVec2::new(0.3127, 0.3290),
 };
 
+/// P3 with white D65, as displays have it.
+pub const DISPLAY_P3: Chromaticities = Chromaticities {
+    red: DVec2::new(0.680, 0.320),
+    green: DVec2::new(0.265, 0.690),
+    blue: DVec2::new(0.150, 0.060),
+    white: DVec2::new(0.3127, 0.3290),
+};
+
+/// Rec.2020.
+pub const REC2020: Chromaticities = Chromaticities {
+    red: DVec2::new(0.708, 0.292),
+    green: DVec2::new(0.170, 0.797),
+    blue: DVec2::new(0.131, 0.046),
+    white: DVec2::new(0.3127, 0.3290),
+};
+
+/// Adobe RGB (1998).
+pub const ADOBE_RGB: Chromaticities = Chromaticities {
+    red: DVec2::new(0.64, 0.33),
+    green: DVec2::new(0.21, 0.71),
+    blue: DVec2::new(0.15, 0.06),
+    white: DVec2::new(0.3127, 0.3290),
+};
+
+/// ACES 2065-1 (SMPTE ST 2065-1).
+pub const ACES_AP0: Chromaticities = Chromaticities {
+    red: DVec2::new(0.7347, 0.2653),
+    green: DVec2::new(0.0, 1.0),
+    blue: DVec2::new(0.0001, -0.077),
+    white: DVec2::new(0.32168, 0.33767),
+};
+
+/// ACEScg (Academy S-2014-004).
+pub const ACES_AP1: Chromaticities = Chromaticities {
+    red: DVec2::new(0.713, 0.293),
+    green: DVec2::new(0.165, 0.830),
+    blue: DVec2::new(0.128, 0.044),
+    white: DVec2::new(0.32168, 0.33767),
+};
+
+/// Returns the matrix from CIE XYZ, in which D65 is white, to linear Rec.709.
+pub fn xyz_to_rec709() -> DMat3 {
+    REC709
+        .to_xyz()
+        .expect("the primaries span a triangle")
+        .inverse()
+}
+
+/// Warns of colours that a conversion took outside Rec.709.
+pub fn out_of_gamut(texel_count: u64) -> Option<String> {
+    (texel_count > 0).then(|| {
+        format!("{texel_count} texels lie outside Rec.709; their negative channels were set to 0.")
+    })
+}
+
 /// RGB space of the Radiance programs (`color.h`): nearly Rec.709, with equal-energy white.
 pub const RADIANCE: Chromaticities = Chromaticities {
     red: DVec2::new(0.640, 0.330),

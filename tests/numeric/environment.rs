@@ -478,11 +478,55 @@ mod loading {
         };
         let environment = Environment::load("map.exr", folder.path(), &options).unwrap();
         assert_eq!(environment.image.data[2], [1.0, 0.0, 0.0]);
-        assert_eq!(environment.image.data[5], [0.0; 3]);
+        // A sun above the range of halves stays the brightest texel.
+        assert_eq!(environment.image.data[5], [65504.0, 0.0, 0.0]);
         assert_eq!(environment.image.data[4], [1.0; 3]);
+        let warning = &environment.warnings[0];
         assert!(
-            environment.warnings[0].contains(found) && environment.warnings[0].contains("set to 0")
+            warning.contains(found) && warning.contains("+infinity was set to 65504"),
+            "{warning}"
         );
+        image.data[5][1] = 1e6;
+        image.data[5][0] = f32::INFINITY;
+        write(&folder, "map.exr", &image);
+        let environment = Environment::load("map.exr", folder.path(), &options).unwrap();
+        assert_eq!(environment.image.data[5][0], 1e6);
+    }
+
+    /// Lossy compression makes tiny negatives of 0 (DWAA, B44); larger ones are no rounding.
+    #[test]
+    fn tiny_negatives_become_zero_with_a_warning() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut image = RgbImage::filled(4, 2, [1.0; 3]);
+        image.data[3][2] = -9e-4;
+        write(&folder, "map.exr", &image);
+        let load = || Environment::load("map.exr", folder.path(), &LoadOptions::default());
+        let environment = load().unwrap();
+        assert_eq!(environment.image.data[3], [1.0, 1.0, 0.0]);
+        assert!(
+            environment.warnings[0].contains("1 negative"),
+            "{:?}",
+            environment.warnings
+        );
+        image.data[3][2] = -2e-3;
+        write(&folder, "map.exr", &image);
+        assert!(load().is_err());
+    }
+
+    #[test]
+    fn a_strip_of_faces_is_no_map() {
+        let folder = tempfile::tempdir().unwrap();
+        for [width, height] in [[12, 2], [2, 12]] {
+            write(
+                &folder,
+                "map.exr",
+                &RgbImage::filled(width, height, [1.0; 3]),
+            );
+            let message = Environment::load("map.exr", folder.path(), &LoadOptions::default())
+                .unwrap_err()
+                .to_string();
+            assert!(message.contains("strip of six faces"), "{message}");
+        }
     }
 }
 

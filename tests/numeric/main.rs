@@ -10,6 +10,7 @@ mod cost;
 mod design;
 mod diffuse;
 mod disk_cache;
+mod documents;
 mod environment;
 #[path = "../shared/environment_sampling.rs"]
 mod environment_sampling;

@@ -9,7 +9,7 @@
 
 use super::file::{ENVIRONMENT_TEXELS_MAX, Fault, check_claim, filled};
 use super::{Decoded, PixelsError, RgbImage};
-use crate::base::color::{Chromaticities, RADIANCE, REC709};
+use crate::base::color::{Chromaticities, RADIANCE, REC709, out_of_gamut};
 use glam::{DMat3, DVec2, DVec3};
 use std::path::Path;
 
@@ -78,6 +78,7 @@ struct Header {
     exposure: DVec3,
     primaries: Option<Chromaticities>,
     layout: Layout,
+    warnings: Vec<String>,
 }
 
 fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {
@@ -106,12 +107,8 @@ fn decode(bytes: &[u8]) -> Result<Decoded, Fault> {
             texels[layout.index(number, i)] = colors.radiance(*rgbe);
         }
     }
-    if colors.out_of_gamut_count > 0 {
-        warnings.push(format!(
-            "{} texels lie outside Rec.709; their negative channels were set to 0.",
-            colors.out_of_gamut_count
-        ));
-    }
+    warnings.extend(out_of_gamut(colors.out_of_gamut_count));
+    warnings.extend(header.warnings);
     Ok(Decoded {
         rgb: RgbImage::new(layout.width as u32, layout.height as u32, texels),
         alpha: None,
@@ -159,13 +156,21 @@ fn read_header(input: &mut Input) -> Result<Header, Fault> {
     let first = input
         .line()
         .ok_or_else(|| Fault::new("has no first line", EXPECTED_FIRST_LINE))?;
-    if !matches!(first.trim_end(), "#?RADIANCE" | "#?RGBE") {
+    // The word after the mark names the program; stitchers write their own.
+    if !first.starts_with("#?") {
         return Err(Fault::new(
             format!("the first line is {:?}", shorten(&first)),
             EXPECTED_FIRST_LINE,
         ));
     }
-    let fields = Fields::read(input)?;
+    let mut fields = Fields::read(input)?;
+    if !matches!(first.trim_end(), "#?RADIANCE" | "#?RGBE") {
+        fields.warnings.push(format!(
+            "The first line is {:?}, not #?RADIANCE; the file was read as a Radiance picture.",
+            shorten(first.trim_end())
+        ));
+    }
+    fields.warnings.extend(scaled(fields.exposure));
     let line = input
         .line()
         .ok_or_else(|| Fault::new("the file ends after the header", EXPECTED_RESOLUTION))?;
@@ -179,13 +184,32 @@ fn read_header(input: &mut Input) -> Result<Header, Fault> {
         exposure: fields.exposure,
         primaries: fields.primaries,
         layout,
+        warnings: fields.warnings,
     })
 }
 
 /// The lines `NAME=VALUE` between the first line and the resolution.
 struct Fields {
+    /// Product of the factors.
     exposure: DVec3,
     primaries: Option<Chromaticities>,
+    warnings: Vec<String>,
+}
+
+/// Warns of a factor that other programs do not divide out.
+fn scaled(exposure: DVec3) -> Option<String> {
+    if exposure == DVec3::ONE {
+        return None;
+    }
+    let factor = if exposure == DVec3::splat(exposure.x) {
+        exposure.x.to_string()
+    } else {
+        format!("{} {} {}", exposure.x, exposure.y, exposure.z)
+    };
+    Some(format!(
+        "The light was divided by the header's exposure {factor}, as Radiance does; many programs \
+         ignore it, so that their pictures differ by this factor."
+    ))
 }
 
 impl Fields {
@@ -194,6 +218,7 @@ impl Fields {
         let mut fields = Self {
             exposure: DVec3::ONE,
             primaries: None,
+            warnings: Vec::new(),
         };
         loop {
             let line = input.line().ok_or_else(|| {
@@ -235,10 +260,7 @@ impl Fields {
                 format!("FORMAT is {:?}", shorten(value.trim())),
                 format!("{FORMAT}; `ra_xyze -r` converts XYZE"),
             )),
-            "EXPOSURE" => {
-                self.exposure *= DVec3::splat(factors::<1>(name, value)?[0]);
-                Ok(())
-            }
+            "EXPOSURE" => self.add_exposure(value),
             "COLORCORR" => {
                 self.exposure *= DVec3::from(factors::<3>(name, value)?);
                 Ok(())
@@ -249,6 +271,30 @@ impl Fields {
             }
             _ => Ok(()),
         }
+    }
+}
+
+impl Fields {
+    /// Multiplies by an exposure. Some programs write 0 or nothing for "not exposed", or a comment
+    /// behind the number.
+    fn add_exposure(&mut self, text: &str) -> Result<(), Fault> {
+        let first_word = text.split_whitespace().next().unwrap_or_default();
+        let number = first_word.parse::<f64>().ok();
+        if first_word.is_empty() || number == Some(0.0) {
+            self.warnings.push(format!(
+                "EXPOSURE is {:?}; it is ignored.",
+                shorten(text.trim())
+            ));
+            return Ok(());
+        }
+        if first_word != text.trim() {
+            self.warnings.push(format!(
+                "EXPOSURE is {:?}; {first_word} was used.",
+                shorten(text.trim())
+            ));
+        }
+        self.exposure *= DVec3::splat(factors::<1>("EXPOSURE", first_word)?[0]);
+        Ok(())
     }
 }
 

@@ -11,7 +11,7 @@ pub enum EnvironmentError {
     Unreadable(#[from] PixelsError),
     #[error(
         "environment {spec}: {found}; expected finite values of at least 0 (--clamp-invalid sets \
-         all others to 0)"
+         +infinity to the largest finite value, all others to 0)"
     )]
     InvalidTexels { spec: String, found: String },
     /// Any other problem; `what` includes the expected value.

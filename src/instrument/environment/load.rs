@@ -4,7 +4,7 @@ use super::Environment;
 use super::builtin::{self, BUILTIN_PREFIX};
 use super::error::{EnvironmentError, MAX_RADIANCE, unusable};
 use crate::base::color::luminance;
-use crate::base::pixels::{Decoded, PixelsError, RgbImage, exr, radiance, read_bounded};
+use crate::base::pixels::{Decoded, HALF_MAX, PixelsError, RgbImage, exr, radiance, read_bounded};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
@@ -36,6 +36,12 @@ pub static FORMATS: &[Format] = &[
         read: radiance::read_bytes,
     },
     Format {
+        name: "radiance",
+        extension: "pic",
+        about: "the same under the name that the Radiance programs use",
+        read: radiance::read_bytes,
+    },
+    Format {
         name: "openexr",
         extension: "exr",
         about: "OpenEXR with R, G, B channels (half, float or uint): the first part with colour, \
@@ -46,7 +52,8 @@ pub static FORMATS: &[Format] = &[
 
 #[derive(Clone, Debug, PartialEq)]
 pub struct LoadOptions {
-    /// Sets NaN, infinite and negative channels to 0 with a warning; otherwise they are an error.
+    /// Sets NaN and negative channels to 0 and +infinity to the largest finite value, with a
+    /// warning; otherwise they are an error.
     pub clamp_invalid: bool,
     pub builtin_size: [u32; 2],
 }
@@ -183,16 +190,21 @@ pub fn checked(
         ..
     } = decoded;
     if let Some(invalid) = InvalidChannels::find(&image) {
-        let found = invalid.to_string();
-        if !options.clamp_invalid {
+        if invalid.is_rounding(&image) {
+            warnings.push(format!(
+                "{invalid}; lossy compression makes such, so they were set to 0."
+            ));
+        } else if options.clamp_invalid {
+            warnings.push(invalid.clamped_words(&image));
+        } else {
             return Err(EnvironmentError::InvalidTexels {
                 spec: spec.to_owned(),
-                found,
+                found: invalid.to_string(),
             });
         }
         clamp_invalid(&mut image);
-        warnings.push(format!("{found}; these channels were set to 0."));
     }
+    check_projection(spec, &image)?;
     check_peak(spec, &image)?;
     warnings.extend(oddities(&image));
     Ok(Environment {
@@ -205,6 +217,8 @@ pub fn checked(
 struct InvalidChannels {
     nan_count: u64,
     infinite_count: u64,
+    /// Of the infinite ones.
+    positive_infinity_count: u64,
     negative_count: u64,
     first: InvalidChannel,
 }
@@ -221,6 +235,7 @@ impl InvalidChannels {
     fn find(image: &RgbImage) -> Option<Self> {
         let mut nan_count = 0;
         let mut infinite_count = 0;
+        let mut positive_infinity_count = 0;
         let mut negative_count = 0;
         let mut first = None;
         for (i, texel) in image.data.iter().enumerate() {
@@ -229,6 +244,7 @@ impl InvalidChannels {
                     nan_count += 1;
                 } else if value.is_infinite() {
                     infinite_count += 1;
+                    positive_infinity_count += u64::from(value > 0.0);
                 } else if value < 0.0 {
                     negative_count += 1;
                 } else {
@@ -245,6 +261,7 @@ impl InvalidChannels {
         Some(Self {
             nan_count,
             infinite_count,
+            positive_infinity_count,
             negative_count,
             first: first?,
         })
@@ -276,12 +293,66 @@ impl fmt::Display for InvalidChannels {
     }
 }
 
+/// Largest negative value that compression makes of 0, over the mean of the map.
+const ROUNDING: f64 = 1e-3;
+
+impl InvalidChannels {
+    /// Whether the values are what lossy compression (DWAA, B44) makes of dark texels.
+    fn is_rounding(&self, image: &RgbImage) -> bool {
+        if self.nan_count > 0 || self.infinite_count > 0 {
+            return false;
+        }
+        let values = image.data.as_flattened();
+        let sum: f64 = values.iter().map(|value| f64::from(*value)).sum();
+        let limit = -ROUNDING * sum / values.len() as f64;
+        values.iter().all(|value| f64::from(*value) >= limit)
+    }
+
+    /// Says what [`clamp_invalid`] makes of the values.
+    fn clamped_words(&self, image: &RgbImage) -> String {
+        if self.positive_infinity_count == 0 {
+            return format!("{self}; these channels were set to 0.");
+        }
+        format!(
+            "{self}; +infinity was set to {}, all others to 0.",
+            largest_finite(image)
+        )
+    }
+}
+
+/// The value that stands for +infinity: a sun above the range of halves. At least the largest half,
+/// which the file's own numbers may exceed.
+fn largest_finite(image: &RgbImage) -> f32 {
+    let finite = image
+        .data
+        .as_flattened()
+        .iter()
+        .filter(|value| value.is_finite());
+    finite.copied().fold(HALF_MAX, f32::max)
+}
+
 fn clamp_invalid(image: &mut RgbImage) {
+    let brightest = largest_finite(image);
     for value in image.data.as_flattened_mut() {
-        if !(value.is_finite() && *value >= 0.0) {
+        if *value == f32::INFINITY {
+            *value = brightest;
+        } else if !(value.is_finite() && *value >= 0.0) {
             *value = 0.0;
         }
     }
+}
+
+/// Refuses the six faces of a cube, which as a lat-long map would be another light.
+fn check_projection(spec: &str, image: &RgbImage) -> Result<(), EnvironmentError> {
+    let is_strip = image.width == 6 * image.height || image.height == 6 * image.width;
+    if !is_strip {
+        return Ok(());
+    }
+    let what = format!(
+        "it is {}x{}, a strip of six faces; expected a lat-long map, twice as wide as high",
+        image.width, image.height
+    );
+    Err(unusable(spec, what))
 }
 
 /// Refuses values whose squares overflow in sums.

@@ -300,10 +300,6 @@ fn handmade(
     display: [i32; 4],
     extra: &[u8],
 ) -> (Vec<u8>, usize) {
-    fn attribute(name: &str, kind: &str, value: &[u8]) -> Vec<u8> {
-        let size = (value.len() as i32).to_le_bytes();
-        [name.as_bytes(), &[0], kind.as_bytes(), &[0], &size, value].concat()
-    }
     let ints = |values: &[i32]| {
         values
             .iter()
@@ -371,11 +367,15 @@ fn sample_types_and_windows() {
         channel("G", 1, |x, y| (x * y) as f32 - 0.5),
         channel("R", 2, |x, y| 0.1 * (x + 10 * y) as f32),
     ];
-    // The data window lies at (-2, 5).
+    // The data window lies at (-2, 5): two of its four columns are inside the display window.
     let (file, _) = handmade(&channels, [-2, 5, 1, 6], [0, 0, 9, 9], &[]);
     let image = read(&file).unwrap();
-    let expected = RgbImage::from_fn(4, 2, |column, row| {
-        let (x, y) = (column as i32 - 2, row as i32 + 5);
+    let expected = RgbImage::from_fn(10, 10, |column, row| {
+        let x = column as i32;
+        let y = row as i32;
+        if x > 1 || !(5..=6).contains(&y) {
+            return [0.0; 3];
+        }
         [
             0.1 * (x + 10 * y) as f32,
             (x * y) as f32 - 0.5,
@@ -383,11 +383,208 @@ fn sample_types_and_windows() {
         ]
     });
     assert_eq!(image.rgb, expected);
-    assert_eq!(image.alpha.unwrap().data[..4], [-1.0, -0.5, 0.0, 0.5]);
+    assert_eq!(image.alpha.unwrap().data[50..54], [0.0, 0.5, 0.0, 0.0]);
     assert!(
-        image.warnings[0].contains("4x2 at -2, 5")
-            && image.warnings[0].contains("data window is used")
+        image.warnings[0].contains("4x2 at -2, 5") && image.warnings[0].contains("10x10 at 0, 0"),
+        "{:?}",
+        image.warnings
     );
+    let (outside, _) = handmade(&channels, [-2, 5, -1, 6], [0, 0, 9, 9], &[]);
+    let message = read(&outside).unwrap_err().to_string();
+    assert!(
+        message.contains("lies outside the display window"),
+        "{message}"
+    );
+}
+
+/// A header attribute: name and type, each with its NUL, then size and value.
+fn attribute(name: &str, kind: &str, value: &[u8]) -> Vec<u8> {
+    let size = (value.len() as i32).to_le_bytes();
+    [name.as_bytes(), &[0], kind.as_bytes(), &[0], &size, value].concat()
+}
+
+fn interop_id(id: &str) -> Vec<u8> {
+    attribute("colorInteropID", "string", id.as_bytes())
+}
+
+fn chromaticities(values: [f32; 8]) -> Vec<u8> {
+    let bytes: Vec<u8> = values
+        .iter()
+        .flat_map(|value| value.to_le_bytes())
+        .collect();
+    attribute("chromaticities", "chromaticities", &bytes)
+}
+
+const ACESCG: [f32; 8] = [0.713, 0.293, 0.165, 0.83, 0.128, 0.044, 0.32168, 0.33767];
+
+/// One texel of (0.5, 0.25, 0.125) with header attributes, as it is read.
+fn labelled(attributes: &[u8]) -> Result<Decoded, PixelsError> {
+    let channels = [
+        channel("B", 2, |_, _| 0.125),
+        channel("G", 2, |_, _| 0.25),
+        channel("R", 2, |_, _| 0.5),
+    ];
+    read(&handmade(&channels, [0, 0, 0, 0], [0, 0, 0, 0], attributes).0)
+}
+
+/// Expected values by OpenColorIO 2.5 and its built-in configuration.
+#[test]
+fn colour_labels_are_read_in_the_order_of_openexr() {
+    let rec709 = [0.5, 0.25, 0.125];
+    let from_acescg = [0.686_67, 0.218_754, 0.099_878];
+    let is_close = |found: [f32; 3], expected: [f32; 3]| {
+        found
+            .iter()
+            .zip(expected)
+            .all(|(found, expected)| (found - expected).abs() < 2e-4)
+    };
+    let acescg = labelled(&interop_id("lin_ap1_scene")).unwrap();
+    assert!(
+        is_close(acescg.rgb.data[0], from_acescg),
+        "{:?}",
+        acescg.rgb.data
+    );
+    assert!(
+        acescg.warnings[0].contains("lin_ap1_scene"),
+        "{:?}",
+        acescg.warnings
+    );
+    let by_chromaticities = labelled(&chromaticities(ACESCG)).unwrap();
+    assert!(is_close(by_chromaticities.rgb.data[0], from_acescg));
+
+    let plain = labelled(&interop_id("lin_rec709_scene")).unwrap();
+    assert_eq!(plain.rgb.data[0], rec709);
+    assert!(plain.warnings.is_empty(), "{:?}", plain.warnings);
+
+    // The ID wins over chromaticities that a program left behind, and the warning names both.
+    let left_behind = [interop_id("lin_rec709_scene"), chromaticities(ACESCG)].concat();
+    let left_behind = labelled(&left_behind).unwrap();
+    assert_eq!(left_behind.rgb.data[0], rec709);
+    assert_eq!(left_behind.warnings.len(), 1, "{:?}", left_behind.warnings);
+    assert!(left_behind.warnings[0].contains("colorInteropID lin_rec709_scene"));
+    assert!(left_behind.warnings[0].contains("chromaticities"));
+
+    // The flag of ACES containers wins over both.
+    let aces = attribute("acesImageContainerFlag", "int", &1i32.to_le_bytes());
+    let ap0 = labelled(&interop_id("lin_ap0_scene")).unwrap().rgb;
+    let container = labelled(&[aces, interop_id("lin_rec709_scene")].concat()).unwrap();
+    assert_eq!(container.rgb, ap0);
+
+    for (id, expected) in [
+        ("lin_ap0_scene", [0.928_866, 0.192_91, 0.100_111]),
+        ("lin_p3d65_scene", [0.556_235, 0.239_486, 0.107_806]),
+        // Its green is -0.0104, outside Rec.709.
+        ("lin_ciexyzd65_scene", [1.173_813, 0.0, 0.108_942]),
+    ] {
+        let found = labelled(&interop_id(id)).unwrap().rgb.data[0];
+        assert!(is_close(found, expected), "{id}: {found:?}");
+    }
+
+    for id in [
+        "srgb_rec709_scene",
+        "g22_ap1_scene",
+        "pq_rec2020_display",
+        "data",
+    ] {
+        let message = labelled(&interop_id(id)).unwrap_err().to_string();
+        assert!(message.contains(id), "{message}");
+    }
+    let unknown = labelled(&interop_id("show:lin_film")).unwrap();
+    assert_eq!(unknown.rgb.data[0], rec709);
+    assert!(
+        unknown.warnings[0].contains("Rec.709 was assumed"),
+        "{:?}",
+        unknown.warnings
+    );
+}
+
+#[test]
+fn headers_that_scale_or_turn_are_named() {
+    let scaled = labelled(&attribute(
+        "whiteLuminance",
+        "float",
+        &1.672f32.to_le_bytes(),
+    ))
+    .unwrap();
+    assert!(
+        scaled.warnings[0].contains("environment_scale=1.672"),
+        "{:?}",
+        scaled.warnings
+    );
+    let one = labelled(&attribute("whiteLuminance", "float", &1f32.to_le_bytes())).unwrap();
+    assert!(one.warnings.is_empty());
+
+    let channels = ["B", "G", "R"].map(|name| channel(name, 2, |x, y| (x + 10 * y) as f32));
+    let turned = |value: i32| {
+        let extra = attribute("Orientation", "int", &value.to_le_bytes());
+        read(&handmade(&channels, [0, 0, 2, 1], [0, 0, 2, 1], &extra).0).unwrap()
+    };
+    let upside_down = turned(4);
+    let rows: Vec<f32> = upside_down.rgb.data.iter().map(|texel| texel[0]).collect();
+    assert_eq!(rows, [10.0, 11.0, 12.0, 0.0, 1.0, 2.0]);
+    assert!(upside_down.warnings[0].contains("Orientation 4"));
+    assert!(turned(1).warnings.is_empty());
+    assert_eq!((turned(6).rgb.width, turned(6).rgb.height), (2, 3));
+}
+
+#[test]
+fn new_compressions_are_named_with_a_way_out() {
+    let (file, _) = handmade(&[channel("R", 2, |_, _| 1.0)], WINDOW, WINDOW, &[]);
+    let mark = b"compression\0compression\0\x01\0\0\0";
+    let place = file
+        .windows(mark.len())
+        .position(|part| part == mark)
+        .unwrap()
+        + mark.len();
+    for (code, name) in [
+        (10, "HTJ2K256"),
+        (11, "HTJ2K32"),
+        (12, "LJ2K"),
+        (13, "ZSTD"),
+    ] {
+        let mut file = file.clone();
+        file[place] = code;
+        let message = read(&file).unwrap_err().to_string();
+        assert!(
+            message.contains(name) && message.contains("--compression zip"),
+            "{message}"
+        );
+    }
+}
+
+#[test]
+fn the_picture_comes_before_the_passes() {
+    let names = |names: &[&'static str]| {
+        let values = [
+            |_, _| 1.0,
+            |_, _| 2.0,
+            |_, _| 3.0,
+            |_, _| 4.0,
+            |_, _| 5.0,
+            |_, _| 6.0,
+        ];
+        let channels: Vec<Channel> = names
+            .iter()
+            .zip(values)
+            .map(|(name, value)| channel(name, 2, value))
+            .collect();
+        read(&handmade(&channels, WINDOW, WINDOW, &[]).0).unwrap()
+    };
+    let passes = [
+        "albedo.B", "albedo.G", "albedo.R", "beauty.B", "beauty.G", "beauty.R",
+    ];
+    assert_eq!(names(&passes).rgb.data[0], [6.0, 5.0, 4.0]);
+    let blender = [
+        "V.AO.B",
+        "V.AO.G",
+        "V.AO.R",
+        "V.Combined.B",
+        "V.Combined.G",
+        "V.Combined.R",
+    ];
+    assert_eq!(names(&blender).rgb.data[0], [6.0, 5.0, 4.0]);
+    assert_eq!(names(&["b", "g", "r"]).rgb.data[0], [3.0, 2.0, 1.0]);
+    assert_eq!(names(&["Y"]).rgb.data[0], [1.0; 3]);
 }
 
 #[test]
@@ -418,8 +615,7 @@ fn channel_names() {
     );
     let refusals = [
         &["A", "Z"][..],
-        &["Y"],
-        &["X", "Y", "Z"],
+        &["U", "V"],
         &["BY", "RY", "Y"],
         &["N.X", "N.Y", "N.Z"],
     ];
@@ -513,11 +709,16 @@ fn chromaticities_are_converted() {
         white.iter().all(|channel| (channel - 1.0).abs() < 1e-5),
         "{white:?}"
     );
+    // Green of Rec.2020 lies outside Rec.709: below 0 is clamped, as in Radiance files.
     assert!(
-        (green[0] + 0.5876).abs() < 1e-3 && (green[1] - 1.1329).abs() < 1e-3,
+        green[0] == 0.0 && (green[1] - 1.1329).abs() < 1e-3,
         "{green:?}"
     );
     assert!(image.warnings[0].contains("chromaticities"));
+    assert!(
+        image.warnings[1].contains("4 texels lie outside Rec.709")
+            || image.warnings[1].contains("6 texels")
+    );
 }
 
 #[test]

@@ -132,7 +132,35 @@ fn exposures_and_colour_corrections_are_divided_out() {
     let header = format!(
         "{MAGIC}EXPOSURE=  4  \nEXPOSURE=0.125\n\tEXPOSURE=99\nCOLORCORR=1 2 0.5\n\n-Y 1 +X 1\n"
     );
-    assert_eq!(read(&header, &ONE).unwrap().rgb.data, [[2.0, 0.5, 1.0]]);
+    let image = read(&header, &ONE).unwrap();
+    assert_eq!(image.rgb.data, [[2.0, 0.5, 1.0]]);
+    // Many programs ignore the field, so the factor is named.
+    assert!(
+        image.warnings[0].contains("exposure 0.5 1 0.25"),
+        "{:?}",
+        image.warnings
+    );
+}
+
+/// What programs write for "not exposed", and their own words in the first line.
+#[test]
+fn odd_exposures_and_first_lines_are_read_with_a_warning() {
+    for (header, warning) in [
+        (format!("{MAGIC}EXPOSURE=0\n\n-Y 1 +X 1\n"), "it is ignored"),
+        (format!("{MAGIC}EXPOSURE=\n\n-Y 1 +X 1\n"), "it is ignored"),
+        (
+            format!("{MAGIC}EXPOSURE=1 # none\n\n-Y 1 +X 1\n"),
+            "1 was used",
+        ),
+        (
+            "#?AUTOPANO\nFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n".to_owned(),
+            "#?AUTOPANO",
+        ),
+    ] {
+        let image = read(&header, &ONE).unwrap();
+        assert_eq!(image.rgb.data, [[1.0, 1.0, 1.0]], "{header}");
+        assert!(image.warnings[0].contains(warning), "{:?}", image.warnings);
+    }
 }
 
 #[test]

@@ -23,14 +23,55 @@ pub(super) struct Choice {
     pub warning: Option<String>,
 }
 
-/// Lists every layer with colour, part by part, unprefixed channels first.
+/// Lists every layer with colour: the picture first, then part by part, unprefixed channels first.
 fn layers(headers: &[Header]) -> Vec<Layer> {
-    headers
+    let mut layers: Vec<Layer> = headers
         .iter()
         .enumerate()
         .filter(|(_, header)| !header.deep)
         .flat_map(|(part, header)| layers_of_part(part, header))
-        .collect()
+        .collect();
+    let is_only_part = headers.len() == 1;
+    layers.sort_by_key(|layer| layer.rank(is_only_part));
+    layers
+}
+
+/// Names that renderers give to the picture among its passes.
+const PICTURES: [&str; 5] = ["beauty", "combined", "rgba", "rgb", "composite"];
+/// Start of the names of identity mattes, whose numbers are no colours.
+const MATTE: &str = "crypto";
+
+/// What a layer is likely to hold, the picture first.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+enum Rank {
+    Picture,
+    Plain,
+    Pass,
+    Matte,
+}
+
+impl Layer {
+    /// Unprefixed channels are a file's picture by convention, unless its parts have names.
+    fn rank(&self, is_only_part: bool) -> Rank {
+        if self.is_plain && (is_only_part || self.name.is_none()) {
+            return Rank::Picture;
+        }
+        let last_word = self
+            .name
+            .as_deref()
+            .and_then(|name| name.rsplit('.').next())
+            .unwrap_or_default()
+            .to_lowercase();
+        if PICTURES.contains(&last_word.as_str()) {
+            Rank::Picture
+        } else if last_word.starts_with(MATTE) {
+            Rank::Matte
+        } else if self.is_plain {
+            Rank::Plain
+        } else {
+            Rank::Pass
+        }
+    }
 }
 
 fn layers_of_part(part: usize, header: &Header) -> Vec<Layer> {
@@ -46,10 +87,17 @@ fn layers_of_part(part: usize, header: &Header) -> Vec<Layer> {
         .map(|(i, name)| (name.as_str(), i))
         .collect();
     let layer = |prefix: &str| {
-        let index = |channel: &str| indices.get(format!("{prefix}{channel}").as_str()).copied();
-        let rgb = ["R", "G", "B"].map(index);
+        let index = |channel: &str| {
+            let small = channel.to_lowercase();
+            [channel, &small]
+                .iter()
+                .find_map(|name| indices.get(format!("{prefix}{name}").as_str()).copied())
+        };
+        let mut rgb = ["R", "G", "B"].map(index);
         if rgb.iter().all(Option::is_none) {
-            return None;
+            // Luminance without chroma is a grey image.
+            let luminance = index("Y").filter(|_| index("RY").or(index("BY")).is_none())?;
+            rgb = [Some(luminance); 3];
         }
         let is_plain = prefix.is_empty();
         let name = if is_plain {

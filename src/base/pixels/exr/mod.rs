@@ -1,5 +1,7 @@
 //! OpenEXR: linear f32 images with layers.
 
+mod color_label;
+mod frame;
 mod layers;
 mod read;
 mod write;

@@ -3,8 +3,10 @@
 //! The crate `exr` parses and unpacks. The checks here are those that it lacks: claims of memory
 //! and time, and repeated blocks, which would leave others at 0.
 
+use super::color_label;
+use super::frame::Frame;
 use super::layers::{Choice, Layer, choose};
-use crate::base::color::{Chromaticities, REC709};
+use crate::base::color::out_of_gamut;
 use crate::base::pixels::file::{ENVIRONMENT_TEXELS_MAX, Fault, check_claim, filled, read_bounded};
 use crate::base::pixels::{Decoded, GrayImage, PixelsError, RgbImage};
 use ::exr::block::UncompressedBlock;
@@ -15,7 +17,7 @@ use ::exr::meta::attribute::EnvironmentMap;
 use ::exr::meta::header::Header;
 use ::exr::meta::{BlockDescription, MetaData};
 use ::exr::prelude::{Compression, Error, SampleType, Vec2, f16};
-use glam::{DVec2, DVec3};
+use glam::{DMat3, DVec3};
 use rayon::prelude::*;
 use std::collections::HashSet;
 use std::io::Cursor;
@@ -29,6 +31,15 @@ const BATCH_BYTES: usize = 1 << 26;
 const BLOCK_BYTES_MAX: usize = 1 << 28;
 /// Most bytes of pixels in an image: about ten seconds of unpacking.
 const PART_BYTES_MAX: usize = 1 << 32;
+/// Where the compression of the first part stands, at the latest.
+const HEADER_BYTES_SEARCHED: usize = 1 << 16;
+/// Compressions since OpenEXR 3.4 (`ImfCompression.h` of 3.5), by number.
+const NEW_COMPRESSIONS: [(u8, &str); 4] = [
+    (10, "HTJ2K256"),
+    (11, "HTJ2K32"),
+    (12, "LJ2K"),
+    (13, "ZSTD"),
+];
 /// Most pixels per byte of a file; only absurd claims exceed it.
 const TEXELS_PER_BYTE: u64 = 1 << 16;
 
@@ -77,12 +88,8 @@ fn chunks(bytes: &[u8], part: usize) -> Result<FilteredChunksReader<Cursor<&[u8]
 }
 
 fn decode(bytes: &[u8], layer: Option<&str>, most_texels: u64) -> Result<Decoded, Fault> {
-    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(|error| {
-        Fault::new(
-            format!("has no usable header ({error})"),
-            "a valid OpenEXR file",
-        )
-    })?;
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false)
+        .map_err(|error| unreadable_header(bytes, &error))?;
     let Choice {
         layer,
         warning: other_layers,
@@ -96,16 +103,30 @@ fn decode(bytes: &[u8], layer: Option<&str>, most_texels: u64) -> Result<Decoded
         bytes.len(),
         TEXELS_PER_BYTE,
     )?;
+    let mut warnings = Vec::new();
+    let frame = Frame::of_header(header, &mut warnings)?;
+    // A window may claim more than the file holds.
+    check_claim(
+        frame.width as u64,
+        frame.height as u64,
+        most_texels,
+        bytes.len(),
+        TEXELS_PER_BYTE,
+    )?;
+    let to_rec709 = color_label::conversion(header, &mut warnings)?;
     let block_bytes = check_unpacked(header)?;
     let chunks = chunks(bytes, layer.part).map_err(damaged)?;
     let mut planes = Planes::new(header, &layer)?;
     read_blocks(chunks, &meta, block_bytes, &mut planes)?;
 
-    let mut warnings = oddities(header);
+    warnings.extend(oddities(header));
     warnings.extend(other_layers);
     warnings.extend(missing_channels(&layer));
-    convert_to_rec709(&mut planes.rgb, header, &mut warnings);
-    Ok(planes.decoded(warnings))
+    if let Some(to_rec709) = to_rec709 {
+        convert(&mut planes.rgb, to_rec709, &mut warnings);
+    }
+    warnings.extend(white_luminance(header));
+    planes.decoded(&frame, warnings)
 }
 
 /// The values of one layer, and where blocks of its part belong.
@@ -156,29 +177,34 @@ impl<'h> Planes<'h> {
         let texels = first..first + line.location.sample_count;
         let channel = line.location.channel;
         let sample_type = self.header.channels.list[channel].sample_type;
-        let color = self
-            .layer
-            .rgb
-            .iter()
-            .position(|wanted| *wanted == Some(channel));
-        if let Some(color) = color {
-            let targets = self.rgb[texels].iter_mut().map(|texel| &mut texel[color]);
-            put_samples(targets, line.value, sample_type);
-        } else if self.layer.alpha == Some(channel)
+        // A channel of grey is all three colours.
+        for (color, wanted) in self.layer.rgb.iter().enumerate() {
+            if *wanted == Some(channel) {
+                let targets = self.rgb[texels.clone()]
+                    .iter_mut()
+                    .map(|texel| &mut texel[color]);
+                put_samples(targets, line.value, sample_type);
+            }
+        }
+        if self.layer.alpha == Some(channel)
             && let Some(alpha) = &mut self.alpha
         {
             put_samples(alpha[texels].iter_mut(), line.value, sample_type);
         }
     }
 
-    fn decoded(self, warnings: Vec<String>) -> Decoded {
-        let width = self.header.layer_size.width() as u32;
-        let height = self.header.layer_size.height() as u32;
-        Decoded {
-            rgb: RgbImage::new(width, height, self.rgb),
-            alpha: self.alpha.map(|alpha| GrayImage::new(width, height, alpha)),
+    fn decoded(self, frame: &Frame, warnings: Vec<String>) -> Result<Decoded, Fault> {
+        let [width, height] = frame.seen_size().map(|side| side as u32);
+        let rgb = frame.place(self.rgb, [0.0; 3])?;
+        let alpha = self
+            .alpha
+            .map(|alpha| frame.place(alpha, 0.0))
+            .transpose()?;
+        Ok(Decoded {
+            rgb: RgbImage::new(width, height, rgb),
+            alpha: alpha.map(|alpha| GrayImage::new(width, height, alpha)),
             warnings,
-        }
+        })
     }
 }
 
@@ -330,42 +356,70 @@ fn put_numbers<'t, const N: usize>(
     }
 }
 
-/// Converts colours from the header's chromaticities, if they differ from Rec.709.
-fn convert_to_rec709(rgb: &mut [[f32; 3]], header: &Header, warnings: &mut Vec<String>) {
-    let xy = |Vec2(x, y): Vec2<f32>| DVec2::new(x.into(), y.into());
-    let chromaticities = header
-        .shared_attributes
-        .chromaticities
-        .map(|c| Chromaticities {
-            red: xy(c.red),
-            green: xy(c.green),
-            blue: xy(c.blue),
-            white: xy(c.white),
-        });
-    let foreign = chromaticities.filter(|c| !c.is_close_to(&REC709));
-    let Some(matrix) = foreign.and_then(|c| c.to_rec709_with_warning("chromaticities", warnings))
-    else {
-        return;
-    };
+/// Multiplies colours by a matrix. A colour outside Rec.709 gets negative channels, which no
+/// radiance has: they become 0 with a warning, as in Radiance files. Channels that are negative in
+/// the file stay, for the check of the caller.
+fn convert(rgb: &mut [[f32; 3]], to_rec709: DMat3, warnings: &mut Vec<String>) {
+    let mut out_of_gamut_count = 0u64;
     for texel in rgb {
-        let converted = matrix * DVec3::from(texel.map(f64::from));
+        let stored = DVec3::from(texel.map(f64::from));
+        let mut converted = to_rec709 * stored;
+        if stored.min_element() >= 0.0 && converted.min_element() < 0.0 {
+            out_of_gamut_count += 1;
+            converted = converted.max(DVec3::ZERO);
+        }
         *texel = converted.as_vec3().to_array();
     }
+    warnings.extend(out_of_gamut(out_of_gamut_count));
+}
+
+/// Names the compression if it is one that the crate does not know; its own message is about the
+/// header then.
+fn unreadable_header(bytes: &[u8], error: &Error) -> Fault {
+    match compression_code(bytes).and_then(|code| {
+        NEW_COMPRESSIONS
+            .iter()
+            .find(|(known, _)| *known == code)
+            .map(|(_, name)| name)
+    }) {
+        Some(name) => Fault::new(
+            format!("is compressed by {name}"),
+            "a compression that this program reads; `oiiotool in.exr --compression zip -o out.exr` \
+             changes it",
+        ),
+        None => Fault::new(
+            format!("has no usable header ({error})"),
+            "a valid OpenEXR file",
+        ),
+    }
+}
+
+/// Finds the number of the compression of the first part.
+fn compression_code(bytes: &[u8]) -> Option<u8> {
+    // Name and type of the attribute, each with its NUL, then its size of one byte.
+    const ATTRIBUTE: &[u8] = b"compression\0compression\0\x01\0\0\0";
+    let header = &bytes[..bytes.len().min(HEADER_BYTES_SEARCHED)];
+    let start = header
+        .windows(ATTRIBUTE.len())
+        .position(|window| window == ATTRIBUTE)?;
+    header.get(start + ATTRIBUTE.len()).copied()
+}
+
+/// Warns of a map that may be scaled: pfstools divide maps above the range of halves by a factor,
+/// which they store as the luminance of white.
+fn white_luminance(header: &Header) -> Option<String> {
+    let factor = header.own_attributes.white_luminance?;
+    (factor != 1.0).then(|| {
+        format!(
+            "The header's whiteLuminance is {factor}: the program that wrote the file may have \
+             divided the light by it, as pfstools do; environment_scale={factor} undoes that."
+        )
+    })
 }
 
 /// Returns warnings about header fields that are ignored.
 fn oddities(header: &Header) -> Vec<String> {
     let mut warnings = Vec::new();
-    let Vec2(x, y) = header.own_attributes.layer_position;
-    let Vec2(width, height) = header.layer_size;
-    let display = header.shared_attributes.display_window;
-    if display.position != Vec2(x, y) || display.size != Vec2(width, height) {
-        warnings.push(format!(
-            "The data window ({width}x{height} at {x}, {y}) differs from the display window ({}x{} \
-             at {}, {}); the data window is used.",
-            display.size.0, display.size.1, display.position.0, display.position.1
-        ));
-    }
     if header.shared_attributes.pixel_aspect != 1.0 {
         let aspect = header.shared_attributes.pixel_aspect;
         warnings.push(format!(
