@@ -15,7 +15,7 @@ out vec3 position_world;
 out vec3 normal_world;
 out vec4 tangent_world;
 
-// The unit vector of a point of the unfolded octahedron; src/run/live_model.rs has the inverse.
+// The unit vector of a point of the unfolded octahedron; src/report/live/model.rs has the inverse.
 // [Cigolle14]
 vec3 unit_from_octahedral(vec2 e) {
     vec3 n = vec3(e, 1.0 - abs(e.x) - abs(e.y));

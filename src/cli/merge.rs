@@ -6,6 +6,7 @@ use super::shared::InputFlags;
 use super::stop::STOP;
 use super::{Failure, log};
 use clap::Args;
+use splitsum::report::COMPANIONS;
 use splitsum::run::frozen::{self, EXPERIMENT_FILE};
 use splitsum::run::store::StoreError;
 use splitsum::run::{Merged, RunOptions, merge, provenance};
@@ -51,6 +52,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     .map_err(Failure::input)?;
     let options = RunOptions {
         command_line: command_line(),
+        companions: COMPANIONS,
         ..RunOptions::new(dir, &STOP)
     };
     let merged = merge(&plan, &options)?;

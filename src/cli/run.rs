@@ -8,6 +8,7 @@ use super::subject::Subject;
 use super::{Failure, log, print};
 use clap::Args;
 use splitsum::experiment::Plan;
+use splitsum::report::COMPANIONS;
 use splitsum::report::page::{PageOptions, PageRun, write};
 use splitsum::report::write::Written;
 use splitsum::run::shard::Shard;
@@ -71,6 +72,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         command_line: command_line(),
         shard: arguments.shard,
         fail_fast: arguments.fail_fast,
+        companions: COMPANIONS,
     };
     let is_whole = arguments.shard.is_none();
     if let Some(printed) = Store::at(&options.dir)

@@ -46,9 +46,9 @@ impl Palette {
             Self::Magma => &*MAGMA,
             Self::BlueRed => &BLUE_RED,
         };
-        let place = t.clamp(0.0, 1.0) * (colors.len() - 1) as f64;
-        let lower = (place as usize).min(colors.len() - 2);
-        let weight = place - lower as f64;
+        let position = t.clamp(0.0, 1.0) * (colors.len() - 1) as f64;
+        let lower = (position as usize).min(colors.len() - 2);
+        let weight = position - lower as f64;
         std::array::from_fn(|c| {
             let [a, b] = [colors[lower][c], colors[lower + 1][c]].map(f64::from);
             (a + weight * (b - a)).round() as u8
@@ -90,17 +90,17 @@ pub const FLIP_ERROR: ColorScale = ColorScale {
     range: Range::Linear { lo: 0.0, hi: 1.0 },
 };
 
-/// Parts of a linear range between ticks.
+/// Intervals between the ticks of a linear range.
 const LINEAR_TICK_COUNT: u32 = 4;
 
 impl ColorScale {
     /// The colour of a value, clamped to the range.
     pub fn color(&self, value: f64) -> [u8; 3] {
-        self.palette.color(self.place(value))
+        self.palette.color(self.share(value))
     }
 
-    /// The place of a value on the palette: 0 at `lo`, 1 at `hi`.
-    pub fn place(&self, value: f64) -> f64 {
+    /// The position of a value on the palette: 0 at `lo`, 1 at `hi`.
+    pub fn share(&self, value: f64) -> f64 {
         match self.range {
             Range::Linear { lo, hi } => (value - lo) / (hi - lo),
             // The maximum would turn a NaN into `lo`.
@@ -119,7 +119,8 @@ impl ColorScale {
             Range::Log { lo, hi } => {
                 // Parsed: a power is not the nearest f64.
                 let decade = |exponent: i32| format!("1e{exponent}").parse::<f64>().ok();
-                let [first, last] = [lo.log10().round() as i32, hi.log10().round() as i32];
+                let first = lo.log10().round() as i32;
+                let last = hi.log10().round() as i32;
                 (first..=last)
                     .filter_map(decade)
                     .filter(|tick| (lo..=hi).contains(tick))

@@ -10,10 +10,18 @@ pub enum Align {
     Right,
 }
 
+#[derive(Clone, Debug)]
+struct Column {
+    /// Escaped.
+    name: String,
+    align: Align,
+}
+
 /// A table of texts; its `Display` is Markdown.
 #[derive(Clone, Debug)]
 pub struct MarkdownTable {
-    columns: Vec<(String, Align)>,
+    columns: Vec<Column>,
+    /// Escaped.
     rows: Vec<Vec<String>>,
 }
 
@@ -22,7 +30,10 @@ impl MarkdownTable {
         Self {
             columns: columns
                 .iter()
-                .map(|&(name, align)| (escape(name), align))
+                .map(|&(name, align)| Column {
+                    name: escape(name),
+                    align,
+                })
                 .collect(),
             rows: Vec::new(),
         }
@@ -35,12 +46,9 @@ impl MarkdownTable {
             self.columns.len(),
             "cells of a Markdown row"
         );
-        let rest = cells.iter().map(|cell| escape(cell.as_ref()));
-        self.rows.push(
-            std::iter::once(link.replace('|', "\\|"))
-                .chain(rest)
-                .collect(),
-        );
+        let mut row = vec![link.replace('|', "\\|")];
+        row.extend(cells.iter().map(|cell| escape(cell.as_ref())));
+        self.rows.push(row);
     }
 
     /// Appends a row with one cell per column.
@@ -81,12 +89,18 @@ pub fn inline(text: &str) -> String {
 /// block.
 pub fn paragraph(text: &str) -> String {
     let line = inline(text.trim());
-    let digits = line.len() - line.trim_start_matches(|c: char| c.is_ascii_digit()).len();
     // One backtick begins a name, three a block; two asterisks begin bold words.
     let is_name = line.starts_with('`') && !line.starts_with("``") || line.starts_with("**");
-    match line[digits..].chars().next().filter(|_| !is_name) {
-        Some('.' | ')') if digits > 0 => format!("{}\\{}", &line[..digits], &line[digits..]),
-        Some('#' | '>' | '-' | '+' | '*' | '=' | '~' | '`' | '|' | '[' | '_') if digits == 0 => {
+    if is_name {
+        return line;
+    }
+    let digit_count = line.bytes().take_while(u8::is_ascii_digit).count();
+    let (digits, rest) = line.split_at(digit_count);
+    match rest.chars().next() {
+        Some('.' | ')') if digit_count > 0 => format!("{digits}\\{rest}"),
+        Some('#' | '>' | '-' | '+' | '*' | '=' | '~' | '`' | '|' | '[' | '_')
+            if digit_count == 0 =>
+        {
             format!("\\{line}")
         }
         _ => line,
@@ -98,6 +112,7 @@ pub fn link(label: &str, target: &str) -> String {
     format!("[{}]({})", link_label(label), percent_escaped(target))
 }
 
+/// A path in a URL.
 pub fn percent_escaped(path: &str) -> String {
     let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/-_.~".contains(&byte);
     path.bytes()
@@ -111,6 +126,7 @@ pub fn percent_escaped(path: &str) -> String {
         .collect()
 }
 
+/// A text in the brackets of a link.
 pub fn link_label(label: &str) -> String {
     printable(label)
         .replace('\\', "\\\\")
@@ -119,38 +135,53 @@ pub fn link_label(label: &str) -> String {
         .replace('<', "\\<")
 }
 
+impl MarkdownTable {
+    /// Characters of the widest cell of each column.
+    fn widths(&self) -> Vec<usize> {
+        let mut widths = Vec::with_capacity(self.columns.len());
+        for (index, column) in self.columns.iter().enumerate() {
+            let mut width = MIN_WIDTH.max(column.name.chars().count());
+            for row in &self.rows {
+                width = width.max(row[index].chars().count());
+            }
+            widths.push(width);
+        }
+        widths
+    }
+
+    fn write_row<'c>(
+        &self,
+        f: &mut fmt::Formatter,
+        widths: &[usize],
+        cells: impl Iterator<Item = &'c String>,
+    ) -> fmt::Result {
+        for ((cell, width), column) in cells.zip(widths).zip(&self.columns) {
+            match column.align {
+                Align::Left => write!(f, "| {cell:<width$} ")?,
+                Align::Right => write!(f, "| {cell:>width$} ")?,
+            }
+        }
+        writeln!(f, "|")
+    }
+}
+
+/// Markdown needs three characters in the rule below the header.
+const MIN_WIDTH: usize = 3;
+
 impl fmt::Display for MarkdownTable {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        let length = |text: &str| text.chars().count();
-        let widths: Vec<usize> = (0..self.columns.len())
-            .map(|c| {
-                let cells = self.rows.iter().map(|row| length(&row[c]));
-                // Markdown needs three characters in the rule below the header.
-                cells
-                    .chain([length(&self.columns[c].0), 3])
-                    .max()
-                    .unwrap_or(3)
-            })
-            .collect();
-        let line = |f: &mut fmt::Formatter, cells: &mut dyn Iterator<Item = &str>| -> fmt::Result {
-            for ((cell, width), (_, align)) in cells.zip(&widths).zip(&self.columns) {
-                match align {
-                    Align::Left => write!(f, "| {cell:<width$} ")?,
-                    Align::Right => write!(f, "| {cell:>width$} ")?,
-                }
-            }
-            writeln!(f, "|")
-        };
-        line(f, &mut self.columns.iter().map(|column| column.0.as_str()))?;
-        for (width, (_, align)) in widths.iter().zip(&self.columns) {
-            match align {
+        let widths = self.widths();
+        self.write_row(f, &widths, self.columns.iter().map(|column| &column.name))?;
+        for (width, column) in widths.iter().zip(&self.columns) {
+            match column.align {
                 Align::Left => write!(f, "|{}", "-".repeat(width + 2))?,
                 Align::Right => write!(f, "|{}:", "-".repeat(width + 1))?,
             }
         }
         writeln!(f, "|")?;
-        self.rows
-            .iter()
-            .try_for_each(|row| line(f, &mut row.iter().map(String::as_str)))
+        for row in &self.rows {
+            self.write_row(f, &widths, row.iter())?;
+        }
+        Ok(())
     }
 }

@@ -1,4 +1,4 @@
-//! Figures, contact sheets, colours, Markdown.
+//! Figures, contact sheets, colours, Markdown, words.
 
 #[cfg(feature = "cli")]
 pub mod colormap;
@@ -6,3 +6,5 @@ pub mod colormap;
 pub mod figure;
 pub mod markdown;
 pub mod method_titles;
+#[cfg(feature = "cli")]
+pub mod words;

@@ -16,8 +16,8 @@ use std::path::{Path, PathBuf};
 
 const START: &str = "<!-- csv ";
 const END: &str = "<!-- /csv -->";
-/// Significant digits in a sentence and in a table.
-const DIGITS: [usize; 2] = [2, 3];
+const DIGITS_IN_SENTENCE: usize = 2;
+const DIGITS_IN_TABLE: usize = 3;
 
 /// Fills the blocks of `README.md` and `docs/*.md` beside a folder of published runs. Returns the
 /// pages with blocks.
@@ -61,8 +61,8 @@ pub fn fill(page: &str, results: &Path) -> Result<String, String> {
             .and_then(|(head, body)| Some((head, body.split_once(END)?)));
         let (head, (old, after)) = parts
             .ok_or_else(|| format!("the block `{:.60}` has no end {END}", first_line(block)))?;
-        let content = table(&words(&head[START.len()..]), results);
-        let content = content.map_err(|what| format!("the block `{head}-->`: {what}"))?;
+        let content = content(&words(&head[START.len()..]), results)
+            .map_err(|what| format!("the block `{head}-->`: {what}"))?;
         filled += &format!(
             "{}{head}-->{}{END}",
             &rest[..start],
@@ -90,65 +90,102 @@ fn words(head: &str) -> Vec<String> {
         .collect()
 }
 
-fn table(words: &[String], results: &Path) -> Result<Option<String>, String> {
+/// The content of a block from the words of its head; `None` for a run that is not published.
+fn content(words: &[String], results: &Path) -> Result<Option<String>, String> {
     let (file, conditions) = words.split_first().ok_or("expected RUN/FILE.csv")?;
     let run = file.split('/').next().unwrap_or_default();
     if !results.join(run).is_dir() {
         return Ok(None);
     }
     let table = csv::Table::read(&results.join(file)).map_err(|error| error.to_string())?;
-    let column = |name: &str| table.column(name).map_err(|error| error.to_string());
-    let mut filters: Vec<(usize, &str)> = Vec::new();
-    let mut shown: Option<Vec<usize>> = None;
-    for condition in conditions {
-        let (name, value) = condition
-            .split_once('=')
-            .ok_or_else(|| format!("{condition} is not COLUMN=CELL"))?;
-        match name {
-            "show" => shown = Some(value.split(',').map(column).collect::<Result<_, _>>()?),
-            _ => filters.push((column(name)?, value)),
-        }
-    }
-    let is_wanted = |row: &&Vec<String>| {
-        filters
-            .iter()
-            .all(|(column, value)| is_same(&row[*column], value))
-    };
-    let rows: Vec<&Vec<String>> = table.rows.iter().filter(is_wanted).collect();
+    let query = Query::new(&table, conditions)?;
+    let rows: Vec<&Vec<String>> = table
+        .rows
+        .iter()
+        .filter(|row| query.contains(row))
+        .collect();
     if rows.is_empty() {
         return Err(format!("{file} has no such row"));
     }
-    let shown = shown.unwrap_or_else(|| {
-        let is_filtered = |column: usize| filters.iter().any(|filter| filter.0 == column);
+    let columns = query.columns(&table, &rows);
+    if let ([row], [column]) = (&rows[..], &columns[..]) {
+        return Ok(Some(cell(&row[*column], DIGITS_IN_SENTENCE)));
+    }
+    Ok(Some(format!("\n{}", markdown(&table, &rows, &columns))))
+}
+
+/// The wanted part of a table.
+struct Query<'w> {
+    filters: Vec<Filter<'w>>,
+    /// The columns of `show`.
+    shown: Option<Vec<usize>>,
+}
+
+struct Filter<'w> {
+    column: usize,
+    value: &'w str,
+}
+
+impl<'w> Query<'w> {
+    fn new(table: &csv::Table, conditions: &'w [String]) -> Result<Self, String> {
+        let column = |name: &str| table.column(name).map_err(|error| error.to_string());
+        let mut filters = Vec::new();
+        let mut shown = None;
+        for condition in conditions {
+            let (name, value) = condition
+                .split_once('=')
+                .ok_or_else(|| format!("{condition} is not COLUMN=CELL"))?;
+            if name == "show" {
+                let columns: Result<Vec<usize>, String> = value.split(',').map(column).collect();
+                shown = Some(columns?);
+            } else {
+                let column = column(name)?;
+                filters.push(Filter { column, value });
+            }
+        }
+        Ok(Self { filters, shown })
+    }
+
+    fn contains(&self, row: &[String]) -> bool {
+        self.filters
+            .iter()
+            .all(|filter| is_same(&row[filter.column], filter.value))
+    }
+
+    /// The columns of `show`, else all that are neither filtered nor empty.
+    fn columns(&self, table: &csv::Table, rows: &[&Vec<String>]) -> Vec<usize> {
+        if let Some(shown) = &self.shown {
+            return shown.clone();
+        }
+        let is_filtered = |column: usize| self.filters.iter().any(|filter| filter.column == column);
         let is_empty = |column: usize| rows.iter().all(|row| row[column].is_empty());
         (0..table.columns.len())
             .filter(|column| !is_filtered(*column) && !is_empty(*column))
             .collect()
-    });
-    if let ([row], [column]) = (&rows[..], &shown[..]) {
-        return Ok(Some(cell(&row[*column], DIGITS[0])));
     }
-    let align = |column: &usize| match rows
-        .iter()
-        .all(|row| row[*column].is_empty() || number(&row[*column]).is_some())
-    {
-        true => Align::Right,
-        false => Align::Left,
-    };
-    let heads: Vec<(&str, Align)> = shown
-        .iter()
-        .map(|column| (table.columns[*column].as_str(), align(column)))
-        .collect();
+}
+
+fn markdown(table: &csv::Table, rows: &[&Vec<String>], columns: &[usize]) -> MarkdownTable {
+    let is_number = |text: &String| text.is_empty() || number(text).is_some();
+    let mut heads = Vec::with_capacity(columns.len());
+    for &column in columns {
+        let has_numbers = rows.iter().all(|row| is_number(&row[column]));
+        let align = if has_numbers {
+            Align::Right
+        } else {
+            Align::Left
+        };
+        heads.push((table.columns[column].as_str(), align));
+    }
     let mut markdown = MarkdownTable::new(&heads);
     for row in rows {
-        markdown.row(
-            &shown
-                .iter()
-                .map(|column| cell(&row[*column], DIGITS[1]))
-                .collect::<Vec<_>>(),
-        );
+        let cells: Vec<String> = columns
+            .iter()
+            .map(|column| cell(&row[*column], DIGITS_IN_TABLE))
+            .collect();
+        markdown.row(&cells);
     }
-    Ok(Some(format!("\n{markdown}")))
+    markdown
 }
 
 fn number(text: &str) -> Option<f64> {
@@ -157,7 +194,8 @@ fn number(text: &str) -> Option<f64> {
 
 /// Whether two texts are equal, or equal numbers.
 fn is_same(cell: &str, value: &str) -> bool {
-    cell == value || number(cell).is_some_and(|own| Some(own) == number(value))
+    cell == value
+        || number(cell).is_some_and(|number_of_cell| Some(number_of_cell) == number(value))
 }
 
 /// Rounds a number to `digits`, unless it is whole.

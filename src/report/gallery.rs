@@ -7,7 +7,7 @@
 use super::blocks::fill;
 use super::page::render::style;
 use super::page::{PAGE_FILE, PageOptions, PageRun, is_page, write as write_report};
-use super::publish::{PAGE, PublishError, io, make_folder, misuse, published};
+use super::publish::{PAGE, PublishError, PublishedRun, io, make_folder, misuse, published};
 use super::record::AnswerRecord;
 use super::write::Written;
 use crate::base::files::{TEXT_BYTES_MAX, names_in, read_text, relative};
@@ -42,8 +42,20 @@ struct Entry {
     #[serde(flatten)]
     record: AnswerRecord,
     has_report: bool,
-    /// The cell whose pictures lead the report.
+    /// The cell of the pictures on the first screen of the report.
     cell: Option<String>,
+}
+
+impl Entry {
+    /// An entry without a report.
+    fn new(run: PublishedRun) -> Self {
+        Self {
+            folder: run.folder,
+            record: run.record,
+            has_report: false,
+            cell: None,
+        }
+    }
 }
 
 /// Writes the site of the published runs in `results` to `out`, with the reports of `runs`. Returns
@@ -53,6 +65,60 @@ pub fn write(
     runs: &[(Finished, Vec<Answer>)],
     out: &Path,
 ) -> Result<(u64, Vec<String>), PublishError> {
+    check_out(out)?;
+    let mut entries: Vec<Entry> = published(results)?.into_iter().map(Entry::new).collect();
+    if entries.is_empty() {
+        return misuse(
+            results,
+            "has no published run; expected the folder of `splitsum answers --publish`",
+        );
+    }
+    if is_inside(results, out) {
+        let results = results.display();
+        return misuse(
+            out,
+            &format!("is in {results}, whose files the site copies; choose another folder"),
+        );
+    }
+    // All before the first file is written.
+    let entry_indices: Vec<usize> = runs
+        .iter()
+        .map(|run| entry_index(&entries, run))
+        .collect::<Result<_, _>>()?;
+    let site = Site { results, out };
+    site.copy(Path::new(""))?;
+    let mut notes = Vec::new();
+    for (done_count, (run, index)) in runs.iter().zip(entry_indices).enumerate() {
+        let entry = &mut entries[index];
+        let bytes_left = BYTES_MAX.saturating_sub(bytes(out)) as usize;
+        let options = PageOptions {
+            out: out.join(&entry.folder).join(PAGE_FILE),
+            budget: bytes_left / (runs.len() - done_count),
+            is_alone: true,
+            ..PageOptions::in_folder(&run.0.dir)
+        };
+        let written = write_report(&options, &PageRun::of_runs(std::slice::from_ref(run)))?;
+        for note in &written.notes {
+            notes.push(format!("{}: {note}", options.out.display()));
+        }
+        entry.has_report = true;
+        entry.cell = written.cell;
+    }
+    site.index(&entries)?;
+    let bytes = bytes(out);
+    if bytes > BYTES_MAX {
+        let megabytes = bytes as f64 / 1e6;
+        let most = BYTES_MAX as f64 / 1e6;
+        return misuse(
+            out,
+            &format!("takes {megabytes:.1} MB, more than {most} MB: name fewer runs"),
+        );
+    }
+    Ok((bytes, notes))
+}
+
+/// Refuses a file or folder that is not a site.
+fn check_out(out: &Path) -> Result<(), PublishError> {
     let is_site = is_page(&out.join(INDEX_FILE));
     if !is_site && (out.is_file() || !names_in(out).is_empty()) {
         return misuse(
@@ -60,68 +126,18 @@ pub fn write(
             "exists and is not a site of splitsum; choose a new folder",
         );
     }
-    let own = published(results)?;
-    if own.is_empty() {
-        return misuse(
-            results,
-            "has no published run; expected the folder of `splitsum answers --publish`",
-        );
-    }
-    let place_in_results = relative(results, out);
-    if !place_in_results.starts_with("..") && Path::new(&place_in_results).is_relative() {
-        let results = results.display();
-        return misuse(
-            out,
-            &format!("is in {results}, whose files the site copies; choose another folder"),
-        );
-    }
-    let entry = |(record, folder)| Entry {
-        folder,
-        record,
-        has_report: false,
-        cell: None,
-    };
-    let mut entries: Vec<Entry> = own.into_iter().map(entry).collect();
-    let shown: Vec<usize> = runs
-        .iter()
-        .map(|run| place(&entries, run))
-        .collect::<Result<_, _>>()?;
-    let site = Site { results, out };
-    site.copy(Path::new(""))?;
-    let mut notes = Vec::new();
-    for (done, (run, place)) in runs.iter().zip(shown).enumerate() {
-        let file = out.join(&entries[place].folder).join(PAGE_FILE);
-        let budget = BYTES_MAX.saturating_sub(bytes(out)) as usize / (runs.len() - done);
-        let options = PageOptions {
-            out: file,
-            budget,
-            is_alone: true,
-            ..PageOptions::in_folder(&run.0.dir)
-        };
-        let written = write_report(&options, &PageRun::of_runs(std::slice::from_ref(run)))?;
-        notes.extend(
-            written
-                .notes
-                .iter()
-                .map(|note| format!("{}: {note}", options.out.display())),
-        );
-        (entries[place].has_report, entries[place].cell) = (true, written.cell);
-    }
-    site.index(&entries)?;
-    let bytes = bytes(out);
-    if bytes > BYTES_MAX {
-        let [bytes, most] = [bytes, BYTES_MAX].map(|bytes| bytes as f64 / 1e6);
-        return misuse(
-            out,
-            &format!("takes {bytes:.1} MB, more than {most} MB: name fewer runs"),
-        );
-    }
-    Ok((bytes, notes))
+    Ok(())
 }
 
-/// The entry of a run, whose leading answer must be the published one; times differ from run to
-/// run.
-fn place(
+/// Whether `path` is `folder` or below it.
+fn is_inside(folder: &Path, path: &Path) -> bool {
+    let from_folder = relative(folder, path);
+    !from_folder.starts_with("..") && Path::new(&from_folder).is_relative()
+}
+
+/// The index of the entry of a run, whose main answer must be the published one; times differ from
+/// run to run.
+fn entry_index(
     entries: &[Entry],
     (run, answers): &(Finished, Vec<Answer>),
 ) -> Result<usize, PublishError> {
@@ -137,17 +153,18 @@ fn place(
         .map_or_else(|| misuse(&run.dir, fault), Ok)
 }
 
+/// Size of all files in a folder.
 fn bytes(folder: &Path) -> u64 {
-    let paths = names_in(folder).into_iter().map(|name| folder.join(name));
-    paths
-        .map(|path| {
-            if path.is_dir() {
-                bytes(&path)
-            } else {
-                path.metadata().map_or(0, |file| file.len())
-            }
-        })
-        .sum()
+    let mut sum = 0;
+    for name in names_in(folder) {
+        let path = folder.join(name);
+        sum += if path.is_dir() {
+            bytes(&path)
+        } else {
+            path.metadata().map_or(0, |file| file.len())
+        };
+    }
+    sum
 }
 
 impl Site<'_> {
@@ -155,23 +172,26 @@ impl Site<'_> {
     fn copy(&self, folder: &Path) -> Result<(), PublishError> {
         make_folder(&self.out.join(folder))?;
         for name in names_in(&self.results.join(folder)) {
-            let own = folder.join(&name);
-            let from = self.results.join(&own);
-            match name.strip_suffix(".md") {
-                _ if name.starts_with('.') => {}
-                _ if from.is_dir() => self.copy(&own)?,
-                Some(_) => {
-                    self.page(&own, &read_text(&from, TEXT_BYTES_MAX).map_err(io(&from))?)?
-                }
-                None => drop(std::fs::copy(&from, self.out.join(&own)).map_err(io(&from))?),
+            if name.starts_with('.') {
+                continue;
+            }
+            let path = folder.join(&name);
+            let from = self.results.join(&path);
+            if from.is_dir() {
+                self.copy(&path)?;
+            } else if name.ends_with(".md") {
+                let markdown = read_text(&from, TEXT_BYTES_MAX).map_err(io(&from))?;
+                self.page(&path, &markdown)?;
+            } else {
+                std::fs::copy(&from, self.out.join(&path)).map_err(io(&from))?;
             }
         }
         Ok(())
     }
 
-    /// Writes a page of Markdown as HTML; `own` is its path in `results`.
-    fn page(&self, own: &Path, markdown: &str) -> Result<(), PublishError> {
-        let folder = own.parent().unwrap_or(Path::new(""));
+    /// Writes a page of Markdown as HTML; `path` is relative to `results`.
+    fn page(&self, path: &Path, markdown: &str) -> Result<(), PublishError> {
+        let folder = path.parent().unwrap_or(Path::new(""));
         let mut is_dropped = false;
         let events = Parser::new_ext(markdown, Options::ENABLE_TABLES).filter_map(|mut event| {
             if let Event::Start(Tag::Link { dest_url, .. } | Tag::Image { dest_url, .. }) =
@@ -195,10 +215,10 @@ impl Site<'_> {
         let text = Environment::new()
             .render_named_str(INDEX_FILE, SHELL, context)
             .expect("the shell is a template");
-        Ok(write_atomically(
-            &self.out.join(own).with_extension("html"),
-            |file| file.write_all(text.as_bytes()),
-        )?)
+        let out = self.out.join(path).with_extension("html");
+        Ok(write_atomically(&out, |file| {
+            file.write_all(text.as_bytes())
+        })?)
     }
 
     /// The link of a page in `folder`, to HTML instead of Markdown; `None` if it leads out of the
@@ -217,32 +237,30 @@ impl Site<'_> {
         (is_there && is_inside).then(|| page + anchor)
     }
 
+    /// Writes the index, with the pages of folders without a run.
     fn index(&self, entries: &[Entry]) -> Result<(), PublishError> {
         let docs = self.results.join("..").join("docs");
-        let pictures = PICTURES
+        let pictures: Vec<&str> = PICTURES
             .into_iter()
-            .filter(|name| std::fs::copy(docs.join(name), self.out.join(name)).is_ok());
-        let is_published = |name: &String| entries.iter().any(|entry| entry.folder == *name);
-        let others = names_in(self.results)
-            .into_iter()
-            .filter(|name| !is_published(name));
-        let page = |name: String| {
-            Some((
-                read_text(&self.results.join(&name).join(PAGE), TEXT_BYTES_MAX).ok()?,
-                name,
-            ))
-        };
-        let pages: BTreeMap<String, String> = others
-            .filter_map(page)
-            .map(|(text, name)| (name, text))
+            .filter(|name| std::fs::copy(docs.join(name), self.out.join(name)).is_ok())
             .collect();
+        let mut pages: BTreeMap<String, String> = BTreeMap::new();
+        for name in names_in(self.results) {
+            let is_published = entries.iter().any(|entry| entry.folder == name);
+            let page = self.results.join(&name).join(PAGE);
+            if let Ok(text) = read_text(&page, TEXT_BYTES_MAX)
+                && !is_published
+            {
+                pages.insert(name, text);
+            }
+        }
         let mut environment = Environment::new();
         environment.add_filter("inline", |text: String| inline(&text));
         environment.add_filter("paragraph", |text: String| paragraph(&text));
         environment.add_filter("label", |text: String| link_label(&text));
         let context = context! {
             runs => Serde(entries),
-            pictures => pictures.collect::<Vec<_>>(),
+            pictures,
             pages => Serde(pages),
         };
         let text = environment

@@ -2,14 +2,14 @@
 
 use super::page::PageError;
 use super::record::{ANSWER_FILE, AnswerRecord, WriteError};
-use super::summary::{SHEETS_FOLDER, bold, sheet_link, sheet_title};
+use super::sheets::sheet_files;
+use super::summary::{bold, with_sheet_beside};
 use super::write::SUMMARY_FILE;
 use crate::base::files::{TEXT_BYTES_MAX, names_in, read_text, relative};
 use crate::base::pixels::{PixelsError, write_atomically};
-use crate::draw::markdown::{self, Align, MarkdownTable, inline, link_label, paragraph};
+use crate::draw::markdown::{self, Align, MarkdownTable, inline, paragraph};
 use crate::run::frozen::EXPERIMENT_FILE;
 use crate::run::provenance::PROVENANCE_FILE;
-use crate::run::sheets::sheet_files;
 use crate::run::store::{ANSWERS_FOLDER, TIMINGS_FOLDER};
 use crate::study::finished::{FinishedError, provenance};
 use std::io::Write as _;
@@ -124,62 +124,96 @@ fn files_in(folder: &Path) -> Vec<PathBuf> {
     paths.filter(|path| path.is_file()).collect()
 }
 
+/// A file or a folder of files that is published whole or not at all.
+struct Unit {
+    name: String,
+    files: Vec<PathBuf>,
+}
+
+impl Unit {
+    fn file(dir: &Path, name: impl Into<String>) -> Self {
+        let name = name.into();
+        let files = vec![dir.join(&name)];
+        Self { name, files }
+    }
+
+    fn bytes(&self) -> u64 {
+        self.files
+            .iter()
+            .filter_map(|path| Some(std::fs::metadata(path).ok()?.len()))
+            .sum()
+    }
+
+    /// Copies the files that exist from the folder `dir` to `target`.
+    fn copy(&self, dir: &Path, target: &Path) -> Result<(), PublishError> {
+        for from in self.files.iter().filter(|path| path.is_file()) {
+            let to = target.join(from.strip_prefix(dir).unwrap_or(from));
+            make_folder(to.parent().unwrap_or(target))?;
+            std::fs::copy(from, to).map_err(io(from))?;
+        }
+        Ok(())
+    }
+}
+
+/// The files of a run to publish, besides provenance and contact sheet.
+fn units(dir: &Path, record: &AnswerRecord) -> Vec<Unit> {
+    let mut units: Vec<Unit> = FILES.iter().map(|name| Unit::file(dir, *name)).collect();
+    for name in record.files.iter().map(String::as_str).chain([ANSWER_FILE]) {
+        units.push(Unit::file(dir, format!("{ANSWERS_FOLDER}/{name}")));
+    }
+    units.push(Unit {
+        name: TIMINGS_FOLDER.to_owned(),
+        files: files_in(&dir.join(TIMINGS_FOLDER)),
+    });
+    units
+}
+
 /// Copies the small files of the run in `dir`, which has answers, to `into/NAME`, if [`check`]
 /// allows it. Returns the omitted files.
 pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, PublishError> {
     check(dir, into, replace)?;
     let record = AnswerRecord::read(dir)?;
     let target = into.join(&record.name);
-    for folder in ["", ANSWERS_FOLDER, TIMINGS_FOLDER].map(|name| target.join(name)) {
-        // Files of an earlier publication.
-        files_in(&folder)
-            .iter()
-            .try_for_each(|path| std::fs::remove_file(path).map_err(io(path)))?;
-    }
-    let answers = record.files.iter().map(String::as_str).chain([ANSWER_FILE]);
-    let answers = answers.map(|name| format!("{ANSWERS_FOLDER}/{name}"));
-    let mut units: Vec<(String, Vec<PathBuf>)> = FILES
-        .iter()
-        .map(|name| (*name).to_owned())
-        .chain(answers)
-        .map(|name| (name.clone(), vec![dir.join(name)]))
-        .collect();
-    units.push((
-        TIMINGS_FOLDER.to_owned(),
-        files_in(&dir.join(TIMINGS_FOLDER)),
-    ));
+    remove_published(&target)?;
     let mut left_out: Vec<String> = Vec::new();
-    for (name, files) in units {
-        let bytes: u64 = files
-            .iter()
-            .filter_map(|path| Some(std::fs::metadata(path).ok()?.len()))
-            .sum();
+    for unit in units(dir, &record) {
+        let bytes = unit.bytes();
         if bytes > BYTES_MAX {
-            left_out.push(format!("{name} ({:.1} MB)", bytes as f64 / 1e6));
-            continue;
-        }
-        for from in files.iter().filter(|path| path.is_file()) {
-            let to = target.join(from.strip_prefix(dir).unwrap_or(from));
-            make_folder(to.parent().unwrap_or(&target))?;
-            std::fs::copy(from, to).map_err(io(from))?;
+            left_out.push(format!("{} ({:.1} MB)", unit.name, bytes as f64 / 1e6));
+        } else {
+            unit.copy(dir, &target)?;
         }
     }
     write_provenance(dir, &target)?;
-    let summary = target.join(SUMMARY_FILE);
-    let mut text = read_text(&summary, TEXT_BYTES_MAX).map_err(io(&summary))?;
-    // The sheet that the summary shows.
+    write_summary(dir, &target, &left_out)?;
+    Ok(left_out
+        .iter()
+        .map(|name| format!("{}: omitted {name}", dir.display()))
+        .collect())
+}
+
+/// Removes the files of an earlier publication.
+fn remove_published(target: &Path) -> Result<(), PublishError> {
+    for folder in ["", ANSWERS_FOLDER, TIMINGS_FOLDER] {
+        for path in files_in(&target.join(folder)) {
+            std::fs::remove_file(&path).map_err(io(&path))?;
+        }
+    }
+    Ok(())
+}
+
+/// Adapts the published summary: the sheet that it shows is beside it, and it names the omitted
+/// files.
+fn write_summary(dir: &Path, target: &Path, left_out: &[String]) -> Result<(), PublishError> {
+    let path = target.join(SUMMARY_FILE);
+    let mut text = read_text(&path, TEXT_BYTES_MAX).map_err(io(&path))?;
     if let Some(sheet) = sheet_files(dir).first() {
         let name = sheet
             .file_name()
             .map_or_else(|| "sheet.svg".into(), |name| name.to_string_lossy());
-        let link = sheet_link(&name);
-        if text.contains(&link) {
+        if let Some(adapted) = with_sheet_beside(&text, &name) {
             std::fs::copy(sheet, target.join(&*name)).map_err(io(sheet))?;
-            text = text.replace(&link, &markdown::link(sheet_title(&name), &name));
-            text = text.replace(
-                &markdown::link(SHEETS_FOLDER, SHEETS_FOLDER),
-                &link_label(SHEETS_FOLDER),
-            );
+            text = adapted;
         }
     }
     if !left_out.is_empty() {
@@ -188,11 +222,9 @@ pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, Pu
             left_out.join(", ")
         );
     }
-    write_atomically(&summary, |writer| writer.write_all(text.as_bytes()))?;
-    Ok(left_out
-        .iter()
-        .map(|name| format!("{}: omitted {name}", dir.display()))
-        .collect())
+    Ok(write_atomically(&path, |writer| {
+        writer.write_all(text.as_bytes())
+    })?)
 }
 
 /// Writes the provenance, with folders relative to the published one.
@@ -208,8 +240,15 @@ fn write_provenance(dir: &Path, target: &Path) -> Result<(), PublishError> {
     })?)
 }
 
-/// The published runs in a folder, with the names of their folders, sorted.
-pub(super) fn published(into: &Path) -> Result<Vec<(AnswerRecord, String)>, PublishError> {
+/// A published run.
+pub(super) struct PublishedRun {
+    /// Name of its folder.
+    pub folder: String,
+    pub record: AnswerRecord,
+}
+
+/// The published runs in a folder, by folder.
+pub(super) fn published(into: &Path) -> Result<Vec<PublishedRun>, PublishError> {
     let mut folders: Vec<String> = std::fs::read_dir(into)
         .map_err(io(into))?
         .flatten()
@@ -219,7 +258,10 @@ pub(super) fn published(into: &Path) -> Result<Vec<(AnswerRecord, String)>, Publ
     folders.sort();
     folders
         .into_iter()
-        .map(|folder| Ok((AnswerRecord::read(&into.join(&folder))?, folder)))
+        .map(|folder| {
+            let record = AnswerRecord::read(&into.join(&folder))?;
+            Ok(PublishedRun { folder, record })
+        })
         .collect()
 }
 
@@ -231,72 +273,75 @@ pub fn write_page(into: &Path) -> Result<PathBuf, PublishError> {
         ("question", Align::Left),
         ("answer", Align::Left),
     ]);
-    for (run, folder) in &runs {
-        let link = markdown::link(&run.name, &format!("{folder}/{SUMMARY_FILE}"));
-        table.row_with_link(&link, &[run.question.as_str(), run.headline()]);
+    for PublishedRun { folder, record } in &runs {
+        let link = markdown::link(&record.name, &format!("{folder}/{SUMMARY_FILE}"));
+        table.row_with_link(&link, &[record.question.as_str(), record.headline()]);
     }
     let mut text = format!(
         "# Published runs\n\n`splitsum answers --publish` writes this page. Remarks come from \
          `NAME/{REMARK_FILE}`.\n\n{table}\n"
     );
-    if runs.iter().any(|(run, _)| run.is_cpu_timed) {
+    if runs.iter().any(|run| run.record.is_cpu_timed) {
         text += "**Times from a CPU driver say nothing about a GPU.** Errors do not depend on the \
                  device's speed.\n\n";
     }
-    for (run, folder) in &runs {
-        text += &section(run, folder, &into.join(folder));
+    for run in &runs {
+        text += &section(run, &into.join(&run.folder));
     }
     let path = into.join(PAGE);
     write_atomically(&path, |writer| writeln!(writer, "{}", text.trim_end()))?;
     Ok(path)
 }
 
-fn section(run: &AnswerRecord, folder: &str, dir: &Path) -> String {
+/// The answers of a run with links to its files.
+fn section(PublishedRun { folder, record }: &PublishedRun, dir: &Path) -> String {
     let mut text = format!(
         "## {}\n\n{}\n\n{}\n\n",
-        inline(&run.name),
-        paragraph(&run.question),
-        bold(run.headline())
+        inline(&record.name),
+        paragraph(&record.question),
+        bold(record.headline())
     );
-    text.extend(
-        run.answers
-            .iter()
-            .skip(1)
-            .map(|answer| format!("- {}\n", paragraph(&answer.sentence))),
-    );
+    for answer in record.answers.iter().skip(1) {
+        text += &format!("- {}\n", paragraph(&answer.sentence));
+    }
     let remark = read_text(&dir.join(REMARK_FILE), TEXT_BYTES_MAX).unwrap_or_default();
     if !remark.trim().is_empty() {
         text += &format!("\n{}\n", remark.trim());
     }
-    let figures = run
+    let mut links: Vec<String> = Vec::new();
+    for figure in record
         .files
         .iter()
-        .filter_map(|name| name.strip_suffix(".svg"));
-    let figures = figures.map(|name| format!("[{name}]({folder}/{ANSWERS_FOLDER}/{name}.svg)"));
-    let sheet = names_in(dir)
-        .into_iter()
-        .filter(|name| name.ends_with(".svg"))
-        .min();
-    let sheet = sheet.map(|sheet| markdown::link("contact sheet", &format!("{folder}/{sheet}")));
-    let links = figures
-        .chain(sheet)
-        .chain([format!("[all numbers]({folder}/{SUMMARY_FILE})")]);
-    let failed = if run.failed > 0 {
-        format!(", {} failed", run.failed)
+        .filter_map(|name| name.strip_suffix(".svg"))
+    {
+        links.push(format!(
+            "[{figure}]({folder}/{ANSWERS_FOLDER}/{figure}.svg)"
+        ));
+    }
+    let mut names = names_in(dir).into_iter();
+    if let Some(sheet) = names.find(|name| name.ends_with(".svg")) {
+        links.push(markdown::link(
+            "contact sheet",
+            &format!("{folder}/{sheet}"),
+        ));
+    }
+    links.push(format!("[all numbers]({folder}/{SUMMARY_FILE})"));
+    let failed = if record.failed > 0 {
+        format!(", {} failed", record.failed)
     } else {
         String::new()
     };
-    let commit = run
+    let commit = record
         .commit
         .get(..12)
         .map_or_else(String::new, |commit| format!(", commit {commit}"));
     text += &format!(
         "\n{}\n\n{} cells{failed} on {}{}, {}{commit}.\n\n",
-        links.collect::<Vec<_>>().join(" · "),
-        run.cells,
-        inline(&run.devices.join("; ")),
-        if run.is_cpu_timed { " (CPU)" } else { "" },
-        run.date_utc
+        links.join(" · "),
+        record.cells,
+        inline(&record.devices.join("; ")),
+        if record.is_cpu_timed { " (CPU)" } else { "" },
+        record.date_utc
     );
     text
 }

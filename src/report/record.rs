@@ -33,11 +33,21 @@ pub struct AnswerSentence {
     pub sentence: String,
 }
 
+impl AnswerSentence {
+    pub fn new(answer: &Answer) -> Self {
+        Self {
+            question: answer.question.name.to_owned(),
+            asks: answer.question.asks.to_owned(),
+            sentence: answer.finding.sentences.markdown(),
+        }
+    }
+}
+
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct AnswerRecord {
     pub name: String,
     pub question: String,
-    /// The leading answer first.
+    /// The main answer first.
     pub answers: Vec<AnswerSentence>,
     pub cells: usize,
     pub failed: usize,
@@ -60,6 +70,7 @@ impl AnswerRecord {
         serde_json::from_str(&text).map_err(|error| WriteError::Json { path, error })
     }
 
+    /// The main answer in words.
     pub fn headline(&self) -> &str {
         self.answers
             .first()

@@ -1,10 +1,12 @@
 //! `summary.md`: the question, the answers, the state of the run.
 
 use super::record::{AnswerRecord, shortened};
-use crate::draw::markdown::{Align, MarkdownTable, inline, link, paragraph, significant};
+use super::sheets::sheet_files;
+use crate::draw::markdown::{
+    Align, MarkdownTable, inline, link, link_label, paragraph, significant,
+};
 use crate::experiment::axis::{AXES, SIZE};
-use crate::run::sheets::sheet_files;
-use crate::run::store::{ANSWERS_FOLDER, StopReason};
+use crate::run::store::{ANSWERS_FOLDER, ReferenceStop, StopReason};
 use crate::study::finished::Finished;
 use crate::study::frame::{distinct_in_order, estimate::median};
 use crate::study::questions::Answer;
@@ -20,7 +22,11 @@ pub fn markdown(run: &Finished, answers: &[Answer], record: &AnswerRecord) -> St
     }
     let _ = writeln!(text, "{}\n", bold(record.headline()));
     for answer in answers.iter().skip(1) {
-        let _ = writeln!(text, "- {}", paragraph(&answer.finding.sentence));
+        let _ = writeln!(
+            text,
+            "- {}",
+            paragraph(&answer.finding.sentences.markdown())
+        );
     }
     if answers.len() > 1 {
         text.push('\n');
@@ -62,7 +68,7 @@ fn section(answer: &Answer) -> String {
 fn state(run: &Finished, record: &AnswerRecord) -> String {
     let sizes =
         distinct_in_order(run.cells.iter().map(|cell| cell.point[SIZE].to_string())).join(", ");
-    let planned = run.provenance["cell_count"].as_u64().unwrap_or(0);
+    let planned = run.provenance.cell_count;
     let mut text = format!("{} of {planned} cells done", record.cells);
     if record.failed > 0 {
         let _ = write!(text, ", {} failed", record.failed);
@@ -71,8 +77,8 @@ fn state(run: &Finished, record: &AnswerRecord) -> String {
         text,
         ". {} {sizes}. Reference: `{}`, {} samples per pixel{}. Device: {}.\n",
         AXES[SIZE].name,
-        inline(&run.text("/reference/method")),
-        inline(&run.text("/reference/samples")),
+        inline(&run.provenance.reference.method),
+        run.provenance.reference.samples,
         reference_stops(run),
         if record.devices.is_empty() {
             "none yet".to_owned()
@@ -90,19 +96,18 @@ fn state(run: &Finished, record: &AnswerRecord) -> String {
 /// Where the references stopped, as the end of a sentence.
 fn reference_stops(run: &Finished) -> String {
     // Cells of one reference share its file.
-    let mut stops = BTreeMap::new();
-    for (cell, stop) in run
-        .cells
-        .iter()
-        .filter_map(|cell| Some((cell, cell.reference.as_ref()?)))
-    {
-        let alike = || format!("{stop:?}");
-        stops.insert(
-            cell.images
-                .as_ref()
-                .map_or_else(alike, |images| images.reference.clone()),
-            stop,
-        );
+    let mut stops: BTreeMap<String, &ReferenceStop> = BTreeMap::new();
+    for cell in &run.cells {
+        if let Some(stop) = &cell.reference {
+            let reference = match &cell.images {
+                Some(images) => images.reference.clone(),
+                None => format!("{stop:?}"),
+            };
+            stops.insert(reference, stop);
+        }
+    }
+    if stops.is_empty() {
+        return String::new();
     }
     let errors: Vec<f64> = stops.values().map(|stop| stop.relative_error.0).collect();
     let worst = errors.iter().copied().fold(f64::NAN, f64::max);
@@ -111,33 +116,40 @@ fn reference_stops(run: &Finished) -> String {
         significant(median(&errors), 2),
         significant(worst, 2)
     );
-    match run
-        .provenance
-        .pointer("/reference/relative_error")
-        .and_then(serde_json::Value::as_f64)
-    {
-        _ if stops.is_empty() => String::new(),
-        None => format!(" (relative standard error: {errors})"),
-        Some(wanted) => {
-            let met = stops
-                .values()
-                .filter(|stop| stop.stopped_by == StopReason::RelativeError)
-                .count();
-            format!(
-                " at most; {met} of {} stopped earlier at a relative standard error of {wanted} \
-                 ({errors})",
-                stops.len()
-            )
-        }
-    }
+    let Some(wanted) = run.provenance.reference.relative_error else {
+        return format!(" (relative standard error: {errors})");
+    };
+    let met_count = stops
+        .values()
+        .filter(|stop| stop.stopped_by == StopReason::RelativeError)
+        .count();
+    format!(
+        " at most; {met_count} of {} stopped earlier at a relative standard error of {wanted} \
+         ({errors})",
+        stops.len()
+    )
 }
 
-pub fn sheet_link(name: &str) -> String {
+fn sheet_link(name: &str) -> String {
     link(sheet_title(name), &format!("{SHEETS_FOLDER}/{name}"))
 }
 
-pub fn sheet_title(name: &str) -> &str {
+fn sheet_title(name: &str) -> &str {
     name.trim_end_matches(".svg")
+}
+
+/// The summary for a folder that has the contact sheet `name` beside it and no others; `None` if
+/// the summary does not link that sheet.
+pub fn with_sheet_beside(summary: &str, name: &str) -> Option<String> {
+    let link_in_run = sheet_link(name);
+    summary.contains(&link_in_run).then(|| {
+        summary
+            .replace(&link_in_run, &link(sheet_title(name), name))
+            .replace(
+                &link(SHEETS_FOLDER, SHEETS_FOLDER),
+                &link_label(SHEETS_FOLDER),
+            )
+    })
 }
 
 /// A link to the first contact sheet; empty without pictures.

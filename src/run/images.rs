@@ -87,20 +87,20 @@ pub fn radiance_name(point: &Point, id: &str) -> String {
     format!("{}.{id}.exr", slug(point))
 }
 
-pub(super) fn picture_name(cell: &Cell) -> String {
+pub fn picture_name(cell: &Cell) -> String {
     format!("{}.{}.png", slug(&cell.point), cell.id)
 }
 
 /// Shared by cells that differ only in the tone curve.
-pub(super) fn error_name(cell: &Cell) -> String {
+pub fn error_name(cell: &Cell) -> String {
     format!("{}.{}.error.png", slug(&cell.point), cell.radiance)
 }
 
-pub(super) fn flip_name(cell: &Cell) -> String {
+pub fn flip_name(cell: &Cell) -> String {
     format!("{}.{}.flip.png", slug(&cell.point), cell.id)
 }
 
-pub(super) fn reference_picture_name(plan: &Plan, cell: &Cell) -> String {
+pub fn reference_picture_name(plan: &Plan, cell: &Cell) -> String {
     let point = plan.reference_point(&cell.point);
     let display = AXES
         .iter()
@@ -128,7 +128,7 @@ pub fn write_radiance(path: &Path, frame: &Frame) -> Result<(), PixelsError> {
 }
 
 /// Whether the tone curve is swept: then each cell has its own map of visible differences.
-pub(super) fn sweeps_display(plan: &Plan) -> bool {
+pub fn sweeps_display(plan: &Plan) -> bool {
     plan.swept().any(|axis| !AXES[axis].changes_radiance())
 }
 

@@ -2,13 +2,12 @@
 //! `crate::study` answers questions from the tables.
 
 pub mod columns;
+pub mod companion;
 pub mod environments;
 pub mod estimate;
 pub mod execute;
 pub mod frozen;
 pub mod images;
-pub mod live;
-pub mod live_model;
 pub mod provenance;
 pub mod record;
 pub mod renderer;
@@ -16,13 +15,13 @@ pub mod rows;
 mod scoring;
 pub mod seal;
 pub mod shard;
-pub mod sheets;
 pub mod split;
 pub mod store;
 pub mod tables;
 pub mod timing;
 pub mod timing_ratios;
 
+pub use companion::Companions;
 pub use execute::{MakeRenderer, Merged, Outcome, Progress, RunError, RunOptions, merge, run};
 pub use images::{STANDARD_ERROR_LAYER, file_words, write_radiance};
 pub use renderer::{RenderFault, Renderer, Served};

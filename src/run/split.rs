@@ -15,7 +15,7 @@ use std::collections::{BTreeMap, BTreeSet, HashMap};
 pub struct Share {
     pub cells: BTreeSet<String>,
     pub timings: BTreeSet<String>,
-    /// Whether it makes `live.json`.
+    /// Whether it makes the files of the plan (`companion`).
     pub has_live: bool,
 }
 

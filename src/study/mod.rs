@@ -1,6 +1,7 @@
 //! Answers questions from finished runs. Needs no device.
 
 pub mod columns;
+pub mod finding;
 pub mod finished;
 pub mod frame;
 pub mod names;

@@ -3,6 +3,7 @@
 use super::finished::Finished;
 use crate::base::csv::Cell;
 use crate::draw::markdown::significant;
+use crate::draw::words::{Phrase, Statement};
 use crate::experiment::axis::{AXES, AxisId, ENVIRONMENT, Named, PerAxis};
 use crate::experiment::value::Value;
 use crate::instrument::environment::BUILTIN_PREFIX;
@@ -47,41 +48,51 @@ impl Names {
     /// short already; a folder distinguishes equal file names.
     pub fn short(&self, axis: AxisId, value: &Value) -> String {
         let text = self.shown(axis, value).to_string();
-        match axis == ENVIRONMENT && !text.starts_with(BUILTIN_PREFIX) {
-            true => text,
-            false => short_value(&AXES[axis], &text).into_owned(),
+        let is_file = axis == ENVIRONMENT && !text.starts_with(BUILTIN_PREFIX);
+        if is_file {
+            text
+        } else {
+            short_value(&AXES[axis], &text).into_owned()
+        }
+    }
+
+    /// As [`Self::short`], in a statement.
+    pub fn short_phrase(&self, axis: AxisId, value: &Value) -> Phrase {
+        Phrase::AxisValue {
+            axis: self.name(axis),
+            label: self.short(axis, value),
         }
     }
 
     /// "6 levels", "256x128": a value in a sentence.
-    pub fn said(&self, axis: AxisId, value: &Value) -> String {
+    pub fn in_sentence(&self, axis: AxisId, value: &Value) -> String {
         self.0[axis].symbol().in_sentence(&self.short(axis, value))
     }
 
     /// "alpha 0.1 · sky · ggx", "256x128 · 5 lv".
     pub fn label(&self, axes: &[AxisId], key: &[Value]) -> String {
-        self.label_where(axes, key, |_| true)
+        self.labels(axes, key).join(" · ")
     }
 
-    /// As [`Self::label`], for the axes with `is_shown`.
-    pub fn label_where(
-        &self,
-        axes: &[AxisId],
-        key: &[Value],
-        is_shown: impl Fn(AxisId) -> bool,
-    ) -> String {
-        let shown = axes
-            .iter()
-            .zip(key)
-            .filter(|(axis, value)| **value != Value::Unset && is_shown(**axis));
-        shown
-            .map(|(&axis, value)| self.one(axis, value))
-            .collect::<Vec<_>>()
-            .join(" · ")
+    /// "alpha 0.1, sky, ggx".
+    pub fn comma_label(&self, axes: &[AxisId], key: &[Value]) -> String {
+        self.labels(axes, key).join(", ")
+    }
+
+    /// As [`Self::comma_label`], in a statement.
+    pub fn comma_phrases(&self, axes: &[AxisId], key: &[Value]) -> Statement {
+        let phrases = set_values(axes, key).map(|(axis, value)| self.phrase(axis, value).into());
+        Statement::joined(phrases, ", ")
+    }
+
+    fn labels(&self, axes: &[AxisId], key: &[Value]) -> Vec<String> {
+        set_values(axes, key)
+            .map(|(axis, value)| self.value_label(axis, value))
+            .collect()
     }
 
     /// "alpha 0.1", "sky"; empty for an unset value.
-    pub fn one(&self, axis: AxisId, value: &Value) -> String {
+    pub fn value_label(&self, axis: AxisId, value: &Value) -> String {
         if *value == Value::Unset {
             String::new()
         } else {
@@ -89,42 +100,56 @@ impl Names {
         }
     }
 
+    /// As [`Self::value_label`], in a statement.
+    pub fn phrase(&self, axis: AxisId, value: &Value) -> Phrase {
+        Phrase::AxisValue {
+            axis: self.name(axis),
+            label: self.value_label(axis, value),
+        }
+    }
+
     /// "alpha 0.05 (roughness 0.22)", "sky".
     pub fn heading(&self, axis: AxisId, value: &Value) -> String {
-        match self
-            .beside(axis)
-            .map(|second| (second, second.shown(value).size()))
-        {
-            Some((second, Some(size))) => {
-                format!(
-                    "{} ({})",
-                    self.one(axis, value),
-                    second.symbol().label(&significant(size, DIGITS))
-                )
+        let label = self.value_label(axis, value);
+        let Some(second) = self.second_name(axis) else {
+            return label;
+        };
+        match second.shown(value).size() {
+            Some(size) => {
+                let second = second.symbol().label(&significant(size, DIGITS));
+                format!("{label} ({second})")
             }
-            _ => self.one(axis, value),
+            None => label,
+        }
+    }
+
+    /// As [`Self::heading`], in a statement.
+    pub fn heading_phrase(&self, axis: AxisId, value: &Value) -> Phrase {
+        Phrase::AxisValue {
+            axis: self.name(axis),
+            label: self.heading(axis, value),
         }
     }
 
     /// Column heads of values on these axes: alpha also shows the perceptual roughness.
     pub fn heads(&self, axes: &[AxisId]) -> Vec<&'static str> {
-        let names = |&axis: &AxisId| {
-            std::iter::once(self.name(axis)).chain(self.beside(axis).map(Named::name))
-        };
-        axes.iter().flat_map(names).collect()
+        let mut heads = Vec::new();
+        for &axis in axes {
+            heads.push(self.name(axis));
+            heads.extend(self.second_name(axis).map(Named::name));
+        }
+        heads
     }
 
     /// Cells under [`Self::heads`].
     pub fn head(&self, axes: &[AxisId], key: &[Value]) -> Vec<Cell> {
-        let cells = |(&axis, value): (&AxisId, &Value)| {
-            let beside = self
-                .beside(axis)
-                .map(|second| Cell::from(&second.shown(value)));
-            std::iter::once(Cell::from(self.short(axis, value)))
-                .chain(beside)
-                .collect::<Vec<_>>()
-        };
-        axes.iter().zip(key).flat_map(cells).collect()
+        let mut cells = Vec::new();
+        for (&axis, value) in axes.iter().zip(key) {
+            cells.push(Cell::from(self.short(axis, value)));
+            let second = self.second_name(axis);
+            cells.extend(second.map(|second| Cell::from(&second.shown(value))));
+        }
+        cells
     }
 
     /// As [`Self::head`], for one axis.
@@ -133,7 +158,17 @@ impl Names {
     }
 
     /// The second name of an axis, if the experiment uses the first.
-    fn beside(&self, axis: AxisId) -> Option<Named> {
+    fn second_name(&self, axis: AxisId) -> Option<Named> {
         Some(Named::usual(axis)).filter(|usual| usual.is_second() && !self.0[axis].is_second())
     }
+}
+
+fn set_values<'v>(
+    axes: &'v [AxisId],
+    key: &'v [Value],
+) -> impl Iterator<Item = (AxisId, &'v Value)> {
+    axes.iter()
+        .copied()
+        .zip(key)
+        .filter(|(_, value)| **value != Value::Unset)
 }

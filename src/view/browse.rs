@@ -13,7 +13,7 @@ pub struct Browse {
 
 impl Browse {
     /// Shows the field. Returns `None` while it is open, then the path, if any.
-    pub fn ui(&mut self, ui: &Ui, places: &mut BTreeMap<String, Rect>) -> Option<Option<PathBuf>> {
+    pub fn ui(&mut self, ui: &Ui, rects: &mut BTreeMap<String, Rect>) -> Option<Option<PathBuf>> {
         let modal = egui::Modal::new("browse".into()).show(ui.ctx(), |ui| {
             ui.set_width(460.0);
             ui.heading(if self.axis == ENVIRONMENT {
@@ -24,7 +24,7 @@ impl Browse {
             let field =
                 TextEdit::singleline(&mut self.typed).hint_text("Path of a file, then Enter");
             let field = ui.add(field.desired_width(f32::INFINITY));
-            places.insert("path".to_owned(), field.rect);
+            rects.insert("path".to_owned(), field.rect);
             let is_typed = field.lost_focus() && ui.input(|input| input.key_pressed(Key::Enter));
             if !is_typed && ui.memory(|memory| memory.focused().is_none()) {
                 field.request_focus();

@@ -12,31 +12,28 @@ use crate::experiment::value::{Kind, Range, Value};
 use crate::instrument::environment::{BUILTIN_PREFIX, BUILTINS};
 use crate::instrument::scene::{CameraKind, SCENES};
 use crate::instrument::shade::Method;
-use egui::{Align2, ComboBox, DragValue, Rect, Response, Slider, SliderClamping, Ui, vec2};
+use egui::{Align2, ComboBox, Rect, Response, Ui, vec2};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// Range of sliders over many decades; other numbers can be typed.
-const DECADES: [f64; 2] = [1e-3, 1e3];
-const SAMPLES_MAX: u32 = 4096;
 const REFERENCE_COUNTS: [u32; 6] = [32, 256, 1024, 4096, 16384, 65536];
 const LABEL: egui::Vec2 = vec2(112.0, 26.0);
-const SLIDER_WIDTH: f32 = 84.0;
-const MENU_WIDTH: f32 = 176.0;
+pub const MENU_WIDTH: f32 = 176.0;
 /// Leaves room for a button.
 const INPUT_WIDTH: f32 = 116.0;
 
-/// Controls with their places by name, for tests.
 #[derive(Default)]
 pub struct Controls {
-    pub places: BTreeMap<String, Rect>,
+    /// Rectangles of the controls by name, for tests.
+    pub rects: BTreeMap<String, Rect>,
     pub has_probe: bool,
     browse: Option<Browse>,
 }
 
 impl Controls {
-    pub fn place(&mut self, name: impl Into<String>, response: &Response) {
-        self.places.insert(name.into(), response.rect);
+    /// Records where a control is.
+    pub fn record(&mut self, name: impl Into<String>, response: &Response) {
+        self.rects.insert(name.into(), response.rect);
     }
 
     /// Shows every control. Returns a file that the user chose.
@@ -47,8 +44,8 @@ impl Controls {
         self.axis(ui, ALPHA, state);
         self.axis(ui, METALLIC, state);
         self.axis(ui, f0(state), state);
-        self.method(ui, "left", state);
-        self.method(ui, "right", state);
+        self.method(ui, Side::Left, state);
+        self.method(ui, Side::Right, state);
         let uses_samples = |side| {
             let method = state.image(side, 1).point.method();
             method.uses_samples && !method.is_integrated()
@@ -60,9 +57,9 @@ impl Controls {
         ui.add_space(4.0);
         let advanced = egui::CollapsingHeader::new("Advanced")
             .show_unindented(ui, |ui| self.advanced(ui, state));
-        self.place("advanced", &advanced.header_response);
+        self.record("advanced", &advanced.header_response);
         let mut browse = self.browse.take()?;
-        let chosen = browse.ui(ui, &mut self.places);
+        let chosen = browse.ui(ui, &mut self.rects);
         if chosen.is_none() {
             self.browse = Some(browse);
         }
@@ -70,80 +67,70 @@ impl Controls {
     }
 
     fn advanced(&mut self, ui: &mut Ui, state: &mut State) {
-        self.row(
-            ui,
-            "Camera",
-            "Drag to turn, wheel to zoom, 0 to reset",
-            |controls, ui| {
-                for (kind, word) in CameraKind::all().zip(["Parallel", "Perspective"]) {
-                    controls.place(
-                        kind.name(),
-                        &ui.radio_value(&mut state.view.camera, *kind, word),
-                    );
-                }
-            },
-        );
-        let switches = [
-            (
-                "background",
-                "Environment as background",
-                &mut state.view.background,
-            ),
-            ("fill", "Picture as large as the window", &mut state.fill),
-            ("probe", "Values under the pointer (P)", &mut self.has_probe),
+        self.camera(ui, state);
+        self.switches(ui, state);
+        self.reference_samples(ui, state);
+        let shown_above = [
+            ENVIRONMENT,
+            SCENE,
+            ALPHA,
+            METALLIC,
+            f0(state),
+            METHOD,
+            SAMPLES,
+            EXPOSURE,
         ];
-        let placed = switches.map(|(name, label, is_on)| (name, ui.checkbox(is_on, label)));
-        placed
-            .iter()
-            .for_each(|(name, response)| self.place(*name, response));
-        self.row(
-            ui,
-            "Reference up to",
-            "Samples a pixel at which the reference stops",
-            |controls, ui| {
-                let count = &mut state.view.reference_samples;
-                let items = REFERENCE_COUNTS.map(|count| (count.to_string(), count.to_string()));
-                let chosen = controls.menu(
-                    ui,
-                    "reference samples",
-                    MENU_WIDTH,
-                    &count.to_string(),
-                    items.into(),
-                );
-                *count = chosen.and_then(|text| text.parse().ok()).unwrap_or(*count);
-            },
-        );
         for part in [Part::Case, Part::Method, Part::Display, Part::Table] {
             let heading = part.heading();
             ui.add_space(8.0);
             // The rest concerns flags of `render`.
             ui.heading(heading.split(',').next().unwrap_or(heading));
-            let eight = [
-                ENVIRONMENT,
-                SCENE,
-                ALPHA,
-                METALLIC,
-                f0(state),
-                METHOD,
-                SAMPLES,
-                EXPOSURE,
-            ];
-            let is_choice = |axis: AxisId| !matches!(AXES[axis].kind, Kind::NameOrFile { names, .. } if names().len() < 2);
-            let is_here =
-                |axis: &AxisId| AXES[*axis].part.heading() == heading && !eight.contains(axis);
-            AXES.ids()
-                .filter(is_here)
-                .filter(|axis| is_choice(*axis))
-                .for_each(|axis| self.axis(ui, axis, state));
+            for axis in AXES.ids() {
+                let is_here = AXES[axis].part.heading() == heading && !shown_above.contains(&axis);
+                if is_here && has_choice(axis) {
+                    self.axis(ui, axis, state);
+                }
+            }
         }
+    }
+
+    fn camera(&mut self, ui: &mut Ui, state: &mut State) {
+        let about = "Drag to turn, wheel to zoom, 0 to reset";
+        self.row(ui, "Camera", about, |controls, ui| {
+            for (kind, word) in CameraKind::all().zip(["Parallel", "Perspective"]) {
+                let button = ui.radio_value(&mut state.view.camera, *kind, word);
+                controls.record(kind.name(), &button);
+            }
+        });
+    }
+
+    fn switches(&mut self, ui: &mut Ui, state: &mut State) {
+        let background = ui.checkbox(&mut state.view.background, "Environment as background");
+        self.record("background", &background);
+        let fill = ui.checkbox(&mut state.fill, "Picture as large as the window");
+        self.record("fill", &fill);
+        let probe = ui.checkbox(&mut self.has_probe, "Values under the pointer (P)");
+        self.record("probe", &probe);
+    }
+
+    fn reference_samples(&mut self, ui: &mut Ui, state: &mut State) {
+        let about = "Samples a pixel at which the reference stops";
+        self.row(ui, "Reference up to", about, |controls, ui| {
+            let current = state.view.reference_samples.to_string();
+            let choices = REFERENCE_COUNTS.map(|count| Choice::code(&count.to_string()));
+            let chosen = controls.menu(ui, "reference samples", MENU_WIDTH, &current, &choices);
+            if let Some(Ok(count)) = chosen.map(|text| text.parse()) {
+                state.view.reference_samples = count;
+            }
+        });
     }
 
     fn row(&mut self, ui: &mut Ui, label: &str, about: &str, add: impl FnOnce(&mut Self, &mut Ui)) {
         ui.horizontal(|ui| {
-            let (place, response) = ui.allocate_exact_size(LABEL, egui::Sense::hover());
+            let (rect, response) = ui.allocate_exact_size(LABEL, egui::Sense::hover());
             let font = egui::TextStyle::Body.resolve(ui.style());
             ui.painter().text(
-                place.left_center(),
+                rect.left_center(),
                 Align2::LEFT_CENTER,
                 label,
                 font,
@@ -155,121 +142,102 @@ impl Controls {
         });
     }
 
-    /// Shows a menu of codes with their words and returns the code that was clicked.
-    fn menu(
+    /// Shows a menu and returns the code that was clicked. `shown` is the code of the current
+    /// choice.
+    pub fn menu(
         &mut self,
         ui: &mut Ui,
         name: &str,
         width: f32,
         shown: &str,
-        items: Vec<(String, String)>,
+        choices: &[Choice],
     ) -> Option<String> {
-        let words = items
+        let words = choices
             .iter()
-            .find(|(code, _)| code == shown)
-            .map_or(shown, |(_, words)| words);
+            .find(|choice| choice.code == shown)
+            .map_or(shown, |choice| &choice.words);
         let combo = ComboBox::from_id_salt(name)
             .width(width)
             .height(900.0)
             .truncate();
-        let list = |ui: &mut Ui| {
-            ui.set_min_width(MENU_WIDTH);
-            let is_clicked = |(code, words): &&(String, String)| {
-                let method = Method::all().find(|method| method.name == code);
-                let about = method.map_or(String::new(), |method| format!(": {}", method.about));
-                let response = ui
-                    .selectable_label(code == shown, words)
-                    .on_hover_text(format!("{code}{about}"));
-                self.place(format!("choice {code}"), &response);
-                response.clicked()
-            };
-            items
-                .iter()
-                .filter(is_clicked)
-                .last()
-                .map(|(code, _)| code.clone())
-        };
-        let cut = |ui: &mut Ui| {
-            ui.set_max_width(width);
-            combo.selected_text(words).show_ui(ui, list)
-        };
-        let response = ui.scope(cut).inner;
+        let response = ui
+            .scope(|ui| {
+                ui.set_max_width(width);
+                combo
+                    .selected_text(words)
+                    .show_ui(ui, |ui| self.menu_list(ui, shown, choices))
+            })
+            .inner;
         response.response.clone().on_hover_text(words);
-        self.place(name, &response.response);
+        self.record(name, &response.response);
         response.inner.flatten()
+    }
+
+    fn menu_list(&mut self, ui: &mut Ui, shown: &str, choices: &[Choice]) -> Option<String> {
+        ui.set_min_width(MENU_WIDTH);
+        let mut clicked = None;
+        for Choice { code, words } in choices {
+            let method = Method::all().find(|method| method.name == code);
+            let about = method.map_or(String::new(), |method| format!(": {}", method.about));
+            let response = ui
+                .selectable_label(code == shown, words)
+                .on_hover_text(format!("{code}{about}"));
+            self.record(format!("choice {code}"), &response);
+            if response.clicked() {
+                clicked = Some(code.clone());
+            }
+        }
+        clicked
     }
 
     /// Shows the built-in names of an environment or scene, and a button for files.
     fn input(&mut self, ui: &mut Ui, axis: AxisId, state: &mut State) {
         let named = Named::own(axis);
-        let text = state.point[axis].text().to_owned();
-        self.row(
-            ui,
-            &named.label(),
-            &capitalised(named.about()),
-            |controls, ui| {
-                let mut names: Vec<String> = match axis {
-                    ENVIRONMENT => BUILTINS
-                        .iter()
-                        .map(|built| format!("{BUILTIN_PREFIX}{}", built.name))
-                        .collect(),
-                    _ => SCENES.iter().map(|scene| scene.name.to_owned()).collect(),
-                };
-                if !names.contains(&text) {
-                    names.push(text.clone());
-                }
-                let words = |name: &String| match Path::new(name)
-                    .extension()
-                    .and(Path::new(name).file_name())
-                {
-                    Some(file) => file.to_string_lossy().into_owned(),
-                    None => in_words(name.trim_start_matches(BUILTIN_PREFIX)),
-                };
-                let items = names
-                    .iter()
-                    .map(|name| (name.clone(), words(name)))
-                    .collect();
-                if let Some(name) = controls.menu(ui, named.name(), INPUT_WIDTH, &text, items) {
-                    state.point[axis] = Value::from(name);
-                }
-                let button = ui
-                    .button("Open")
-                    .on_hover_text("Type a path, or drop a file on the picture");
-                controls.place(format!("open {}", named.name()), &button);
-                if button.clicked() {
-                    controls.browse = Some(Browse {
-                        axis,
-                        typed: String::new(),
-                    });
-                }
-            },
-        );
+        let current = state.point[axis].text().to_owned();
+        let choices = input_choices(axis, &current);
+        let about = capitalised(named.about());
+        self.row(ui, &named.label(), &about, |controls, ui| {
+            let chosen = controls.menu(ui, named.name(), INPUT_WIDTH, &current, &choices);
+            if let Some(name) = chosen {
+                state.point[axis] = Value::from(name);
+            }
+            let button = ui
+                .button("Open")
+                .on_hover_text("Type a path, or drop a file on the picture");
+            controls.record(format!("open {}", named.name()), &button);
+            if button.clicked() {
+                controls.browse = Some(Browse {
+                    axis,
+                    typed: String::new(),
+                });
+            }
+        });
     }
 
-    fn method(&mut self, ui: &mut Ui, side: &str, state: &mut State) {
-        let value = if side == "left" {
-            &mut state.point[METHOD]
-        } else {
-            &mut state.right
+    fn method(&mut self, ui: &mut Ui, side: Side, state: &mut State) {
+        let name = match side {
+            Side::Left => "left",
+            Side::Right => "right",
         };
-        self.row(
-            ui,
-            &capitalised(side),
-            &format!("Method of the {side} half"),
-            |controls, ui| {
-                let current = Method::listed(value.text());
-                let in_file =
-                    Some(current).filter(|current| !Method::names().contains(&current.name));
-                let items = Method::all()
-                    .chain(in_file)
-                    .map(|method| (method.name.to_owned(), method.title.to_owned()));
-                if let Some(name) =
-                    controls.menu(ui, side, MENU_WIDTH, current.name, items.collect())
-                {
-                    *value = Value::from(name);
-                }
-            },
-        );
+        let value = match side {
+            Side::Left => &mut state.point[METHOD],
+            Side::Right => &mut state.right,
+        };
+        let about = format!("Method of the {name} half");
+        self.row(ui, &capitalised(name), &about, |controls, ui| {
+            let current = Method::listed(value.text());
+            let in_file = Some(current).filter(|current| !Method::names().contains(&current.name));
+            let choices: Vec<Choice> = Method::all()
+                .chain(in_file)
+                .map(|method| Choice {
+                    code: method.name.to_owned(),
+                    words: method.title.to_owned(),
+                })
+                .collect();
+            if let Some(code) = controls.menu(ui, name, MENU_WIDTH, current.name, &choices) {
+                *value = Value::from(code);
+            }
+        });
     }
 
     fn axis(&mut self, ui: &mut Ui, axis: AxisId, state: &mut State) {
@@ -307,7 +275,7 @@ impl Controls {
                     let response = ui
                         .small_button("×")
                         .on_hover_text("Return to the model's value");
-                    controls.place(format!("{} reset", named.name()), &response);
+                    controls.record(format!("{} reset", named.name()), &response);
                     if response.clicked() {
                         point[axis] = Value::Unset;
                     }
@@ -315,71 +283,63 @@ impl Controls {
             });
         });
     }
+}
 
-    fn value(&mut self, ui: &mut Ui, named: Named, is_set: bool, value: &mut Value) {
-        ui.spacing_mut().slider_width = SLIDER_WIDTH;
-        let (name, shown) = (named.name(), named.shown(value));
-        let mut found: Option<String> = None;
-        match (named.kind(), &shown) {
-            (kind, Value::Number(_) | Value::Count(_)) => {
-                let ((range, is_log), is_count) = (reach(kind), matches!(kind, Kind::Count { .. }));
-                let mut number = shown.size().unwrap_or_default();
-                let slider = Slider::new(&mut number, range)
-                    .logarithmic(is_log)
-                    .clamping(SliderClamping::Never);
-                let slider = if is_count {
-                    slider.integer()
-                } else {
-                    slider.max_decimals(3)
-                };
-                let response = ui.add(numbered(slider, is_set));
-                found = response.changed().then(|| {
-                    if is_count {
-                        number.to_string()
-                    } else {
-                        short(number)
-                    }
-                });
-                self.place(name, &response);
-            }
-            (Kind::Color(_), Value::Color([r, g, b])) => {
-                ui.spacing_mut().slider_width = SLIDER_WIDTH - 40.0;
-                ui.spacing_mut().interact_size.x = 28.0;
-                let mut grey = (r + g + b) / 3.0;
-                let mut color = [*r, *g, *b];
-                let response = ui.add(numbered(
-                    Slider::new(&mut grey, 0.0..=1.0).max_decimals(3),
-                    is_set,
-                ));
-                self.place(name, &response);
-                if response.changed() {
-                    found = Some(short(grey.into()));
-                }
-                if ui.color_edit_button_rgb(&mut color).changed() {
-                    found = Some(color.map(|x| short(x.clamp(0.0, 1.0).into())).join(":"));
-                }
-            }
-            (Kind::Pair { min, max }, Value::Pair(pair)) => {
-                let mut sides = *pair;
-                for (side, label) in sides.iter_mut().zip(["", "× "]) {
-                    let response = ui.add(DragValue::new(side).range(min..=max).prefix(label));
-                    self.place(format!("{name}{label}"), &response);
-                }
-                found = (sides != *pair).then(|| format!("{}x{}", sides[0], sides[1]));
-            }
-            (Kind::Name { names, .. } | Kind::NameOrFile { names, .. }, Value::Text(text)) => {
-                let items = names()
-                    .into_iter()
-                    .map(|name| (name.to_owned(), name.to_owned()));
-                found = self.menu(ui, name, MENU_WIDTH, text, items.collect());
-            }
-            _ => {}
-        }
-        // Ignores numbers out of range.
-        if let Some(Ok(parsed)) = found.map(|text| named.parse_text(&text)) {
-            *value = parsed;
+/// An entry of a menu.
+pub struct Choice {
+    code: String,
+    words: String,
+}
+
+impl Choice {
+    /// An entry that is shown as its code.
+    pub fn code(code: &str) -> Self {
+        Self {
+            code: code.to_owned(),
+            words: code.to_owned(),
         }
     }
+}
+
+/// Whether an axis has several values to choose from without a file.
+fn has_choice(axis: AxisId) -> bool {
+    match AXES[axis].kind {
+        Kind::NameOrFile { names, .. } => names().len() >= 2,
+        _ => true,
+    }
+}
+
+/// The built-in environments or scenes, and the current one if it is a file.
+fn input_choices(axis: AxisId, current: &str) -> Vec<Choice> {
+    let mut choices: Vec<Choice> = if axis == ENVIRONMENT {
+        BUILTINS
+            .iter()
+            .map(|built| Choice {
+                code: format!("{BUILTIN_PREFIX}{}", built.name),
+                words: in_words(built.name),
+            })
+            .collect()
+    } else {
+        SCENES
+            .iter()
+            .map(|scene| Choice {
+                code: scene.name.to_owned(),
+                words: in_words(scene.name),
+            })
+            .collect()
+    };
+    if choices.iter().all(|choice| choice.code != current) {
+        let path = Path::new(current);
+        let file_name = path.extension().and(path.file_name());
+        choices.push(Choice {
+            code: current.to_owned(),
+            words: match file_name {
+                Some(name) => name.to_string_lossy().into_owned(),
+                None => in_words(current.trim_start_matches(BUILTIN_PREFIX)),
+            },
+        });
+    }
+    choices
 }
 
 /// Returns the axis of F0: a metal's is its albedo.
@@ -391,20 +351,11 @@ fn f0(state: &State) -> AxisId {
     }
 }
 
-/// Shows the slider's number, or what an unset axis stands for.
-fn numbered(slider: Slider<'_>, is_set: bool) -> Slider<'_> {
-    if is_set {
-        slider
-    } else {
-        slider.custom_formatter(|_, _| "model".to_owned())
-    }
-}
-
 /// Returns the first value of an axis that the user sets.
 fn first(axis: AxisId, named: Named, point: &Point) -> Value {
-    let of_layout = point.default_of(axis);
-    if of_layout != Value::Unset {
-        return of_layout;
+    let default = point.default_of(axis);
+    if default != Value::Unset {
+        return default;
     }
     let middle = match named.kind() {
         Kind::Number(Range { min, max, .. }) => short(0.5 * (min + max)),
@@ -413,28 +364,8 @@ fn first(axis: AxisId, named: Named, point: &Point) -> Value {
     named.parse_text(&middle).unwrap_or(Value::Unset)
 }
 
-/// Returns a slider's range, and whether it is logarithmic.
-fn reach(kind: Kind) -> (std::ops::RangeInclusive<f64>, bool) {
-    match kind {
-        Kind::Number(Range {
-            max,
-            min_open: true,
-            ..
-        }) if max > 1.0 => (DECADES[0]..=DECADES[1].min(max), true),
-        Kind::Number(Range { min, max, .. })
-        | Kind::NumberOrName {
-            range: Range { min, max, .. },
-            ..
-        } => (min..=max, false),
-        Kind::Count { min, max } => (
-            f64::from(min)..=f64::from(max.min(SAMPLES_MAX.max(min))),
-            true,
-        ),
-        _ => (crate::experiment::value::ALPHA_MIN..=1.0, false),
-    }
-}
-
-fn short(number: f64) -> String {
+/// Rounds to four significant digits.
+pub fn short(number: f64) -> String {
     format!("{number:.3e}")
         .parse::<f64>()
         .unwrap_or(number)

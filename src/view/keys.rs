@@ -5,6 +5,7 @@ use super::state::{HOME, State};
 use crate::experiment::axis::{ENVIRONMENT_ROTATION, EXPOSURE, METHOD};
 use crate::experiment::value::{Value, decimal};
 use crate::instrument::scene::Orbit;
+use crate::instrument::shade::METHODS;
 use egui::{Key, Ui};
 
 /// Turn by an arrow key, degrees, and distance factor of + and -.
@@ -39,46 +40,15 @@ pub fn press(ui: &Ui, state: &mut State, has_probe: &mut bool) -> Pressed {
                 continue;
             };
             // A slow pass sees several keys, each with its own modifiers.
-            let (picture, orbit, shift) = (state.picture, state.view.orbit, modifiers.shift);
-            let toggled = |wanted: Picture| {
-                if picture == wanted {
-                    Picture::Image
-                } else {
-                    wanted
-                }
-            };
-            let turn = |yaw: f64, pitch: f64| turned(orbit, yaw, pitch);
             match key {
                 key if modifiers.command => pressed.save |= *key == Key::S,
-                Key::E => state.picture = toggled(Picture::Error),
-                Key::S => state.picture = toggled(Picture::Signed),
                 Key::P => *has_probe ^= true,
                 Key::F | Key::F11 => pressed.fullscreen = true,
-                Key::D => state.wipe = if state.wipe == 1.0 { 0.5 } else { 1.0 },
                 Key::OpenBracket => stops -= 0.5,
                 Key::CloseBracket => stops += 0.5,
-                Key::Plus | Key::Equals => state.view.orbit = nearer(orbit, 1.0 / KEY_ZOOM),
-                Key::Minus => state.view.orbit = nearer(orbit, KEY_ZOOM),
-                Key::Num0 => state.view.orbit = HOME,
-                Key::ArrowLeft if shift => turn_light(state, -KEY_DEG),
-                Key::ArrowRight if shift => turn_light(state, KEY_DEG),
-                Key::ArrowLeft => state.view.orbit = turn(-KEY_DEG, 0.0),
-                Key::ArrowRight => state.view.orbit = turn(KEY_DEG, 0.0),
-                Key::ArrowUp => state.view.orbit = turn(0.0, KEY_DEG),
-                Key::ArrowDown => state.view.orbit = turn(0.0, -KEY_DEG),
-                key => {
-                    // Keys 1 to 9 choose a method in list order.
-                    let digit = key
-                        .symbol_or_name()
-                        .parse::<usize>()
-                        .ok()
-                        .filter(|digit| *digit > 0);
-                    if let Some(method) =
-                        digit.and_then(|digit| crate::instrument::shade::METHODS.get(digit - 1))
-                    {
-                        state.point[METHOD] = Value::Text(method.name.to_owned().into());
-                    }
-                }
+                Key::ArrowLeft if modifiers.shift => turn_light(state, -KEY_DEG),
+                Key::ArrowRight if modifiers.shift => turn_light(state, KEY_DEG),
+                key => change_state(*key, state),
             }
         }
         if stops != 0.0 {
@@ -87,6 +57,40 @@ pub fn press(ui: &Ui, state: &mut State, has_probe: &mut bool) -> Pressed {
         }
     });
     pressed
+}
+
+/// Applies a key to picture, wipe, camera or method.
+fn change_state(key: Key, state: &mut State) {
+    let orbit = state.view.orbit;
+    match key {
+        Key::E => toggle(&mut state.picture, Picture::Error),
+        Key::S => toggle(&mut state.picture, Picture::Signed),
+        Key::D => state.wipe = if state.wipe == 1.0 { 0.5 } else { 1.0 },
+        Key::Plus | Key::Equals => state.view.orbit = nearer(orbit, 1.0 / KEY_ZOOM),
+        Key::Minus => state.view.orbit = nearer(orbit, KEY_ZOOM),
+        Key::Num0 => state.view.orbit = HOME,
+        Key::ArrowLeft => state.view.orbit = turned(orbit, -KEY_DEG, 0.0),
+        Key::ArrowRight => state.view.orbit = turned(orbit, KEY_DEG, 0.0),
+        Key::ArrowUp => state.view.orbit = turned(orbit, 0.0, KEY_DEG),
+        Key::ArrowDown => state.view.orbit = turned(orbit, 0.0, -KEY_DEG),
+        // Keys 1 to 9 choose a method in list order.
+        key => {
+            let number = key.symbol_or_name().parse::<usize>().ok();
+            let index = number.and_then(|number| number.checked_sub(1));
+            if let Some(method) = index.and_then(|index| METHODS.get(index)) {
+                state.point[METHOD] = Value::Text(method.name.to_owned().into());
+            }
+        }
+    }
+}
+
+/// Shows a picture, or the image again.
+fn toggle(picture: &mut Picture, wanted: Picture) {
+    *picture = if *picture == wanted {
+        Picture::Image
+    } else {
+        wanted
+    };
 }
 
 /// Turns the orbit, in hundredths of a degree.
@@ -99,6 +103,7 @@ pub fn turned(orbit: Orbit, yaw: f64, pitch: f64) -> Orbit {
     })
 }
 
+/// Multiplies the distance, in its limits.
 pub fn nearer(orbit: Orbit, factor: f64) -> Orbit {
     let [nearest, farthest] = Orbit::DISTANCE;
     rounded(Orbit {
@@ -110,10 +115,16 @@ pub fn nearer(orbit: Orbit, factor: f64) -> Orbit {
 /// Rounds as files and flags write it.
 fn rounded(orbit: Orbit) -> Orbit {
     let [yaw, pitch, distance] = orbit.numbers();
-    let to = |x: f32, digits: f32| (x * digits).round() / digits;
-    Orbit::new([to(yaw, 100.0), to(pitch, 100.0), to(distance, 1000.0)]).unwrap_or(orbit)
+    let round = |x: f32, parts: f32| (x * parts).round() / parts;
+    Orbit::new([
+        round(yaw, 100.0),
+        round(pitch, 100.0),
+        round(distance, 1000.0),
+    ])
+    .unwrap_or(orbit)
 }
 
+/// Turns the environment by degrees.
 pub fn turn_light(state: &mut State, by: f64) {
     let old = state.point[ENVIRONMENT_ROTATION].number();
     let turned = (old + by + 180.0).rem_euclid(360.0) - 180.0;

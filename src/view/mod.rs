@@ -1,7 +1,8 @@
 //! A window on the renderer.
 //!
 //! The renderer has its own thread and device; the window never waits for it. The window is painted
-//! on the CPU, so it survives a lost device. [`crate::instrument::pipeline::Pipeline`] makes every picture.
+//! on the CPU, so it survives a lost device. [`crate::instrument::pipeline::Pipeline`] makes every
+//! picture.
 
 mod browse;
 mod controls;
@@ -10,8 +11,13 @@ mod keys;
 mod overlay;
 mod panel;
 mod picture;
+mod save;
+mod screen;
+mod shown;
 mod state;
+mod test_report;
 mod theme;
+mod values;
 mod window;
 mod worker;
 

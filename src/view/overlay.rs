@@ -1,78 +1,107 @@
 //! The picture of both halves with its captions, legend, wipe and probe.
 
-use super::picture::at;
+use super::picture::pixel;
+use super::shown::{Shot, Shown};
 use super::theme;
-use super::worker::{Shot, Shown};
 use crate::base::pixels::{Rgb8Image, RgbImage};
-use crate::draw::colormap::{ColorScale, Range};
+use crate::draw::colormap::{ColorScale, Range as ColorRange};
 use crate::draw::markdown::significant;
 use crate::experiment::axis::SAMPLES;
 use egui::text::{LayoutJob, TextFormat};
-use egui::{Align, Color32, FontId, Rect, Stroke, Ui, pos2, vec2};
+use egui::{Align, Color32, FontId, Rect, Stroke, Ui, Vec2, pos2, vec2};
+use std::ops::Range;
 
 /// Brightness of a half that is out of date, of 256.
 const DIM: u32 = 96;
+/// Size of the colours of a legend, points, and their distance to the texts.
+const BAR: Vec2 = vec2(132.0, 8.0);
+const BAR_GAP: f32 = 8.0;
 
-/// Place of the picture in the window, in its pixels.
+/// Where the picture is in the window, in its pixels.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Canvas {
     pub corner: [u32; 2],
     pub size: [u32; 2],
     /// Share of the width for the left half.
     pub wipe: f32,
+    /// Whether the left and the right half show another state than the user asked for.
     pub is_stale: [bool; 2],
 }
 
 impl Canvas {
-    /// Calls `put` with each row of each half: its place and colours. Does nothing before the first
-    /// picture.
+    /// Calls `put` with each row of each half: its left end, its y and its colours. Does nothing
+    /// before the first picture.
     pub fn paint(&self, shown: &Shown, mut put: impl FnMut(u32, u32, &[[u8; 3]])) {
+        let edge = (self.wipe * self.size[0] as f32).round() as u32;
+        let [left, right] = &shown.halves;
+        let [is_left_stale, is_right_stale] = self.is_stale;
+        if let Some(shot) = left {
+            self.paint_half(shot, 0..edge, is_left_stale, &mut put);
+        }
+        if let Some(shot) = right {
+            self.paint_half(shot, edge..self.size[0], is_right_stale, &mut put);
+        }
+    }
+
+    fn paint_half(
+        &self,
+        shot: &Shot,
+        columns: Range<u32>,
+        is_stale: bool,
+        put: &mut impl FnMut(u32, u32, &[[u8; 3]]),
+    ) {
         let [width, height] = self.size;
-        let edge = (self.wipe * width as f32).round() as u32;
-        for ((shot, columns), is_stale) in shown
-            .halves
-            .iter()
-            .zip([0..edge, edge..width])
-            .zip(self.is_stale)
-        {
-            let Some(Shot { picture, scale, .. }) = shot else {
-                continue;
-            };
-            let brightness = if is_stale { DIM } else { 256 };
-            let across: Vec<Texel> = columns
-                .clone()
-                .map(|x| Texel::at(x, width, picture.width, *scale))
-                .collect();
-            let stretched = |y: u32| -> Vec<[u32; 3]> {
-                let row = &picture.data[(y * picture.width) as usize..][..picture.width as usize];
-                across
-                    .iter()
-                    .map(|texel| {
-                        texel.mean(
-                            row[texel.first].map(u32::from),
-                            row[texel.second].map(u32::from),
-                        )
-                    })
-                    .collect()
-            };
-            let mut rows = [(0, stretched(0)), (0, stretched(0))];
-            let mut line = vec![[0; 3]; columns.len()];
-            for y in 0..height {
-                let down = Texel::at(y, height, picture.height, *scale);
-                let (near, far) = ((256 - down.weight) * brightness, down.weight * brightness);
-                for (row, place) in rows.iter_mut().zip([down.first, down.second]) {
-                    if row.0 != place {
-                        *row = (place, stretched(place as u32));
-                    }
+        let picture = &shot.picture;
+        let brightness = if is_stale { DIM } else { 256 };
+        let across: Vec<Texel> = columns
+            .clone()
+            .map(|x| Texel::new(x, width, picture.width, shot.scale))
+            .collect();
+        let mut upper = StretchedRow::new(picture, 0, &across);
+        let mut lower = StretchedRow::new(picture, 0, &across);
+        let mut line = vec![[0; 3]; columns.len()];
+        for y in 0..height {
+            let down = Texel::new(y, height, picture.height, shot.scale);
+            upper.change_to(picture, down.first, &across);
+            lower.change_to(picture, down.second, &across);
+            let upper_weight = (256 - down.weight) * brightness;
+            let lower_weight = down.weight * brightness;
+            for ((color, above), below) in line.iter_mut().zip(&upper.colors).zip(&lower.colors) {
+                for channel in 0..3 {
+                    let sum = above[channel] * upper_weight + below[channel] * lower_weight;
+                    color[channel] = (sum >> 24) as u8;
                 }
-                for ((color, above), below) in line.iter_mut().zip(&rows[0].1).zip(&rows[1].1) {
-                    for channel in 0..3 {
-                        color[channel] =
-                            ((above[channel] * near + below[channel] * far) >> 24) as u8;
-                    }
-                }
-                put(columns.start, y, &line);
             }
+            put(columns.start, y, &line);
+        }
+    }
+}
+
+/// A row of a picture at the width of a half; its colours are times 256.
+struct StretchedRow {
+    y: usize,
+    colors: Vec<[u32; 3]>,
+}
+
+impl StretchedRow {
+    fn new(picture: &Rgb8Image, y: usize, across: &[Texel]) -> Self {
+        let width = picture.width as usize;
+        let row = &picture.data[y * width..][..width];
+        let color = |texel: &Texel| {
+            texel.mean(
+                row[texel.first].map(u32::from),
+                row[texel.second].map(u32::from),
+            )
+        };
+        Self {
+            y,
+            colors: across.iter().map(color).collect(),
+        }
+    }
+
+    fn change_to(&mut self, picture: &Rgb8Image, y: usize, across: &[Texel]) {
+        if self.y != y {
+            *self = Self::new(picture, y, across);
         }
     }
 }
@@ -85,19 +114,21 @@ struct Texel {
 }
 
 impl Texel {
-    /// Interpolates coarse pictures; pixels of whole ones stay squares.
-    fn at(at: u32, whole: u32, side: u32, scale: u32) -> Self {
-        let place = (at as f32 + 0.5) * side as f32 / whole as f32;
-        let place = if scale == 1 {
-            place.floor()
+    /// Interpolates coarse pictures; pixels of whole ones stay squares. `pixel` is one of
+    /// `pixel_count`, over `texel_count` texels.
+    fn new(pixel: u32, pixel_count: u32, texel_count: u32, scale: u32) -> Self {
+        let center = (pixel as f32 + 0.5) * texel_count as f32 / pixel_count as f32;
+        let position = if scale == 1 {
+            center.floor()
         } else {
-            (place - 0.5).max(0.0)
+            (center - 0.5).max(0.0)
         };
-        let (first, last) = (place as usize, side as usize - 1);
+        let first = position as usize;
+        let last = texel_count as usize - 1;
         Self {
             first: first.min(last),
             second: (first + 1).min(last),
-            weight: ((place - first as f32) * 256.0) as u32,
+            weight: ((position - first as f32) * 256.0) as u32,
         }
     }
 
@@ -129,48 +160,52 @@ pub fn composed(shown: &Shown, wipe: f32) -> Option<Rgb8Image> {
 }
 
 /// Writes method, resolution and score of a half into a corner.
-pub fn caption(ui: &Ui, place: Rect, align: egui::Align2, shot: &Shot, is_stale: bool) {
-    let (point, method) = (&shot.image.point, shot.image.point.method());
-    let samples = match method.is_integrated() {
-        true => Some(shot.image.view.reference_samples),
-        false => method.uses_samples.then(|| point[SAMPLES].count()),
+pub fn caption(ui: &Ui, rect: Rect, align: egui::Align2, shot: &Shot, is_stale: bool) {
+    let point = &shot.image.point;
+    let method = point.method();
+    let samples = if method.is_integrated() {
+        Some(shot.image.view.reference_samples)
+    } else {
+        method.uses_samples.then(|| point[SAMPLES].count())
     };
+    let title = method.words(samples.map(|count| count.to_string()).as_deref());
+    let mut job = LayoutJob::default();
+    let title_format = TextFormat::simple(theme::medium(13.5), theme::color(method.role()));
+    job.append(&title, 0.0, title_format);
+    let (details, color) = if is_stale {
+        ("updating".to_owned(), theme::WARN)
+    } else {
+        (details(shot), theme::MUTED)
+    };
+    if !details.is_empty() {
+        let format = TextFormat::simple(FontId::proportional(12.0), color);
+        job.append(&format!("\n{details}"), 0.0, format);
+    }
+    job.halign = align.x();
+    veiled(ui, rect, align, job);
+}
+
+/// Resolution and score of a half, as far as it has some.
+fn details(shot: &Shot) -> String {
     let mut details = Vec::new();
-    if shot.scale > 1 && !is_stale {
+    if shot.scale > 1 {
         details.push(format!("1/{} of the resolution", shot.scale));
     }
-    if let Some(score) = shot.score.filter(|_| !is_stale) {
+    if let Some(score) = shot.score {
         let percent = significant(100.0 * score.sqrt(), 2);
         details.push(format!(
             "relMSE {} · {percent} % rms",
             significant(score, 2)
         ));
     }
-    let mut job = LayoutJob::default();
-    let mut add =
-        |text: &str, font: FontId, color| job.append(text, 0.0, TextFormat::simple(font, color));
-    add(
-        &method.words(samples.map(|count| count.to_string()).as_deref()),
-        theme::medium(13.5),
-        theme::color(method.role()),
-    );
-    let (below, color) = if is_stale {
-        ("updating".to_owned(), theme::WARN)
-    } else {
-        (details.join(" · "), theme::MUTED)
-    };
-    if !below.is_empty() {
-        add(&format!("\n{below}"), FontId::proportional(12.0), color);
-    }
-    job.halign = align.x();
-    veiled(ui, place, align, job);
+    details.join(" · ")
 }
 
-/// Writes text on a dark ground, within `place`.
-pub fn veiled(ui: &Ui, place: Rect, align: egui::Align2, mut job: LayoutJob) {
-    job.wrap.max_width = place.width();
+/// Writes text on a dark ground, within a rectangle.
+pub fn veiled(ui: &Ui, within: Rect, align: egui::Align2, mut job: LayoutJob) {
+    job.wrap.max_width = within.width();
     let galley = ui.painter().layout_job(job);
-    let rect = align.anchor_size(align.pos_in_rect(&place), galley.size());
+    let rect = align.anchor_size(align.pos_in_rect(&within), galley.size());
     ui.painter()
         .rect_filled(rect.expand2(vec2(8.0, 5.0)), 6.0, theme::VEIL);
     let x = if align.x() == Align::Max {
@@ -184,53 +219,53 @@ pub fn veiled(ui: &Ui, place: Rect, align: egui::Align2, mut job: LayoutJob) {
 /// Draws the colours of an error with their values, in percent.
 pub fn legend(ui: &Ui, rect: Rect, colors: &ColorScale) {
     let percent = |value: f64| format!("{} %", 100.0 * value);
-    let (low, high) = match colors.range {
-        Range::Log { lo, hi } => (
+    let [low, high] = match colors.range {
+        ColorRange::Log { lo, hi } => [
             format!("Error {}", percent(lo)),
             format!("{} or more", percent(hi)),
-        ),
-        Range::Linear { lo, hi } => (
+        ],
+        ColorRange::Linear { lo, hi } => [
             format!("{} too dark", percent(-lo)),
             format!("{} too bright", percent(hi)),
-        ),
+        ],
     };
-    let font = || FontId::proportional(12.0);
-    let [low, high] = [low, high].map(|text| ui.painter().layout_no_wrap(text, font(), theme::INK));
-    let (bar, gap) = (vec2(132.0, 8.0), 8.0);
+    let painter = ui.painter();
+    let text = |text: String| painter.layout_no_wrap(text, FontId::proportional(12.0), theme::INK);
+    let low = text(low);
+    let high = text(high);
     let size = vec2(
-        low.size().x + bar.x + high.size().x + 2.0 * gap,
+        low.size().x + BAR.x + high.size().x + 2.0 * BAR_GAP,
         low.size().y,
     );
     // To the right of the toolbar, or below it.
-    let place = if rect.width() > 800.0 {
+    let corner = if rect.width() > 800.0 {
         pos2(rect.right() - size.x - 18.0, 20.0)
     } else {
         pos2(rect.left() + 18.0, 58.0)
     };
-    let back = Rect::from_min_size(place + vec2(0.0, rect.top()), size);
-    ui.painter()
-        .rect_filled(back.expand2(vec2(8.0, 5.0)), 6.0, theme::VEIL);
-    let first = back.left() + low.size().x + gap;
-    for step in 0..bar.x as u32 {
-        let [r, g, b] = colors
-            .palette
-            .color(f64::from(step) / f64::from(bar.x - 1.0));
-        let place = pos2(first + step as f32, back.center().y - 0.5 * bar.y);
-        ui.painter().rect_filled(
-            Rect::from_min_size(place, vec2(1.0, bar.y)),
+    let ground = Rect::from_min_size(corner + vec2(0.0, rect.top()), size);
+    painter.rect_filled(ground.expand2(vec2(8.0, 5.0)), 6.0, theme::VEIL);
+    let bar_left = ground.left() + low.size().x + BAR_GAP;
+    for step in 0..BAR.x as u32 {
+        let share = f64::from(step) / f64::from(BAR.x - 1.0);
+        let [r, g, b] = colors.palette.color(share);
+        let corner = pos2(bar_left + step as f32, ground.center().y - 0.5 * BAR.y);
+        painter.rect_filled(
+            Rect::from_min_size(corner, vec2(1.0, BAR.y)),
             0.0,
             Color32::from_rgb(r, g, b),
         );
     }
-    ui.painter().galley(back.left_top(), low, theme::INK);
-    ui.painter()
-        .galley(pos2(first + bar.x + gap, back.top()), high, theme::INK);
+    painter.galley(ground.left_top(), low, theme::INK);
+    let high_corner = pos2(bar_left + BAR.x + BAR_GAP, ground.top());
+    painter.galley(high_corner, high, theme::INK);
 }
 
 /// Draws the line between the halves with its handle.
 pub fn wipe_line(ui: &Ui, line: Rect) {
     let painter = ui.painter();
-    let (x, y) = (line.center().x, line.center().y);
+    let x = line.center().x;
+    let y = line.center().y;
     // A dark and a light line together are visible on any picture.
     painter.vline(
         x,
@@ -250,25 +285,38 @@ pub fn wipe_line(ui: &Ui, line: Rect) {
     }
 }
 
-pub fn probe(shown: &Shown, probed: Option<[u32; 2]>) -> String {
-    let place = probed.map_or_else(
-        || "Point at a pixel".to_owned(),
-        |[x, y]| format!("Pixel {x}, {y}"),
-    );
-    let mut text = format!("{place:<18} red     green   blue      standard error\n");
-    for (name, shot) in ["Left", "Right", "Reference"]
-        .into_iter()
-        .zip(shown.halves.iter().chain([&shown.truth]))
-    {
-        let value = |image: Option<&RgbImage>| {
-            let ([x, y], scale) = (probed?, shot.as_ref()?.scale);
-            at(image?, x / scale, y / scale).map(|rgb| rgb.map(|c| format!("{c:7.4}")).join(" "))
+/// The values of a pixel in both halves and the reference, one a line.
+pub fn probe(shown: &Shown, pixel: Option<[u32; 2]>) -> String {
+    let head = match pixel {
+        Some([x, y]) => format!("Pixel {x}, {y}"),
+        None => "Point at a pixel".to_owned(),
+    };
+    let [left, right] = &shown.halves;
+    let mut text = format!("{head:<18} red     green   blue      standard error\n");
+    for (name, shot) in [
+        ("Left", left),
+        ("Right", right),
+        ("Reference", &shown.truth),
+    ] {
+        let [radiance, error] = match (shot, pixel) {
+            (Some(shot), Some(pixel)) => probed_values(shot, pixel),
+            _ => [String::new(), String::new()],
         };
-        let frame = shot.as_ref().map(|shot| &shot.frame);
-        let radiance = value(frame.map(|frame| &frame.radiance)).unwrap_or_default();
-        let error =
-            value(frame.and_then(|frame| frame.standard_error.as_ref())).unwrap_or_default();
         text += &format!("{name:<16} {radiance:<23}  {error}\n");
     }
     text
+}
+
+/// Radiance and standard error of a pixel of the whole picture; empty if there is none.
+fn probed_values(shot: &Shot, [x, y]: [u32; 2]) -> [String; 2] {
+    let values = |image: &RgbImage| {
+        pixel(image, x / shot.scale, y / shot.scale)
+            .map(|rgb| rgb.map(|c| format!("{c:7.4}")).join(" "))
+            .unwrap_or_default()
+    };
+    let error = shot.frame.standard_error.as_ref();
+    [
+        values(&shot.frame.radiance),
+        error.map(values).unwrap_or_default(),
+    ]
 }

@@ -4,9 +4,9 @@ use super::controls::Controls;
 use super::keys::{self, nearer, turn_light, turned};
 use super::overlay::{self, Canvas, caption, legend, veiled, wipe_line};
 use super::picture::Picture;
+use super::shown::{Shown, Status};
 use super::state::{HOME, Side, State};
 use super::theme;
-use super::worker::{Shown, Status};
 use crate::experiment::axis::SIZE;
 use crate::experiment::value::Value;
 use egui::text::LayoutJob;
@@ -32,7 +32,7 @@ pub struct Panel {
     /// One line about the last action.
     pub notice: String,
     is_fault: bool,
-    noticed: Option<Instant>,
+    noticed_at: Option<Instant>,
     pub wants_save: bool,
     pub wants_fullscreen: bool,
     pub canvas: Canvas,
@@ -40,24 +40,28 @@ pub struct Panel {
     /// Whether a drag of the picture began on the wipe's line: a slow window hears press and move
     /// together.
     is_wiping: bool,
-    /// The state that the user asked for, the last one with a picture, and since when they differ.
+    /// The state that the user asked for.
     generation: u64,
-    seen: u64,
+    /// The last state with a picture.
+    pictured: u64,
+    /// Since when they differ.
     outdated: Option<Instant>,
     probed: Option<[u32; 2]>,
     has_opened: bool,
 }
 
 impl Panel {
+    /// Takes an update of the renderer.
     pub fn arrive(&mut self, shown: &Shown) {
-        if shown.generation > self.seen {
-            (self.seen, self.outdated) = (shown.generation, Some(Instant::now()));
+        if shown.generation > self.pictured {
+            self.pictured = shown.generation;
+            self.outdated = Some(Instant::now());
         }
     }
 
     /// Records that the user asked for another state.
     pub fn ask(&mut self, generation: u64) {
-        if self.seen == self.generation {
+        if self.pictured == self.generation {
             self.outdated = Some(Instant::now());
         }
         self.generation = generation;
@@ -65,13 +69,14 @@ impl Panel {
 
     /// Returns when a half that shows an older state is to be dimmed, if that is after `now`.
     pub fn dims_at(&self, now: Instant) -> Option<Instant> {
-        let since = self.outdated.filter(|_| self.seen != self.generation)?;
-        Some(since + BUSY_AFTER).filter(|at| *at > now)
+        let since = self.outdated.filter(|_| self.pictured != self.generation)?;
+        Some(since + BUSY_AFTER).filter(|time| *time > now)
     }
 
     /// Shows the result of an action for a while, or its error.
     pub fn report(&mut self, notice: Result<String, String>) {
-        (self.is_fault, self.noticed) = (notice.is_err(), Some(Instant::now()));
+        self.is_fault = notice.is_err();
+        self.noticed_at = Some(Instant::now());
         self.notice = notice.unwrap_or_else(|why| why);
     }
 
@@ -83,7 +88,7 @@ impl Panel {
     }
 
     pub fn ui(&mut self, ui: &mut Ui, state: &mut State, shown: &Shown) {
-        self.controls.places.clear();
+        self.controls.rects.clear();
         let pressed = keys::press(ui, state, &mut self.controls.has_probe);
         self.is_flipped = pressed.is_flipped;
         self.wants_save |= pressed.save;
@@ -118,10 +123,7 @@ impl Panel {
         let area = ui.available_rect_before_wrap();
         let scale = ui.ctx().pixels_per_point();
         if state.fill {
-            let [width, height] = [area.width(), area.height()].map(|side| (side * scale).floor());
-            let factor = (width * height / PIXELS_MAX).sqrt().ceil().max(1.0);
-            state.point[SIZE] =
-                Value::Pair([width, height].map(|side| ((side / factor) as u32).max(1)));
+            state.point[SIZE] = Value::Pair(filling_size(area.size() * scale));
         }
         if shown.size().is_none() {
             let job = LayoutJob::simple_singleline(
@@ -133,13 +135,7 @@ impl Panel {
             self.toolbar(ui, area, state);
             return;
         }
-        // A coarse picture fills the place of the whole one.
-        let [width, height] = state.size().map(|side| side as f32 / scale);
-        // Enlarges by whole factors.
-        let fit = (area.width() / width).min(area.height() / height);
-        let size = vec2(width, height) * if fit >= 1.0 { fit.floor() } else { fit };
-        let corner = ((area.center() - 0.5 * size).to_vec2() * scale).floor() / scale;
-        let rect = Rect::from_min_size(corner.to_pos2(), size);
+        let rect = picture_rect(area, state.size(), scale);
         let wipe = if self.is_flipped {
             1.0 - state.wipe.round()
         } else {
@@ -154,40 +150,40 @@ impl Panel {
             is_stale,
         };
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
-        self.controls.place("image", &response);
+        self.controls.record("image", &response);
         self.look(ui, state, &response, rect);
-        let inner = rect.shrink(MARGIN);
         if wipe == state.wipe && !self.is_flipped {
             self.wipe(ui, state, rect);
         }
-        let halves = [
-            (Side::Left, Align2::LEFT_BOTTOM, wipe > 0.0),
-            (Side::Right, Align2::RIGHT_BOTTOM, wipe < 1.0),
-        ];
-        for ((side, align, is_seen), is_stale) in halves.into_iter().zip(is_stale) {
-            let size = vec2(0.5 * inner.width() - MARGIN, inner.height());
-            let place = align.anchor_size(align.pos_in_rect(&inner), size);
-            if let Some(shot) = shown.side(side).filter(|_| is_seen) {
-                caption(ui, place, align, shot, is_stale);
-            }
-        }
-        if let Some(colors) = state
-            .picture
-            .scale()
-            .filter(|_| !is_stale[0] || !is_stale[1])
-        {
+        let inner = rect.shrink(MARGIN);
+        self.captions(ui, shown, inner);
+        if let Some(colors) = state.picture.scale().filter(|_| is_stale != [true; 2]) {
             legend(ui, rect, &colors);
         }
         self.toolbar(ui, area, state);
         if self.controls.has_probe {
             let text = overlay::probe(shown, self.probed).trim_end().to_owned();
             let job = LayoutJob::simple(text, FontId::monospace(12.5), theme::INK, f32::INFINITY);
-            veiled(
-                ui,
-                inner.with_min_y(area.top() + 96.0),
-                Align2::LEFT_TOP,
-                job,
-            );
+            let below_toolbar = inner.with_min_y(area.top() + 96.0);
+            veiled(ui, below_toolbar, Align2::LEFT_TOP, job);
+        }
+    }
+
+    /// Captions of the halves in the lower corners.
+    fn captions(&self, ui: &Ui, shown: &Shown, inner: Rect) {
+        let Canvas { wipe, is_stale, .. } = self.canvas;
+        let size = vec2(0.5 * inner.width() - MARGIN, inner.height());
+        let caption_of = |side: Side, align: Align2, is_stale: bool| {
+            if let Some(shot) = shown.side(side) {
+                let rect = align.anchor_size(align.pos_in_rect(&inner), size);
+                caption(ui, rect, align, shot, is_stale);
+            }
+        };
+        if wipe > 0.0 {
+            caption_of(Side::Left, Align2::LEFT_BOTTOM, is_stale[0]);
+        }
+        if wipe < 1.0 {
+            caption_of(Side::Right, Align2::RIGHT_BOTTOM, is_stale[1]);
         }
     }
 
@@ -197,7 +193,7 @@ impl Panel {
         let Some(shot) = shown.side(side) else {
             return false;
         };
-        let is_other = shot.kind != state.picture || shot.generation < self.seen;
+        let is_other = shot.kind != state.picture || shot.generation < self.pictured;
         shot.generation != self.generation
             && (is_other
                 || self
@@ -206,74 +202,74 @@ impl Panel {
     }
 
     fn toolbar(&mut self, ui: &mut Ui, area: Rect, state: &mut State) {
-        let place = Rect::from_min_max(area.min + vec2(MARGIN - 4.0, MARGIN - 4.0), area.max);
-        ui.scope_builder(UiBuilder::new().max_rect(place), |ui| {
-            Ground::new()
-                .fill(theme::VEIL)
-                .corner_radius(8)
-                .inner_margin(4)
-                .show(ui, |ui| {
-                    ui.horizontal(|ui| {
-                        ui.spacing_mut().item_spacing.x = 4.0;
-                        let pictures = [
-                            (
-                                Picture::Image,
-                                "Image",
-                                "The picture; E or S returns to it from an error",
-                            ),
-                            (
-                                Picture::Error,
-                                "Error",
-                                "Relative error against the reference (E)",
-                            ),
-                            (
-                                Picture::Signed,
-                                "Signed",
-                                "Relative error: blue is too dark, red too bright (S)",
-                            ),
-                        ];
-                        for (picture, label, about) in pictures {
-                            let button = ui
-                                .selectable_value(&mut state.picture, picture, label)
-                                .on_hover_text(about);
-                            self.controls.place(label, &button);
-                        }
-                        ui.separator();
-                        let actions = [
-                            (
-                                "Save",
-                                "Save the picture, EXR files and commands in a new folder (Ctrl+S)",
-                            ),
-                            ("Reset camera", "Return to the first view (0)"),
-                            ("Fullscreen", "Turn full screen on or off (F)"),
-                        ];
-                        let clicked = actions.map(|(label, about)| {
-                            let button = ui
-                                .add(egui::Button::new(label).frame_when_inactive(false))
-                                .on_hover_text(about);
-                            self.controls.place(label, &button);
-                            button.clicked()
-                        });
-                        self.wants_save |= clicked[0];
-                        self.wants_fullscreen |= clicked[2];
-                        if clicked[1] {
-                            state.view.orbit = HOME;
-                        }
-                    });
+        let rect = Rect::from_min_max(area.min + vec2(MARGIN - 4.0, MARGIN - 4.0), area.max);
+        let ground = Ground::new()
+            .fill(theme::VEIL)
+            .corner_radius(8)
+            .inner_margin(4);
+        ui.scope_builder(UiBuilder::new().max_rect(rect), |ui| {
+            ground.show(ui, |ui| {
+                ui.horizontal(|ui| {
+                    ui.spacing_mut().item_spacing.x = 4.0;
+                    self.pictures(ui, state);
+                    ui.separator();
+                    self.actions(ui, state);
                 });
+            });
         });
     }
 
+    /// The buttons that choose what is shown.
+    fn pictures(&mut self, ui: &mut Ui, state: &mut State) {
+        for picture in [Picture::Image, Picture::Error, Picture::Signed] {
+            let label = match picture {
+                Picture::Image => "Image",
+                Picture::Error => "Error",
+                Picture::Signed => "Signed",
+            };
+            let about = match picture {
+                Picture::Image => "The picture; E or S returns to it from an error",
+                Picture::Error => "Relative error against the reference (E)",
+                Picture::Signed => "Relative error: blue is too dark, red too bright (S)",
+            };
+            let button = ui
+                .selectable_value(&mut state.picture, picture, label)
+                .on_hover_text(about);
+            self.controls.record(label, &button);
+        }
+    }
+
+    fn actions(&mut self, ui: &mut Ui, state: &mut State) {
+        let about = "Save the picture, EXR files and commands in a new folder (Ctrl+S)";
+        self.wants_save |= self.is_clicked(ui, "Save", about);
+        if self.is_clicked(ui, "Reset camera", "Return to the first view (0)") {
+            state.view.orbit = HOME;
+        }
+        let about = "Turn full screen on or off (F)";
+        self.wants_fullscreen |= self.is_clicked(ui, "Fullscreen", about);
+    }
+
+    /// Shows a button of the toolbar.
+    fn is_clicked(&mut self, ui: &mut Ui, label: &str, about: &str) -> bool {
+        let button = ui
+            .add(egui::Button::new(label).frame_when_inactive(false))
+            .on_hover_text(about);
+        self.controls.record(label, &button);
+        button.clicked()
+    }
+
+    /// Turns the camera or the light, moves the wipe, and notes the pixel under the pointer.
     fn look(&mut self, ui: &Ui, state: &mut State, response: &egui::Response, rect: Rect) {
-        let (shift, wheel) = ui.input(|input| (input.modifiers.shift, input.smooth_scroll_delta.y));
+        let has_shift = ui.input(|input| input.modifiers.shift);
+        let wheel = ui.input(|input| input.smooth_scroll_delta.y);
         if response.clicked() || response.drag_started() {
             ui.memory_mut(|memory| memory.focused().map(|id| memory.surrender_focus(id)));
         }
-        let x = rect.left() + state.wipe * rect.width();
         if response.drag_started() {
+            let line = rect.left() + state.wipe * rect.width();
             let origin = ui.input(|input| input.pointer.press_origin());
-            self.is_wiping =
-                !self.is_flipped && origin.is_some_and(|place| (place.x - x).abs() <= GRIP);
+            let is_on_line = origin.is_some_and(|origin| (origin.x - line).abs() <= GRIP);
+            self.is_wiping = is_on_line && !self.is_flipped;
         }
         if let Some(pointer) = response
             .interact_pointer_pos()
@@ -284,7 +280,7 @@ impl Panel {
             // Half a turn over the picture's width, as in the report.
             let [dx, dy] = [response.drag_delta().x, response.drag_delta().y]
                 .map(|d| f64::from(d / rect.width()) * 180.0);
-            if shift {
+            if has_shift {
                 turn_light(state, dx);
             } else {
                 state.view.orbit = turned(state.view.orbit, -dx, dy);
@@ -295,10 +291,10 @@ impl Panel {
             state.view.orbit = nearer(state.view.orbit, (f64::from(wheel) * -0.002).exp());
         }
         let [width, height] = state.size();
-        self.probed = response.hover_pos().map(|place| {
-            let share = (place - rect.min) / rect.size();
-            [(share.x, width), (share.y, height)]
-                .map(|(x, side)| ((x * side as f32).max(0.0) as u32).min(side - 1))
+        let pixel = |share: f32, side: u32| ((share * side as f32).max(0.0) as u32).min(side - 1);
+        self.probed = response.hover_pos().map(|pointer| {
+            let share = (pointer - rect.min) / rect.size();
+            [pixel(share.x, width), pixel(share.y, height)]
         });
     }
 
@@ -310,7 +306,7 @@ impl Panel {
         let response = ui
             .interact(line, ui.id().with("wipe"), Sense::drag())
             .on_hover_cursor(CursorIcon::ResizeHorizontal);
-        self.controls.place("wipe", &response);
+        self.controls.record("wipe", &response);
         if let Some(pointer) = response
             .interact_pointer_pos()
             .filter(|_| response.dragged())
@@ -330,8 +326,8 @@ impl Panel {
             .as_ref()
             .map_or("", |device| device.name.as_str());
         let is_recent = self
-            .noticed
-            .is_some_and(|at| self.is_fault || at.elapsed() < NOTICE);
+            .noticed_at
+            .is_some_and(|time| self.is_fault || time.elapsed() < NOTICE);
         let (text, is_fault) = match &shown.status {
             Status::Refused(why) | Status::Lost(why) | Status::Failed(why) => (why.clone(), true),
             _ if is_recent => (self.notice.clone(), self.is_fault),
@@ -353,6 +349,25 @@ impl Panel {
     }
 }
 
+/// The size of a picture that fills an area of pixels, divided by a whole factor if that is too
+/// large.
+fn filling_size(area: egui::Vec2) -> [u32; 2] {
+    let [width, height] = [area.x, area.y].map(f32::floor);
+    let factor = (width * height / PIXELS_MAX).sqrt().ceil().max(1.0);
+    [width, height].map(|side| ((side / factor) as u32).max(1))
+}
+
+/// Where a picture of `size` pixels is: in the middle, as large as the area has room for. It is
+/// enlarged by whole factors. A coarse picture has the rectangle of the whole one.
+fn picture_rect(area: Rect, size: [u32; 2], pixels_per_point: f32) -> Rect {
+    let [width, height] = size.map(|side| side as f32 / pixels_per_point);
+    let fit = (area.width() / width).min(area.height() / height);
+    let size = vec2(width, height) * if fit >= 1.0 { fit.floor() } else { fit };
+    let corner = (area.center() - 0.5 * size).to_vec2() * pixels_per_point;
+    Rect::from_min_size((corner.floor() / pixels_per_point).to_pos2(), size)
+}
+
+/// How far the reference is, in words.
 fn progress(shown: &Shown, is_done: bool) -> String {
     let Some(truth) = &shown.truth else {
         return "Rendering".to_owned();

@@ -24,6 +24,7 @@ listed!(Picture, "picture", {
 });
 
 impl Picture {
+    /// The colours of an error.
     pub fn scale(self) -> Option<ColorScale> {
         match self {
             Self::Image => None,
@@ -34,9 +35,10 @@ impl Picture {
 }
 
 /// Paints a half. An error needs its reference.
-pub fn of_frame(
+pub fn painted(
     pipeline: &mut Pipeline,
-    (kind, curve): (Picture, ToneCurve),
+    kind: Picture,
+    curve: ToneCurve,
     frame: &Frame,
     truth: Option<&Frame>,
     epsilon: Epsilon,
@@ -62,16 +64,15 @@ pub fn of_frame(
         _ => comparison.relative_error_map(),
     };
     let mut image = scale.image(&map, &frame.mask);
-    let uncovered = image
-        .data
-        .iter_mut()
-        .zip(&frame.mask.data)
-        .filter(|(_, covered)| **covered == 0.0);
-    uncovered.for_each(|(texel, _)| *texel = GROUND);
+    for (color, covered) in image.data.iter_mut().zip(&frame.mask.data) {
+        if *covered == 0.0 {
+            *color = GROUND;
+        }
+    }
     Ok(image)
 }
 
 /// Returns the pixel, if it is inside the image.
-pub fn at<T: Copy>(image: &Pixels<T>, x: u32, y: u32) -> Option<T> {
+pub fn pixel<T: Copy>(image: &Pixels<T>, x: u32, y: u32) -> Option<T> {
     (x < image.width && y < image.height).then(|| image.get(x, y))
 }

@@ -23,6 +23,7 @@ pub enum Side {
 pub struct State {
     /// Values of every axis; the method is the left half's.
     pub point: Point,
+    /// The method of the right half.
     pub right: Value,
     /// Its `reference_samples` end the refinement.
     pub view: View,
@@ -97,9 +98,9 @@ impl State {
         let axis = file_axis(path).ok_or_else(unknown)?;
         self.point[axis] = Value::from(path.display().to_string());
         if axis == SCENE && has_materials(self.point[SCENE].text()) {
-            [ALPHA, METALLIC, F0, ALBEDO]
-                .into_iter()
-                .for_each(|axis| self.point[axis] = Value::Unset);
+            for axis in [ALPHA, METALLIC, F0, ALBEDO] {
+                self.point[axis] = Value::Unset;
+            }
         }
         Ok(if axis == SCENE {
             "Model"
@@ -110,12 +111,15 @@ impl State {
 
     /// Returns the left half's share; an error against the reference takes the whole width.
     pub fn shown_wipe(&self) -> f32 {
-        let is_reference =
-            [Side::Left, Side::Right].map(|side| self.method(side).text() == REFERENCE);
-        match (self.picture.scale().is_some(), is_reference) {
-            (true, [false, true]) => 1.0,
-            (true, [true, false]) => 0.0,
-            _ => self.wipe,
+        let is_reference = |side| self.method(side).text() == REFERENCE;
+        let is_left = is_reference(Side::Left);
+        let is_right = is_reference(Side::Right);
+        if self.picture.scale().is_none() || is_left == is_right {
+            self.wipe
+        } else if is_right {
+            1.0
+        } else {
+            0.0
         }
     }
 
@@ -123,6 +127,7 @@ impl State {
         self.point[SIZE].pair()
     }
 
+    /// The state with its resolution divided by `scale`.
     pub fn scaled(&self, scale: u32) -> Self {
         let mut state = self.clone();
         state.point[SIZE] = Value::Pair(self.size().map(|side| (side / scale).max(1)));
@@ -155,7 +160,7 @@ impl State {
         if point[METHOD].text() == REFERENCE {
             self.truth(count)
         } else {
-            self.of(point, count)
+            self.image_of(point, count)
         }
     }
 
@@ -167,10 +172,11 @@ impl State {
             samples: count,
             ..Reference::default()
         };
-        self.of(point.reference(&reference), count)
+        self.image_of(point.reference(&reference), count)
     }
 
-    fn of(&self, mut point: Point, count: u32) -> Image {
+    /// The image of a point; `count` is ignored unless some term is drawn.
+    fn image_of(&self, mut point: Point, count: u32) -> Image {
         if point.method().is_integrated() {
             point[SAMPLES] = Value::Count(count);
         }
@@ -203,6 +209,7 @@ pub fn file_axis(path: &Path) -> Option<AxisId> {
     }
 }
 
+/// Whether a scene has materials of its own.
 pub fn has_materials(name: &str) -> bool {
     let path = Path::new(name);
     let is_obj = path

@@ -4,7 +4,7 @@ use crate::instrument::shade::Role;
 use egui::epaint::Shadow;
 use egui::{
     Color32, CornerRadius, FontData, FontDefinitions, FontFamily, FontId, Stroke, TextStyle,
-    Visuals,
+    Visuals, style::WidgetVisuals,
 };
 use std::sync::Arc;
 
@@ -72,46 +72,56 @@ fn visuals() -> Visuals {
     visuals.selection.stroke = Stroke::new(1.0, ON_ACCENT);
     visuals.slider_trailing_fill = true;
     // Blurred shadows are slow on a CPU.
-    (visuals.window_shadow, visuals.popup_shadow) = (Shadow::NONE, Shadow::NONE);
+    visuals.window_shadow = Shadow::NONE;
+    visuals.popup_shadow = Shadow::NONE;
     let widgets = &mut visuals.widgets;
-    let looks = [
-        (&mut widgets.noninteractive, RAISED, LINE, INK),
-        (&mut widgets.inactive, SUNKEN, EDGE, INK),
-        (&mut widgets.hovered, LINE, INK, INK),
-        (&mut widgets.active, LINE, ACCENT, INK),
-        (&mut widgets.open, LINE, EDGE, INK),
-    ];
-    for (look, ground, edge, ink) in looks {
-        (look.bg_fill, look.weak_bg_fill, look.corner_radius) =
-            (ground, ground, CornerRadius::same(6));
-        (look.bg_stroke, look.fg_stroke) = (Stroke::new(1.0, edge), Stroke::new(1.0, ink));
-    }
+    set_colors(&mut widgets.noninteractive, RAISED, LINE, INK);
+    set_colors(&mut widgets.inactive, SUNKEN, EDGE, INK);
+    set_colors(&mut widgets.hovered, LINE, INK, INK);
+    set_colors(&mut widgets.active, LINE, ACCENT, INK);
+    set_colors(&mut widgets.open, LINE, EDGE, INK);
     visuals
 }
 
+/// Colours a widget in one of its states.
+fn set_colors(look: &mut WidgetVisuals, ground: Color32, edge: Color32, ink: Color32) {
+    look.bg_fill = ground;
+    look.weak_bg_fill = ground;
+    look.corner_radius = CornerRadius::same(6);
+    look.bg_stroke = Stroke::new(1.0, edge);
+    look.fg_stroke = Stroke::new(1.0, ink);
+}
+
+struct Typeface {
+    name: &'static str,
+    ttf: &'static [u8],
+    family: FontFamily,
+}
+
+/// Each family falls back on the others' letters.
 fn fonts() -> FontDefinitions {
     let mut fonts = FontDefinitions::empty();
-    let files: [(&str, &[u8], FontFamily); 3] = [
-        (
-            "text",
-            include_bytes!("../../assets/fonts/text-regular.ttf"),
-            FontFamily::Proportional,
-        ),
-        (
-            "medium",
-            include_bytes!("../../assets/fonts/text-medium.ttf"),
-            FontFamily::Name("medium".into()),
-        ),
-        (
-            "code",
-            include_bytes!("../../assets/fonts/code-regular.ttf"),
-            FontFamily::Monospace,
-        ),
+    let files = [
+        Typeface {
+            name: "text",
+            ttf: include_bytes!("../../assets/fonts/text-regular.ttf"),
+            family: FontFamily::Proportional,
+        },
+        Typeface {
+            name: "medium",
+            ttf: include_bytes!("../../assets/fonts/text-medium.ttf"),
+            family: FontFamily::Name("medium".into()),
+        },
+        Typeface {
+            name: "code",
+            ttf: include_bytes!("../../assets/fonts/code-regular.ttf"),
+            family: FontFamily::Monospace,
+        },
     ];
-    for (name, bytes, family) in files {
+    for Typeface { name, ttf, family } in files {
         fonts
             .font_data
-            .insert(name.to_owned(), Arc::new(FontData::from_static(bytes)));
+            .insert(name.to_owned(), Arc::new(FontData::from_static(ttf)));
         fonts.families.insert(
             family,
             vec![name.to_owned(), "text".to_owned(), "code".to_owned()],

@@ -1,7 +1,8 @@
 //! The renderer's thread. It takes the newest state, shows it coarsely if the whole takes long,
 //! then whole, then refines the reference until the state changes.
 
-use super::picture::{Picture, of_frame};
+use super::picture::{Picture, painted};
+use super::shown::{Shot, Shown, Status};
 use super::state::{Image, Inputs, Side, State};
 use crate::base::names::Listed;
 use crate::base::pixels::Rgb8Image;
@@ -9,7 +10,7 @@ use crate::experiment::axis::motion_fault;
 use crate::instrument::environment::{Environment, LoadOptions};
 use crate::instrument::gpu::lock;
 use crate::instrument::metrics::{Comparison, HEADLINE, Metric};
-use crate::instrument::pipeline::{DeviceInfo, Frame, Options, Pipeline, PipelineError, Recent};
+use crate::instrument::pipeline::{Frame, Options, Pipeline, PipelineError, Recent};
 use crate::instrument::scene::{Camera, CameraKind, MaterialOverride, Scene};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -24,55 +25,8 @@ const COARSE_MS: std::ops::Range<f64> = 15.0..120.0;
 const PATIENCE: Duration = Duration::from_secs(5);
 /// Divisor of the coarsest resolution.
 const COARSEST: u32 = 8;
+/// Frames that are kept in memory.
 const KEPT: usize = 8;
-
-#[derive(Clone, Debug)]
-pub struct Shot {
-    pub image: Image,
-    pub frame: Arc<Frame>,
-    pub picture: Arc<Rgb8Image>,
-    pub kind: Picture,
-    /// The state that it belongs to.
-    pub generation: u64,
-    /// Divisor of the state's resolution.
-    pub scale: u32,
-    /// The headline metric, once there is a reference.
-    pub score: Option<f64>,
-}
-
-#[derive(Clone, Debug, Default, PartialEq)]
-pub enum Status {
-    #[default]
-    Busy,
-    Done,
-    /// The state cannot be shown; the previous picture stays.
-    Refused(String),
-    /// The renderer ended, but a new process may work.
-    Lost(String),
-    Failed(String),
-}
-
-#[derive(Clone, Debug, Default)]
-pub struct Shown {
-    pub generation: u64,
-    pub halves: [Option<Shot>; 2],
-    pub truth: Option<Shot>,
-    pub status: Status,
-    pub device: Option<DeviceInfo>,
-    pub messages: Vec<String>,
-}
-
-impl Shown {
-    pub fn side(&self, side: Side) -> Option<&Shot> {
-        self.halves[side as usize].as_ref()
-    }
-
-    /// Returns the size of the picture: the finer half's; `None` before the first one.
-    pub fn size(&self) -> Option<[u32; 2]> {
-        let finest = self.halves.iter().flatten().min_by_key(|shot| shot.scale)?;
-        Some([finest.picture.width, finest.picture.height])
-    }
-}
 
 #[derive(Default)]
 struct Post {
@@ -171,18 +125,36 @@ struct Renderer<'a> {
     wake: &'a dyn Fn(),
     pipeline: Pipeline,
     load: LoadOptions,
-    environment: Option<(String, Arc<Environment>)>,
-    scene: Option<(String, Arc<Scene>)>,
-    /// The scene with a material, and its camera before it orbits.
-    framed: Option<(Framing, Arc<Scene>, Camera)>,
+    environment: Option<Loaded<Environment>>,
+    scene: Option<Loaded<Scene>>,
+    framed: Option<FramedScene>,
     kept: Recent<Image, Arc<Frame>>,
     shown: Shown,
     /// Divisor of the resolution while the state changes.
     coarse: u32,
 }
 
-/// Material, camera and size of a picture.
-type Framing = (MaterialOverride, CameraKind, [u32; 2]);
+/// An environment or scene with its name.
+struct Loaded<T> {
+    name: String,
+    content: Arc<T>,
+}
+
+/// The scene with a material, and its camera before it orbits.
+#[derive(Clone)]
+struct FramedScene {
+    framing: Framing,
+    scene: Arc<Scene>,
+    camera: Camera,
+}
+
+/// The settings that a [`FramedScene`] depends on.
+#[derive(Clone, PartialEq)]
+struct Framing {
+    material: MaterialOverride,
+    camera: CameraKind,
+    size: [u32; 2],
+}
 
 enum Stop {
     Refused(String),
@@ -211,15 +183,14 @@ impl<'a> Renderer<'a> {
             ..Shown::default()
         };
         let kept = Recent::weighed(KEPT, |frame: &Arc<Frame>| frame.bytes());
-        let (environment, scene, framed) = (None, None, None);
         let mut renderer = Self {
             post,
             wake,
             pipeline,
             load,
-            environment,
-            scene,
-            framed,
+            environment: None,
+            scene: None,
+            framed: None,
             kept,
             shown,
             coarse: COARSEST,
@@ -276,41 +247,12 @@ impl<'a> Renderer<'a> {
         self.pipeline
             .interrupt_by(Some(self.post.is_overdue.clone()));
         let counts = state.counts();
-        if self
-            .shown
-            .truth
-            .as_ref()
-            .is_some_and(|shot| !counts.iter().any(|&count| state.truth(count) == shot.image))
-        {
-            self.shown.truth = None;
-        }
+        self.forget_other_truth(state, &counts);
         // Continues from the most samples in memory.
-        let mut is_there = |count: &u32| {
-            let halves = [Side::Left, Side::Right].map(|side| state.image(side, *count));
-            let truth = state.picture.scale().map(|_| state.truth(*count));
-            halves
-                .iter()
-                .chain(&truth)
-                .all(|image| self.kept.get(image).is_some())
-        };
-        let known = counts.iter().rposition(&mut is_there);
-        let (is_there, counts) = (known.is_some(), &counts[known.unwrap_or(0)..]);
-        if !is_there {
-            let (started, scale) = (Instant::now(), self.coarse);
-            let made = self.shoot(state, inputs, counts[0], scale)?;
-            let ms = started.elapsed().as_secs_f64() * 1e3;
-            // Tables are made once.
-            self.coarse = match () {
-                () if made || COARSE_MS.contains(&ms) => scale,
-                () if ms < COARSE_MS.start => (scale / 2).max(1),
-                () => (scale * 2).min(COARSEST),
-            };
-            // Only a first picture is finished before the next state.
-            self.pipeline
-                .interrupt_by(Some(self.post.interrupt.clone()));
-            if scale > 2 {
-                self.shoot(state, inputs, counts[0], 2)?;
-            }
+        let known = counts.iter().rposition(|&count| self.has(state, count));
+        let counts = &counts[known.unwrap_or(0)..];
+        if known.is_none() {
+            self.show_coarsely(state, inputs, counts[0])?;
         }
         self.pipeline
             .interrupt_by(Some(self.post.interrupt.clone()));
@@ -318,6 +260,47 @@ impl<'a> Renderer<'a> {
             self.shoot(state, inputs, count, 1)?;
             self.refine(state, inputs, count)?;
             self.set_status(Status::Busy);
+        }
+        Ok(())
+    }
+
+    /// Drops a reference of another state.
+    fn forget_other_truth(&mut self, state: &State, counts: &[u32]) {
+        let is_of_state =
+            |shot: &Shot| counts.iter().any(|&count| state.truth(count) == shot.image);
+        if !self.shown.truth.as_ref().is_some_and(is_of_state) {
+            self.shown.truth = None;
+        }
+    }
+
+    /// Whether all images of a state are in memory.
+    fn has(&mut self, state: &State, count: u32) -> bool {
+        let halves = [Side::Left, Side::Right].map(|side| state.image(side, count));
+        let truth = state.picture.scale().map(|_| state.truth(count));
+        halves
+            .iter()
+            .chain(&truth)
+            .all(|image| self.kept.get(image).is_some())
+    }
+
+    /// Shows a first picture at a resolution that takes about [`COARSE_MS`], then half the
+    /// resolution.
+    fn show_coarsely(&mut self, state: &State, inputs: &Inputs, count: u32) -> Result<(), Stop> {
+        let started = Instant::now();
+        let scale = self.coarse;
+        let has_made_table = self.shoot(state, inputs, count, scale)?;
+        let ms = started.elapsed().as_secs_f64() * 1e3;
+        // A table is made once, so its time says nothing about the next picture.
+        if !has_made_table && ms < COARSE_MS.start {
+            self.coarse = (scale / 2).max(1);
+        } else if !has_made_table && ms >= COARSE_MS.end {
+            self.coarse = (scale * 2).min(COARSEST);
+        }
+        // Only a first picture is finished before the next state.
+        self.pipeline
+            .interrupt_by(Some(self.post.interrupt.clone()));
+        if scale > 2 {
+            self.shoot(state, inputs, count, 2)?;
         }
         Ok(())
     }
@@ -330,50 +313,62 @@ impl<'a> Renderer<'a> {
             .precompute
             .validate()
             .map_err(|error| Stop::Refused(error.to_string()))?;
-        let (name, here) = (&settings.environment, Path::new(""));
-        if self
-            .environment
-            .as_ref()
-            .is_none_or(|(known, _)| known != name)
-        {
-            let whole = Environment::load(name, here, &self.load)
-                .map_err(|error| Stop::Refused(error.to_string()))?;
-            self.environment = Some((name.clone(), Arc::new(whole)));
-            self.kept.clear();
-        }
-        if self
-            .scene
-            .as_ref()
-            .is_none_or(|(known, _)| *known != settings.scene)
-        {
-            let scene = Scene::load(&settings.scene, here)
-                .map_err(|error| Stop::Refused(error.to_string()))?;
-            self.scene = Some((settings.scene.clone(), Arc::new(scene)));
-            self.framed = None;
-            self.kept.clear();
-        }
-        let environment = self
-            .environment
-            .as_ref()
-            .map(|(.., environment)| environment.clone());
-        let seen = (settings.material, state.view.camera, settings.size);
-        if self
-            .framed
-            .as_ref()
-            .is_none_or(|(known, ..)| *known != seen)
-        {
-            let (_, scene) = self.scene.as_ref().expect("loaded above");
-            let scene = Arc::new(scene.apply(&settings.material));
-            let camera = Camera::for_scene(state.view.camera, &scene, settings.size);
-            self.framed = Some((seen, scene, camera));
-        }
-        let (_, scene, camera) = self.framed.clone().expect("framed above");
-        let camera = camera.orbited(state.view.orbit, &scene);
+        let environment = self.load_environment(&settings.environment)?;
+        let scene = self.load_scene(&settings.scene)?;
+        let framing = Framing {
+            material: settings.material,
+            camera: state.view.camera,
+            size: settings.size,
+        };
+        let framed = match self.framed.take() {
+            Some(framed) if framed.framing == framing => framed,
+            _ => {
+                let scene = Arc::new(scene.apply(&framing.material));
+                let camera = Camera::for_scene(framing.camera, &scene, framing.size);
+                FramedScene {
+                    framing,
+                    scene,
+                    camera,
+                }
+            }
+        };
+        self.framed = Some(framed.clone());
         Ok(Inputs {
-            environment: environment.expect("loaded above"),
-            scene,
-            camera,
+            environment,
+            camera: framed.camera.orbited(state.view.orbit, &framed.scene),
+            scene: framed.scene,
         })
+    }
+
+    fn load_environment(&mut self, name: &str) -> Result<Arc<Environment>, Stop> {
+        if let Some(loaded) = self.environment.as_ref().filter(|known| known.name == name) {
+            return Ok(loaded.content.clone());
+        }
+        let environment = Environment::load(name, Path::new(""), &self.load)
+            .map_err(|error| Stop::Refused(error.to_string()))?;
+        let content = Arc::new(environment);
+        self.environment = Some(Loaded {
+            name: name.to_owned(),
+            content: content.clone(),
+        });
+        self.kept.clear();
+        Ok(content)
+    }
+
+    fn load_scene(&mut self, name: &str) -> Result<Arc<Scene>, Stop> {
+        if let Some(loaded) = self.scene.as_ref().filter(|known| known.name == name) {
+            return Ok(loaded.content.clone());
+        }
+        let scene =
+            Scene::load(name, Path::new("")).map_err(|error| Stop::Refused(error.to_string()))?;
+        let content = Arc::new(scene);
+        self.scene = Some(Loaded {
+            name: name.to_owned(),
+            content: content.clone(),
+        });
+        self.framed = None;
+        self.kept.clear();
+        Ok(content)
     }
 
     /// Shows both halves, and the reference if needed. Returns whether it made a table.
@@ -385,7 +380,8 @@ impl<'a> Renderer<'a> {
         scale: u32,
     ) -> Result<bool, Stop> {
         let state = &whole.scaled(scale);
-        let (mut made, generation) = (false, self.shown.generation);
+        let generation = self.shown.generation;
+        let mut has_made_table = false;
         let is_first = self
             .shown
             .side(Side::Left)
@@ -397,16 +393,16 @@ impl<'a> Renderer<'a> {
         for side in [Side::Left, Side::Right] {
             let image = state.image(side, count);
             let frame = self.frame(&image, inputs)?;
-            made |= !frame.timings.precompute.is_empty();
+            has_made_table |= !frame.timings.precompute.is_empty();
             let epsilon = image.request(inputs).epsilon();
-            let look = (state.picture, state.point.settings().curve);
-            let picture = Arc::new(of_frame(
+            let picture = painted(
                 &mut self.pipeline,
-                look,
+                state.picture,
+                state.point.settings().curve,
                 &frame,
                 truth.as_deref(),
                 epsilon,
-            )?);
+            )?;
             // The score of the same frame stays until the next reference is ready.
             let known = self
                 .shown
@@ -416,7 +412,7 @@ impl<'a> Renderer<'a> {
             self.shown.halves[side as usize] = Some(Shot {
                 image,
                 frame,
-                picture,
+                picture: Arc::new(picture),
                 kind: state.picture,
                 generation,
                 scale,
@@ -427,7 +423,7 @@ impl<'a> Renderer<'a> {
             }
         }
         self.set_status(Status::Busy);
-        Ok(made)
+        Ok(has_made_table)
     }
 
     /// Renders the reference with `count` samples per pixel and scores the halves.
@@ -438,24 +434,26 @@ impl<'a> Renderer<'a> {
         let headline = Metric::listed(HEADLINE);
         for shot in self.shown.halves.iter_mut().flatten() {
             let curve = state.point.settings().curve;
-            let (test, mask) = (&shot.frame.radiance, &truth.mask);
-            let comparison = Comparison::new(test, &truth.radiance, mask, curve, request.epsilon());
+            let comparison = Comparison::new(
+                &shot.frame.radiance,
+                &truth.radiance,
+                &truth.mask,
+                curve,
+                request.epsilon(),
+            );
             let is_other = !Arc::ptr_eq(&shot.frame, &truth);
             shot.score = comparison
                 .ok()
                 .filter(|_| is_other)
                 .map(|comparison| comparison.evaluate(&[headline])[0].1);
         }
-        let (picture, generation) = (
-            Arc::new(Rgb8Image::filled(1, 1, [0; 3])),
-            self.shown.generation,
-        );
         self.shown.truth = Some(Shot {
             image,
             frame: truth,
-            picture,
+            // Only its values are shown.
+            picture: Arc::new(Rgb8Image::filled(1, 1, [0; 3])),
             kind: Picture::Image,
-            generation,
+            generation: self.shown.generation,
             scale: 1,
             score: None,
         });

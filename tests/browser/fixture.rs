@@ -8,6 +8,7 @@ use serde_json::json;
 use splitsum::base::csv::Table;
 use splitsum::base::pixels::exr;
 use splitsum::experiment::Plan;
+use splitsum::report::COMPANIONS;
 use splitsum::report::page::images::Choice;
 use splitsum::report::page::{PageOptions, PageRun, write};
 use splitsum::run::{RunOptions, run};
@@ -68,6 +69,7 @@ pub fn run_of(dir: &Path, axes: &str, rest: &str, log: Log) -> PathBuf {
     let options = RunOptions {
         fail_fast,
         command_line: vec![HOSTILE.to_owned()],
+        companions: COMPANIONS,
         ..RunOptions::new(dir, &stop)
     };
     let log = Rc::new(RefCell::new(log));

@@ -18,6 +18,7 @@ use splitsum::instrument::scene::{Camera, CameraKind, MaterialOverride, Orbit, P
 use splitsum::instrument::shade::bend::Bend;
 use splitsum::instrument::shade::{Diffuse, Method};
 use splitsum::instrument::tonemap::ToneCurve;
+use splitsum::report::COMPANIONS;
 use splitsum::report::page::images::Choice;
 use splitsum::run::{RenderFault, Renderer, RunOptions, run};
 use std::path::{Path, PathBuf};
@@ -126,6 +127,7 @@ fn bench() -> Option<Bench> {
     let (plan, stop) = (plan(dir.path()), AtomicBool::new(false));
     let options = RunOptions {
         fail_fast: true,
+        companions: COMPANIONS,
         ..RunOptions::new(&dir.path().join("run"), &stop)
     };
     let mut first = Some(first);

@@ -243,16 +243,16 @@ fn palettes_match_the_published_ones() {
 
 #[test]
 fn ranges_are_fixed() {
-    assert!((RELATIVE_ERROR.place(10f64.powf(-1.5)) - 0.5).abs() < 1e-12);
+    assert!((RELATIVE_ERROR.share(10f64.powf(-1.5)) - 0.5).abs() < 1e-12);
     assert_eq!(
-        [RELATIVE_ERROR.place(0.0), RELATIVE_ERROR.place(-1.0)],
+        [RELATIVE_ERROR.share(0.0), RELATIVE_ERROR.share(-1.0)],
         [0.0, 0.0]
     );
     assert_eq!(RELATIVE_ERROR.ticks(), [1e-3, 1e-2, 1e-1, 1.0]);
     assert_eq!(SIGNED_ERROR.color(0.0), [247; 3]);
     assert_eq!(SIGNED_ERROR.ticks(), [-0.5, -0.25, 0.0, 0.25, 0.5]);
     assert_eq!(
-        (FLIP_ERROR.place(0.25), FLIP_ERROR.ticks().len()),
+        (FLIP_ERROR.share(0.25), FLIP_ERROR.ticks().len()),
         (0.25, 5)
     );
     let narrow = ColorScale {

@@ -23,68 +23,92 @@ pub struct Dodge {
     lanes: Vec<f64>,
     /// The most lanes of a step.
     pub count: usize,
-    /// Points that lines of several series share: series, point, lane.
-    shared: Vec<(Option<usize>, [f64; 2], f64)>,
+    /// Points that lines of several series share.
+    shared: Vec<SharedPoint>,
+}
+
+/// A point of a line that lines of other series share.
+#[derive(Clone, Debug, PartialEq)]
+struct SharedPoint {
+    point: LinePoint,
+    /// 0 is the middle.
+    lane: f64,
+}
+
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct LinePoint {
+    series: Option<usize>,
+    position: [f64; 2],
 }
 
 /// A dot on a step, with its interval.
-struct Standing {
+struct StepDot {
+    /// The dot and its interval.
     marks: Vec<usize>,
     step: f64,
     series: Option<usize>,
-    /// Ends on the other axis, as shares of the domain.
-    reach: [f64; 2],
+    extent: Extent,
+}
+
+/// Ends on the axis across the steps, as shares of the domain.
+#[derive(Clone, Copy)]
+struct Extent {
+    start: f64,
+    end: f64,
+}
+
+impl Extent {
+    fn is_apart_from(&self, other: &Self) -> bool {
+        self.start > other.end + NEAR || self.end + NEAR < other.start
+    }
 }
 
 impl Dodge {
     /// On each step a dot takes the first free lane.
     pub fn new(panel: &Panel) -> Self {
         let is_y = matches!(panel.y.kind, ScaleKind::Steps(_));
-        let mut found = Self {
+        let mut dodge = Self {
             is_y,
             lanes: vec![0.0; panel.marks.len()],
             count: 1,
-            shared: shared(panel),
+            shared: shared_points(panel),
         };
-        let mut standing = standing(panel, is_y);
-        standing.sort_by(|a, b| a.step.total_cmp(&b.step).then(a.series.cmp(&b.series)));
-        for row in standing.chunk_by(|a, b| a.step == b.step) {
-            let mut taken: Vec<Vec<[f64; 2]>> = Vec::new();
-            for own in row {
-                let [start, end] = own.reach;
-                let is_free = |lane: &Vec<[f64; 2]>| {
-                    lane.iter()
-                        .all(|[from, to]| start > to + NEAR || end + NEAR < *from)
-                };
-                let lane = taken
-                    .iter()
-                    .position(is_free)
-                    .unwrap_or(taken.len())
-                    .min(LANES - 1);
-                if lane == taken.len() {
-                    taken.push(Vec::new());
-                }
-                taken[lane].push(own.reach);
-                own.marks
-                    .iter()
-                    .for_each(|mark| found.lanes[*mark] = lane as f64);
-            }
-            let middle = (taken.len() as f64 - 1.0) / 2.0;
-            row.iter()
-                .flat_map(|own| &own.marks)
-                .for_each(|mark| found.lanes[*mark] -= middle);
-            found.count = found.count.max(taken.len());
+        let mut dots = step_dots(panel, is_y);
+        dots.sort_by(|a, b| a.step.total_cmp(&b.step).then(a.series.cmp(&b.series)));
+        for step in dots.chunk_by(|a, b| a.step == b.step) {
+            dodge.take_lanes(step);
         }
-        found
+        dodge
+    }
+
+    fn take_lanes(&mut self, dots: &[StepDot]) {
+        let mut lanes: Vec<Vec<Extent>> = Vec::new();
+        for dot in dots {
+            let lane = lanes
+                .iter()
+                .position(|lane| lane.iter().all(|taken| dot.extent.is_apart_from(taken)))
+                .unwrap_or(lanes.len())
+                .min(LANES - 1);
+            if lane == lanes.len() {
+                lanes.push(Vec::new());
+            }
+            lanes[lane].push(dot.extent);
+            for &mark in &dot.marks {
+                self.lanes[mark] = lane as f64;
+            }
+        }
+        let middle = (lanes.len() as f64 - 1.0) / 2.0;
+        for &mark in dots.iter().flat_map(|dot| &dot.marks) {
+            self.lanes[mark] -= middle;
+        }
+        self.count = self.count.max(lanes.len());
     }
 
     /// Pixels from a point to the lane of a series, downwards.
-    pub fn shift(&self, series: Option<usize>, point: [f64; 2]) -> f64 {
-        let own = self
-            .shared
-            .iter()
-            .find(|(other, at, _)| *other == series && *at == point);
-        own.map_or(0.0, |(.., lane)| lane * LINE_PITCH)
+    pub fn shift(&self, series: Option<usize>, position: [f64; 2]) -> f64 {
+        let point = LinePoint { series, position };
+        let shared = self.shared.iter().find(|shared| shared.point == point);
+        shared.map_or(0.0, |shared| shared.lane * LINE_PITCH)
     }
 
     /// Pixels from the middle of the step.
@@ -94,26 +118,39 @@ impl Dodge {
 }
 
 /// Gives each series of a shared point a lane, so that no line hides another.
-fn shared(panel: &Panel) -> Vec<(Option<usize>, [f64; 2], f64)> {
-    let points = panel.marks.iter().filter_map(|mark| match &mark.shape {
-        Shape::Line(points) => Some(points.iter().map(|point| (mark.series, *point))),
-        _ => None,
-    });
-    let all: Vec<(Option<usize>, [f64; 2])> = points.flatten().collect();
-    let lane = |(series, point): &(Option<usize>, [f64; 2])| {
-        let own: BTreeSet<Option<usize>> = all
+fn shared_points(panel: &Panel) -> Vec<SharedPoint> {
+    let mut points: Vec<LinePoint> = Vec::new();
+    for mark in &panel.marks {
+        if let Shape::Line(positions) = &mark.shape {
+            let series = mark.series;
+            points.extend(
+                positions
+                    .iter()
+                    .map(|&position| LinePoint { series, position }),
+            );
+        }
+    }
+    let mut shared = Vec::new();
+    for point in &points {
+        let all_series: BTreeSet<Option<usize>> = points
             .iter()
-            .filter(|other| other.1 == *point)
-            .map(|other| other.0)
+            .filter(|other| other.position == point.position)
+            .map(|other| other.series)
             .collect();
-        let place = own.iter().position(|other| other == series)? as f64;
-        (own.len() > 1).then(|| (*series, *point, place - (own.len() as f64 - 1.0) / 2.0))
-    };
-    all.iter().filter_map(lane).collect()
+        let index = all_series.iter().position(|series| *series == point.series);
+        // A NaN equals no position, not even its own.
+        if let Some(index) = index.filter(|_| all_series.len() > 1) {
+            shared.push(SharedPoint {
+                point: *point,
+                lane: index as f64 - (all_series.len() as f64 - 1.0) / 2.0,
+            });
+        }
+    }
+    shared
 }
 
 /// The dots on steps, each with the interval of its series; none if lines join dots.
-fn standing(panel: &Panel, is_y: bool) -> Vec<Standing> {
+fn step_dots(panel: &Panel, is_y: bool) -> Vec<StepDot> {
     let has_line = panel
         .marks
         .iter()
@@ -121,38 +158,42 @@ fn standing(panel: &Panel, is_y: bool) -> Vec<Standing> {
     if has_line || !(is_y || matches!(panel.x.kind, ScaleKind::Steps(_))) {
         return Vec::new();
     }
-    let (across, along, scale) = if is_y {
-        (1, 0, &panel.x)
-    } else {
-        (0, 1, &panel.y)
-    };
+    // The coordinate of steps, and the coordinate of numbers.
+    let [step_coordinate, coordinate] = if is_y { [1, 0] } else { [0, 1] };
+    let scale = if is_y { &panel.x } else { &panel.y };
     let axis = Axis::new(&scale.kind, 0.0, 1.0);
-    let dots = panel.marks.iter().enumerate().filter_map(|(i, mark)| {
-        let Shape::Dot(at) = mark.shape else {
-            return None;
+    let mut dots = Vec::new();
+    for (i, mark) in panel.marks.iter().enumerate() {
+        let Shape::Dot(position) = mark.shape else {
+            continue;
         };
-        let place = axis.at(at[along]);
-        let interval = panel.marks.iter().enumerate().filter_map(|(k, other)| {
+        let share = axis.pixel(position[coordinate]);
+        let intervals = panel.marks.iter().enumerate().filter_map(|(k, other)| {
             let Shape::Whisker(a, b) = other.shape else {
                 return None;
             };
-            let [from, to] = [a, b].map(|end| axis.at(end[along]));
-            let is_own = other.series == mark.series
-                && a[across] == at[across]
-                && from <= place
-                && place <= to;
-            is_own.then_some((k, [from, to]))
+            let start = axis.pixel(a[coordinate]);
+            let end = axis.pixel(b[coordinate]);
+            let is_of_dot = other.series == mark.series
+                && a[step_coordinate] == position[step_coordinate]
+                && start <= share
+                && share <= end;
+            is_of_dot.then_some((k, Extent { start, end }))
         });
         // If there are several, the nearest in the list.
-        let interval = interval.min_by_key(|(k, _)| k.abs_diff(i));
-        let marks = [i].into_iter().chain(interval.map(|(k, _)| k)).collect();
-        let reach = interval.map_or([place; 2], |(_, reach)| reach);
-        Some(Standing {
+        let interval = intervals.min_by_key(|(k, _)| k.abs_diff(i));
+        let mut marks = vec![i];
+        marks.extend(interval.map(|(k, _)| k));
+        let point = Extent {
+            start: share,
+            end: share,
+        };
+        dots.push(StepDot {
             marks,
-            step: at[across],
+            step: position[step_coordinate],
             series: mark.series,
-            reach,
-        })
-    });
-    dots.collect()
+            extent: interval.map_or(point, |(_, extent)| extent),
+        });
+    }
+    dots
 }

@@ -2,22 +2,25 @@
 
 use super::Figure;
 use super::ink::dashes;
-use super::text::{Words, escape, px};
+use super::text::{Anchor, Words, escape, px};
 
 /// Path data of a polyline.
 pub fn line(points: &[[f64; 2]]) -> String {
-    let step = |(i, [x, y]): (usize, &[f64; 2])| {
-        format!("{}{},{}", if i == 0 { 'M' } else { 'L' }, px(*x), px(*y))
-    };
-    points.iter().enumerate().map(step).collect()
+    let mut data = String::new();
+    for (i, [x, y]) in points.iter().enumerate() {
+        let command = if i == 0 { 'M' } else { 'L' };
+        data += &format!("{command}{},{}", px(*x), px(*y));
+    }
+    data
 }
 
+/// Path data of a rectangle.
 pub fn rectangle([x, y, width, height]: [f64; 4]) -> String {
     let [x, y, width, height] = [x, y, width, height].map(px);
     format!("M{x},{y}h{width}v{height}h-{width}z")
 }
 
-/// A path; `more` are further attributes.
+/// A path element; `more` are further attributes.
 pub fn path(class: &str, more: &str, data: &str) -> String {
     format!("<path class=\"{class}\"{more} d=\"{data}\"/>")
 }
@@ -30,11 +33,14 @@ pub fn dash(figure: &Figure, series: Option<usize>) -> String {
     })
 }
 
+/// A text element.
 pub fn words(words: &Words) -> String {
-    let [x, y] = words.at.map(px);
+    let [x, y] = words.position.map(px);
     let anchor = match words.anchor {
-        "start" => String::new(),
-        other => format!(" text-anchor=\"{other}\""),
+        // The default of SVG.
+        Anchor::Start => "",
+        Anchor::Middle => " text-anchor=\"middle\"",
+        Anchor::End => " text-anchor=\"end\"",
     };
     let turn = if words.is_upright {
         format!(" transform=\"rotate(-90 {x} {y})\"")
@@ -44,6 +50,7 @@ pub fn words(words: &Words) -> String {
     let full = words.full.as_ref().map_or_else(String::new, |full| {
         format!("<title>{}</title>", escape(full))
     });
-    let (class, text) = (&words.class, escape(&words.text));
+    let class = &words.class;
+    let text = escape(&words.text);
     format!("<text class=\"{class}\" x=\"{x}\" y=\"{y}\"{anchor}{turn}>{full}{text}</text>\n")
 }

@@ -1,7 +1,8 @@
 //! The head of a figure: title, note, legend.
 
-use super::layout::{Layout, PAD, ends_room};
-use super::text::{AXIS, Font, MIDDLE, NOTE, TITLE, stack};
+use super::ends::ends_room;
+use super::frame::{Layout, LegendEntry, PAD};
+use super::text::{AXIS, Anchor, Font, MIDDLE, NOTE, TITLE, stack};
 use super::{Figure, Shape};
 
 const TITLE_LINES: usize = 4;
@@ -16,16 +17,20 @@ const ENTRY_GAP: f64 = 16.0;
 const ENTRY_HEIGHT: f64 = 18.0;
 
 impl Layout {
+    /// Lays out title, note and legend.
     pub fn head(&mut self, figure: &Figure) {
         self.paragraph(&figure.title, TITLE, TITLE_LINES);
         self.paragraph(&figure.note, NOTE, NOTE_LINES);
         self.legend(figure);
     }
 
+    /// Appends a paragraph of at most `most` lines.
     pub fn paragraph(&mut self, text: &str, font: Font, most: usize) {
         let lines = font.wrap(text, self.width - 2.0 * PAD, most);
-        let at = [PAD, self.height + font.line() - 0.25 * font.size];
-        self.words.extend(stack(&lines, text, at, font, "start"));
+        let baseline = self.height + font.line() - 0.25 * font.size;
+        let position = [PAD, baseline];
+        self.words
+            .extend(stack(&lines, text, position, font, Anchor::Start));
         self.height += lines.len() as f64 * font.line() + 2.0;
     }
 
@@ -42,27 +47,26 @@ impl Layout {
             SWATCH
         };
         let indent = self.swatch + SWATCH_GAP;
-        let (mut x, mut y) = (PAD, self.height + GAP + ENTRY_HEIGHT / 2.0 - 4.0);
-        for (index, series) in figure
-            .series
-            .iter()
-            .enumerate()
-            .filter(|(_, series)| !series.name.is_empty())
-        {
-            let name = [AXIS.elide(&series.name, self.width - 2.0 * PAD - indent)];
-            let wide = indent + AXIS.widest(&name);
-            if x > PAD && x + wide > self.width - PAD {
-                (x, y) = (PAD, y + ENTRY_HEIGHT);
+        let mut x = PAD;
+        let mut y = self.height + GAP + ENTRY_HEIGHT / 2.0 - 4.0;
+        for (index, series) in figure.series.iter().enumerate() {
+            if series.name.is_empty() {
+                continue;
             }
-            self.entries.push((index, [x, y]));
-            self.words.extend(stack(
-                &name,
-                &series.name,
-                [x + indent, y + AXIS.size * MIDDLE],
-                AXIS,
-                "start",
-            ));
-            x += wide + ENTRY_GAP;
+            let name = [AXIS.elide(&series.name, self.width - 2.0 * PAD - indent)];
+            let width = indent + AXIS.widest(&name);
+            if x > PAD && x + width > self.width - PAD {
+                x = PAD;
+                y += ENTRY_HEIGHT;
+            }
+            self.entries.push(LegendEntry {
+                series: index,
+                position: [x, y],
+            });
+            let position = [x + indent, y + AXIS.size * MIDDLE];
+            self.words
+                .extend(stack(&name, &series.name, position, AXIS, Anchor::Start));
+            x += width + ENTRY_GAP;
             self.height = y + ENTRY_HEIGHT / 2.0;
         }
     }

@@ -2,34 +2,70 @@
 
 use super::Figure;
 
-/// Class, CSS property, custom property, and colours on a light and a dark ground.
-type Ink = (&'static str, &'static str, &'static str, [&'static str; 2]);
+/// A colour on a light and a dark ground.
+pub type Pair = [&'static str; 2];
+
+const GROUND: Pair = ["#fafaf8", "#101214"];
+const MUTED: Pair = ["#575b62", "#a6acb3"];
+
+/// A CSS rule that colours the elements of some classes.
+pub struct Ink {
+    pub selector: &'static str,
+    property: &'static str,
+    /// The custom property that a page may set.
+    variable: &'static str,
+    pub colors: Pair,
+}
+
+const fn ink(
+    selector: &'static str,
+    property: &'static str,
+    variable: &'static str,
+    colors: Pair,
+) -> Ink {
+    Ink {
+        selector,
+        property,
+        variable,
+        colors,
+    }
+}
 
 pub const INKS: [Ink; 8] = [
-    (
-        ".fig-ground",
-        "fill",
-        "--fig-ground",
-        ["#fafaf8", "#101214"],
-    ),
-    (".fig-ink", "fill", "--fig-ink", ["#15171a", "#edeeee"]),
-    (".fig-muted", "fill", "--fig-muted", ["#575b62", "#a6acb3"]),
-    (".fig-grid", "stroke", "--fig-grid", ["#dcdcd7", "#31363b"]),
-    (".fig-axis", "stroke", "--fig-axis", ["#85888d", "#7d848b"]),
-    (".fig-plain", "color", "--fig-muted", ["#575b62", "#a6acb3"]),
-    (
-        ".fig-d,.fig-o",
-        "stroke",
-        "--fig-ground",
-        ["#fafaf8", "#101214"],
-    ),
-    (".fig-b", "fill", "--fig-ground", ["#fafaf8", "#101214"]),
+    ink(".fig-ground", "fill", "--fig-ground", GROUND),
+    ink(".fig-ink", "fill", "--fig-ink", ["#15171a", "#edeeee"]),
+    ink(".fig-muted", "fill", "--fig-muted", MUTED),
+    ink(".fig-grid", "stroke", "--fig-grid", ["#dcdcd7", "#31363b"]),
+    ink(".fig-axis", "stroke", "--fig-axis", ["#85888d", "#7d848b"]),
+    ink(".fig-plain", "color", "--fig-muted", MUTED),
+    ink(".fig-d,.fig-o", "stroke", "--fig-ground", GROUND),
+    ink(".fig-b", "fill", "--fig-ground", GROUND),
 ];
+
+/// A CSS rule. The colour is written twice, for programs without custom properties.
+fn rule(selector: &str, property: &str, variable: &str, color: &str) -> String {
+    format!("{selector}{{{property}:{color};{property}:var({variable},{color})}}")
+}
+
+/// The rules of all inks and series on one ground: 0 is light, 1 dark.
+fn rules(ground: usize) -> String {
+    let mut rules = String::new();
+    for ink in &INKS {
+        let color = ink.colors[ground];
+        rules += &rule(ink.selector, ink.property, ink.variable, color);
+    }
+    for (i, colors) in SERIES.iter().enumerate() {
+        let selector = format!(".fig-s{i}");
+        let variable = format!("--fig-s{i}");
+        rules += &rule(&selector, "color", &variable, colors[ground]);
+    }
+    rules
+}
 
 /// Colours of series on a light and a dark ground, with a contrast of at least 4.5:1. The first
 /// four are for methods: orange, teal, violet, blue. The others are pink, ochre, sky, grey, olive,
 /// brown.
-pub const SERIES: [[&str; 2]; 10] = [
+pub const SERIES: [Pair; 10] = [
     ["#b3400a", "#ff9a62"],
     ["#007167", "#45cdb7"],
     ["#6446b0", "#bba8ff"],
@@ -41,6 +77,25 @@ pub const SERIES: [[&str; 2]; 10] = [
     ["#56700c", "#b5d24a"],
     ["#7a4f2a", "#d9b48c"],
 ];
+/// Methods in the order of [`SERIES`]: each has one colour in all figures.
+const METHODS: [&str; 10] = [
+    "split-sum",
+    "split-sum-two",
+    "sampled",
+    "sampled-vndf",
+    "split-sum-cap",
+    "split-sum-one",
+    "split-sum-unity",
+    "split-sum-frostbite",
+    "split-sum-four",
+    "sampled-unfiltered",
+];
+
+/// The colour of a method by its name, an index of [`SERIES`]; `None` for methods without one.
+pub fn method_ink(name: &str) -> Option<usize> {
+    METHODS.iter().position(|method| *method == name)
+}
+
 /// Colours of series without a preference, in their order.
 const OTHERS: [usize; 10] = [3, 4, 5, 6, 7, 8, 9, 1, 2, 0];
 
@@ -51,8 +106,8 @@ impl Figure {
         let mut taken: Vec<usize> = Vec::new();
         for series in &self.series[..=series.filter(|index| *index < self.series.len())?] {
             let next = OTHERS.into_iter().find(|ink| !taken.contains(ink));
-            let own = series.ink.filter(|ink| !taken.contains(ink));
-            taken.push(own.or(next).unwrap_or(taken.len() % OTHERS.len()));
+            let preferred = series.ink.filter(|ink| !taken.contains(ink));
+            taken.push(preferred.or(next).unwrap_or(taken.len() % OTHERS.len()));
         }
         taken.last().copied()
     }
@@ -71,33 +126,10 @@ pub fn dashes(index: usize, is_dashed: bool) -> Option<&'static str> {
 
 const SHAPES: &str = include_str!("../../../assets/report/figure.css");
 
-/// The style sheet of a figure. Each colour is written twice, for programs without custom
-/// properties.
+/// The style sheet of a figure.
 pub fn style() -> String {
-    let inks = INKS.map(|(class, property, name, colors)| {
-        (class.to_owned(), property, name.to_owned(), colors)
-    });
-    let series = SERIES.iter().enumerate();
-    let series = series.map(|(i, colors)| {
-        (
-            format!(".fig-s{i}"),
-            "color",
-            format!("--fig-s{i}"),
-            *colors,
-        )
-    });
-    let all: Vec<_> = inks.into_iter().chain(series).collect();
-    let rules = |ground: usize| -> String {
-        let rule = |(class, property, name, colors): &(String, &str, String, [&str; 2])| {
-            let color = colors[ground];
-            format!("{class}{{{property}:{color};{property}:var({name},{color})}}")
-        };
-        all.iter().map(rule).collect()
-    };
+    let shapes = SHAPES.replace('\n', "");
+    let light = rules(0);
     let dark = rules(1);
-    format!(
-        "{}{}@media(prefers-color-scheme:dark){{{dark}}}",
-        SHAPES.replace("\n", ""),
-        rules(0)
-    )
+    format!("{shapes}{light}@media(prefers-color-scheme:dark){{{dark}}}")
 }

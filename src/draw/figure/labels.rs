@@ -1,7 +1,7 @@
 //! The labels of an axis that have room, and the room that they take.
 
 use super::scale::{Axis, Tick, ticks};
-use super::text::{DESCENT, LABEL, MIDDLE, Words, is_whole, stack};
+use super::text::{Anchor, DESCENT, LABEL, MIDDLE, Words, is_whole, stack};
 use super::{Scale, ScaleKind};
 
 /// Between an axis and its labels, pixels.
@@ -29,108 +29,128 @@ pub struct Labels {
     pub depth: f64,
 }
 
-fn numbers(found: Vec<Tick>) -> Vec<Label> {
-    found
+fn number_labels(ticks: Vec<Tick>) -> Vec<Label> {
+    ticks
         .into_iter()
-        .map(|(value, full)| Label {
-            value,
-            lines: vec![full.clone()],
-            full,
+        .map(|tick| Label {
+            value: tick.value,
+            lines: vec![tick.label.clone()],
+            full: tick.label,
         })
         .collect()
 }
 
-fn steps(names: &[String], fit: impl Fn(&str) -> Vec<String>) -> Vec<Label> {
-    let label = |(i, name): (usize, &String)| Label {
-        value: i as f64,
-        lines: fit(name),
-        full: name.clone(),
-    };
-    names.iter().enumerate().map(label).collect()
+/// A label for each step, whose lines `wrap` makes of its name.
+fn step_labels(names: &[String], wrap: impl Fn(&str) -> Vec<String>) -> Vec<Label> {
+    names
+        .iter()
+        .enumerate()
+        .map(|(i, name)| Label {
+            value: i as f64,
+            lines: wrap(name),
+            full: name.clone(),
+        })
+        .collect()
+}
+
+/// Middle and half the width of a number below an axis, pixels.
+struct Span {
+    middle: f64,
+    half: f64,
+}
+
+impl Span {
+    fn ends_before(&self, next: &Self) -> bool {
+        self.middle + self.half + BETWEEN <= next.middle - next.half
+    }
 }
 
 impl Labels {
-    /// Labels below an axis of `length` pixels; numbers reach at most `over` pixels beyond each
-    /// end.
-    pub fn below(scale: &Scale, length: f64, over: [f64; 2], tried: &[f64]) -> Self {
-        let axis = Axis::new(&scale.kind, 0.0, length);
-        let ScaleKind::Steps(names) = &scale.kind else {
-            let half = |tick: &Tick| LABEL.width(&tick.1) / 2.0;
-            let middle =
-                |tick: &Tick| inward(axis.at(tick.0), half(tick), [-over[0], length + over[1]]);
-            let is_apart =
-                |a: &Tick, b: &Tick| middle(a) + half(a) + BETWEEN <= middle(b) - half(b);
-            let found = ticks(&scale.kind, tried, |all| {
-                all.windows(2).all(|pair| is_apart(&pair[0], &pair[1]))
-            });
-            return Self {
-                all: numbers(found),
-                is_upright: false,
-                depth: OFF + LABEL.line(),
-            };
-        };
-        let all = steps(names, |name| {
-            LABEL.wrap(name, axis.step() - BETWEEN / 2.0, LINES)
-        });
-        if all.iter().all(|label| is_whole(&label.lines, &label.full)) {
-            let found = Self {
-                all,
-                is_upright: false,
-                depth: 0.0,
-            };
-            return Self {
-                depth: OFF + found.row(),
-                ..found
-            };
-        }
-        // Skips names if steps are too narrow.
-        let every = (LABEL.line() / axis.step()).ceil().max(1.0) as usize;
-        let all = steps(names, |name| vec![LABEL.elide(name, UPRIGHT_LONGEST)])
-            .into_iter()
-            .step_by(every);
-        let found = Self {
-            all: all.collect(),
-            is_upright: true,
-            depth: 0.0,
-        };
+    fn new(all: Vec<Label>, is_upright: bool) -> Self {
         Self {
-            depth: OFF + found.widest(),
-            ..found
+            all,
+            is_upright,
+            depth: 0.0,
         }
     }
 
-    /// Labels along an axis of `length` pixels; names of steps take at most `room` pixels.
-    pub fn beside(scale: &Scale, length: f64, room: f64, tried: &[f64]) -> Self {
+    /// Labels below an axis of `length` pixels; numbers reach at most `over` pixels beyond each
+    /// end. `data` are the values of the marks.
+    pub fn below(scale: &Scale, length: f64, over: [f64; 2], data: &[f64]) -> Self {
+        match &scale.kind {
+            ScaleKind::Steps(names) => Self::names_below(scale, names, length),
+            _ => Self::numbers_below(scale, length, over, data),
+        }
+    }
+
+    fn numbers_below(scale: &Scale, length: f64, over: [f64; 2], data: &[f64]) -> Self {
         let axis = Axis::new(&scale.kind, 0.0, length);
-        let is_apart = |a: &Tick, b: &Tick| axis.at(b.0) - axis.at(a.0) >= RISE;
+        let span = |tick: &Tick| {
+            let half = LABEL.width(&tick.label) / 2.0;
+            let middle = inward(axis.pixel(tick.value), half, [-over[0], length + over[1]]);
+            Span { middle, half }
+        };
+        let ticks = ticks(&scale.kind, data, |ticks| {
+            ticks
+                .windows(2)
+                .all(|pair| span(&pair[0]).ends_before(&span(&pair[1])))
+        });
+        Self {
+            depth: OFF + LABEL.line(),
+            ..Self::new(number_labels(ticks), false)
+        }
+    }
+
+    /// Names of steps, level if all are whole, else upright.
+    fn names_below(scale: &Scale, names: &[String], length: f64) -> Self {
+        let step = Axis::new(&scale.kind, 0.0, length).step();
+        let level = step_labels(names, |name| LABEL.wrap(name, step - BETWEEN / 2.0, LINES));
+        if level
+            .iter()
+            .all(|label| is_whole(&label.lines, &label.full))
+        {
+            let mut labels = Self::new(level, false);
+            labels.depth = OFF + labels.tallest();
+            return labels;
+        }
+        // Skips names if steps are too narrow.
+        let every = (LABEL.line() / step).ceil().max(1.0) as usize;
+        let upright = step_labels(names, |name| vec![LABEL.elide(name, UPRIGHT_LONGEST)]);
+        let mut labels = Self::new(upright.into_iter().step_by(every).collect(), true);
+        labels.depth = OFF + labels.widest();
+        labels
+    }
+
+    /// Labels to the left of an axis of `length` pixels; names of steps take at most `room` pixels.
+    pub fn left(scale: &Scale, length: f64, room: f64, data: &[f64]) -> Self {
+        let axis = Axis::new(&scale.kind, 0.0, length);
         let all = match &scale.kind {
-            ScaleKind::Steps(names) => steps(names, |name| LABEL.wrap(name, room, LINES)),
-            kind => numbers(ticks(kind, tried, |all| {
-                all.windows(2).all(|pair| is_apart(&pair[0], &pair[1]))
+            ScaleKind::Steps(names) => step_labels(names, |name| LABEL.wrap(name, room, LINES)),
+            kind => number_labels(ticks(kind, data, |ticks| {
+                ticks
+                    .windows(2)
+                    .all(|pair| axis.pixel(pair[1].value) - axis.pixel(pair[0].value) >= RISE)
             })),
         };
-        let found = Self {
-            all,
-            is_upright: false,
-            depth: 0.0,
-        };
-        let widest = found.widest();
-        Self {
-            depth: if widest > 0.0 { OFF + widest } else { 0.0 },
-            ..found
+        let mut labels = Self::new(all, false);
+        let widest = labels.widest();
+        if widest > 0.0 {
+            labels.depth = OFF + widest;
         }
+        labels
     }
 
     fn widest(&self) -> f64 {
         LABEL.widest(self.all.iter().flat_map(|label| &label.lines))
     }
 
+    /// The labelled values.
     pub fn values(&self) -> Vec<f64> {
         self.all.iter().map(|label| label.value).collect()
     }
 
     /// Number of truncated labels.
-    pub fn cut(&self) -> usize {
+    pub fn truncated_count(&self) -> usize {
         self.all
             .iter()
             .filter(|label| !is_whole(&label.lines, &label.full))
@@ -138,56 +158,52 @@ impl Labels {
     }
 
     /// Height of the label with the most lines.
-    pub fn row(&self) -> f64 {
-        self.all
-            .iter()
-            .map(|label| label.lines.len())
-            .max()
-            .unwrap_or(1) as f64
-            * LABEL.line()
+    pub fn tallest(&self) -> f64 {
+        let line_counts = self.all.iter().map(|label| label.lines.len());
+        line_counts.max().unwrap_or(1) as f64 * LABEL.line()
     }
 
-    pub fn words_below(&self, axis: &Axis, bottom: f64, [left, right]: [f64; 2]) -> Vec<Words> {
-        let words = self.all.iter().flat_map(|label| {
-            let (at, anchor, y) = match self.is_upright {
-                true => (
-                    axis.at(label.value) + LABEL.size * MIDDLE,
-                    "end",
-                    bottom + OFF,
-                ),
-                false => {
-                    let half = LABEL.widest(&label.lines) / 2.0;
-                    let y = bottom + OFF + LABEL.line() - LABEL.size * DESCENT;
-                    (
-                        inward(axis.at(label.value), half, [left, right]),
-                        "middle",
-                        y,
-                    )
-                }
+    /// The labels below an axis whose panel ends at `bottom`; level labels stay between two ends.
+    pub fn words_below(&self, axis: &Axis, bottom: f64, ends: [f64; 2]) -> Vec<Words> {
+        let mut all = Vec::new();
+        for label in &self.all {
+            let pixel = axis.pixel(label.value);
+            let (position, anchor) = if self.is_upright {
+                ([pixel + LABEL.size * MIDDLE, bottom + OFF], Anchor::End)
+            } else {
+                let half = LABEL.widest(&label.lines) / 2.0;
+                let y = bottom + OFF + LABEL.line() - LABEL.size * DESCENT;
+                ([inward(pixel, half, ends), y], Anchor::Middle)
             };
-            let words = stack(&label.lines, &label.full, [at, y], LABEL, anchor);
-            words.map(|words| Words {
+            let lines = stack(&label.lines, &label.full, position, LABEL, anchor);
+            all.extend(lines.map(|words| Words {
                 is_upright: self.is_upright,
                 ..words
-            })
-        });
-        words.collect()
+            }));
+        }
+        all
     }
 
-    pub fn words_beside(&self, axis: &Axis, left: f64) -> Vec<Words> {
-        let words = self.all.iter().flat_map(|label| {
+    /// The labels to the left of an axis whose panel begins at `left`.
+    pub fn words_left(&self, axis: &Axis, left: f64) -> Vec<Words> {
+        let mut all = Vec::new();
+        for label in &self.all {
             let above = (label.lines.len() as f64 - 1.0) / 2.0 * LABEL.line();
-            let at = [
-                left - OFF,
-                axis.at(label.value) + LABEL.size * MIDDLE - above,
-            ];
-            stack(&label.lines, &label.full, at, LABEL, "end")
-        });
-        words.collect()
+            let y = axis.pixel(label.value) + LABEL.size * MIDDLE - above;
+            let position = [left - OFF, y];
+            all.extend(stack(
+                &label.lines,
+                &label.full,
+                position,
+                LABEL,
+                Anchor::End,
+            ));
+        }
+        all
     }
 }
 
 /// Moves the middle of a label so that it stays between two ends.
-fn inward(at: f64, half: f64, [from, to]: [f64; 2]) -> f64 {
-    at.min(to - half).max(from + half)
+fn inward(middle: f64, half: f64, [from, to]: [f64; 2]) -> f64 {
+    middle.min(to - half).max(from + half)
 }

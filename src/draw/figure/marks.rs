@@ -2,8 +2,8 @@
 //! drawn.
 
 use super::element::{dash, line, path, rectangle};
+use super::frame::Frame;
 use super::ink::class;
-use super::layout::Frame;
 use super::scale::Axis;
 use super::text::escape;
 use super::{Figure, Mark, Shape};
@@ -26,48 +26,48 @@ const MARKERS: [&str; 8] = [
     "m-4.5,-2.4h9v4.8h-9z",
 ];
 
-pub fn marker(ink: Option<usize>, at: [f64; 2]) -> String {
-    line(&[at]) + MARKERS[ink.unwrap_or(0) % MARKERS.len()]
+/// Path data of the marker of an ink.
+pub fn marker(ink: Option<usize>, position: [f64; 2]) -> String {
+    line(&[position]) + MARKERS[ink.unwrap_or(0) % MARKERS.len()]
 }
 
 /// Draws a panel from the ground up: bars, axes, rules, lines, intervals, dots.
 pub fn draw(figure: &Figure, index: usize, frame: &Frame) -> String {
     let panel = &figure.panels[index];
     let mut order: Vec<usize> = (0..panel.marks.len()).collect();
-    order.sort_by_key(|i| layer(&panel.marks[*i].shape));
-    let drawn = |i: &usize| {
-        let mark = &panel.marks[*i];
-        let shape = Pen {
+    order.sort_by_key(|mark| layer(&panel.marks[*mark].shape));
+    let mut below_axes = String::new();
+    let mut above_axes = String::new();
+    for index_of_mark in order {
+        let mark = &panel.marks[index_of_mark];
+        let pen = Pen {
             figure,
             frame,
             mark,
-            index: *i,
-        }
-        .shape()?;
-        Some(format!("<g {}{shape}</g>\n", head(figure, mark, index)))
-    };
-    let (filled, others) =
-        order.split_at(order.partition_point(|i| layer(&panel.marks[*i].shape) == 0));
-    let [filled, others] =
-        [filled, others].map(|own| own.iter().filter_map(drawn).collect::<String>());
-    let Frame {
-        left,
-        top,
-        right,
-        bottom,
-        ..
-    } = *frame;
-    let border = path(
-        "fig-axis",
-        "",
-        &line(&[[left, top], [left, bottom], [right, bottom]]),
-    );
+            index: index_of_mark,
+        };
+        let Some(shape) = pen.shape() else {
+            continue;
+        };
+        let part = if layer(&mark.shape) == 0 {
+            &mut below_axes
+        } else {
+            &mut above_axes
+        };
+        *part += &format!("<g {}{shape}</g>\n", head(figure, mark, index));
+    }
+    let corners = [
+        [frame.left, frame.top],
+        [frame.left, frame.bottom],
+        [frame.right, frame.bottom],
+    ];
+    let axes = path("fig-axis", "", &line(&corners));
     let name = if panel.title.is_empty() {
         String::new()
     } else {
         format!(" aria-label=\"{}\"", escape(&panel.title))
     };
-    format!("<g role=\"group\"{name}>\n{filled}{border}\n{others}</g>\n")
+    format!("<g role=\"group\"{name}>\n{below_axes}{axes}\n{above_axes}</g>\n")
 }
 
 /// Bars are below the axes, dots on top.
@@ -105,7 +105,15 @@ struct Pen<'f> {
     figure: &'f Figure,
     frame: &'f Frame,
     mark: &'f Mark,
+    /// Of the mark in its panel.
     index: usize,
+}
+
+/// A point in pixels.
+struct Spot {
+    position: [f64; 2],
+    /// An arrow if the point is outside of the domain, else empty.
+    arrow: String,
 }
 
 impl Pen<'_> {
@@ -120,68 +128,64 @@ impl Pen<'_> {
         } = *self.frame;
         match &self.mark.shape {
             Shape::Line(points) => Some(self.line(points)),
-            Shape::Dot(at) => {
-                let (at, arrow) = self.place(*at)?;
-                let hit = self.hit(&format!("M{:.0},{:.0}h0", at[0], at[1]));
-                let ink = self.figure.ink(self.mark.series);
-                let dot = if arrow.is_empty() {
-                    path("fig-d", "", &marker(ink, at))
-                } else {
-                    arrow
-                };
-                Some(dot + &hit)
-            }
-            Shape::HorizontalBar { y, base, to } => {
-                let ((from, _), (end, arrow)) = (self.place([*base, *y])?, self.place([*to, *y])?);
-                let height = self.frame.y.step() * BAR;
-                let area = [
-                    from[0].min(end[0]),
-                    end[1] - height / 2.0,
-                    (from[0] - end[0]).abs(),
-                    height,
-                ];
-                Some(
-                    path("fig-f fig-o", "", &rectangle(area))
-                        + &arrow
-                        + &self.hit(&line(&[from, end])),
-                )
-            }
+            Shape::Dot(position) => self.dot(*position),
+            Shape::HorizontalBar { y, base, to } => self.bar(*y, *base, *to),
             Shape::Whisker(a, b) => self.whisker(*a, *b),
             Shape::HorizontalRule(y) => self.rule(&self.frame.y, *y, |y| [[left, y], [right, y]]),
             Shape::VerticalRule(x) => self.rule(&self.frame.x, *x, |x| [[x, top], [x, bottom]]),
         }
     }
 
-    /// The place of a point, dodged on steps, and an arrow if it is outside of the domain.
-    fn place(&self, [x, y]: [f64; 2]) -> Option<([f64; 2], String)> {
-        let Frame {
-            x: across,
-            y: up,
-            dodge,
-            ..
-        } = self.frame;
-        let mut at = [across.at(x), up.at(y)];
-        let steps = if dodge.is_y { up } else { across };
+    fn dot(&self, position: [f64; 2]) -> Option<String> {
+        let Spot { position, arrow } = self.spot(position)?;
+        let dot = if arrow.is_empty() {
+            let ink = self.figure.ink(self.mark.series);
+            path("fig-d", "", &marker(ink, position))
+        } else {
+            arrow
+        };
+        let [x, y] = position;
+        Some(dot + &self.hit(&format!("M{x:.0},{y:.0}h0")))
+    }
+
+    fn bar(&self, y: f64, base: f64, to: f64) -> Option<String> {
+        let start = self.spot([base, y])?.position;
+        let end = self.spot([to, y])?;
+        let height = self.frame.y.step() * BAR;
+        let area = rectangle([
+            start[0].min(end.position[0]),
+            end.position[1] - height / 2.0,
+            (start[0] - end.position[0]).abs(),
+            height,
+        ]);
+        let hit = self.hit(&line(&[start, end.position]));
+        Some(path("fig-f fig-o", "", &area) + &end.arrow + &hit)
+    }
+
+    /// The pixels of a point, dodged on steps; `None` for NaN.
+    fn spot(&self, [x, y]: [f64; 2]) -> Option<Spot> {
+        let frame = self.frame;
+        let mut position = [frame.x.pixel(x), frame.y.pixel(y)];
+        let steps = if frame.dodge.is_y { &frame.y } else { &frame.x };
         if steps.has_steps() {
-            at[usize::from(dodge.is_y)] += dodge.offset(self.index, steps.step());
+            let offset = frame.dodge.offset(self.index, steps.step());
+            position[usize::from(frame.dodge.is_y)] += offset;
         }
-        at[1] += dodge.shift(self.mark.series, [x, y]);
-        let [dx, dy] = match (across.beyond(x), up.beyond(y)) {
-            _ if at[0].is_nan() || at[1].is_nan() => return None,
-            (0.0, 0.0) => return Some((at, String::new())),
-            (0.0, beyond) => [0.0, -beyond],
-            (beyond, _) => [beyond, 0.0],
+        position[1] += frame.dodge.shift(self.mark.series, [x, y]);
+        if position.iter().any(|pixel| pixel.is_nan()) {
+            return None;
+        }
+        let outside_x = frame.x.outside(x);
+        let outside_y = frame.y.outside(y);
+        let arrow = if outside_x != 0.0 {
+            arrow(position, [outside_x, 0.0])
+        } else if outside_y != 0.0 {
+            // Pixels run down.
+            arrow(position, [0.0, -outside_y])
+        } else {
+            String::new()
         };
-        let back = |side: f64| {
-            [
-                at[0] - ARROW * (2.0 * dx + side * dy),
-                at[1] - ARROW * (2.0 * dy - side * dx),
-            ]
-        };
-        Some((
-            at,
-            path("fig-b", "", &(line(&[at, back(1.0), back(-1.0)]) + "Z")),
-        ))
+        Some(Spot { position, arrow })
     }
 
     /// A wide target for the pointer.
@@ -193,43 +197,57 @@ impl Pen<'_> {
         }
     }
 
+    /// A line with a gap at each NaN.
     fn line(&self, points: &[[f64; 2]]) -> String {
-        let places: Vec<Option<([f64; 2], String)>> =
-            points.iter().map(|at| self.place(*at)).collect();
-        let run = |run: &[Option<([f64; 2], String)>]| {
-            line(
-                &run.iter()
-                    .flatten()
-                    .map(|place| place.0)
-                    .collect::<Vec<_>>(),
-            )
-        };
-        let data: String = places.split(Option::is_none).map(run).collect();
-        let arrows: String = places
+        let spots: Vec<Option<Spot>> = points.iter().map(|point| self.spot(*point)).collect();
+        let mut data = String::new();
+        for run in spots.split(Option::is_none) {
+            let positions: Vec<[f64; 2]> = run.iter().flatten().map(|spot| spot.position).collect();
+            data += &line(&positions);
+        }
+        let arrows: String = spots
             .iter()
             .flatten()
-            .map(|place| place.1.as_str())
+            .map(|spot| spot.arrow.as_str())
             .collect();
         path("fig-l", &dash(self.figure, self.mark.series), &data) + &self.hit(&data) + &arrows
     }
 
     fn rule(&self, axis: &Axis, value: f64, ends: impl Fn(f64) -> [[f64; 2]; 2]) -> Option<String> {
-        let data = line(&ends(axis.at(value)));
+        if axis.outside(value) != 0.0 || value.is_nan() {
+            return None;
+        }
+        let data = line(&ends(axis.pixel(value)));
         let dash = dash(self.figure, self.mark.series);
-        (axis.beyond(value) == 0.0 && !value.is_nan())
-            .then(|| path("fig-l fig-thin", &dash, &data) + &self.hit(&data))
+        Some(path("fig-l fig-thin", &dash, &data) + &self.hit(&data))
     }
 
+    /// An interval, with caps at the ends in the domain.
     fn whisker(&self, a: [f64; 2], b: [f64; 2]) -> Option<String> {
-        let ((from, start), (to, end)) = (self.place(a)?, self.place(b)?);
-        let cap = if a[1] == b[1] { [0.0, CAP] } else { [CAP, 0.0] };
-        let across = |[x, y]: [f64; 2]| line(&[[x - cap[0], y - cap[1]], [x + cap[0], y + cap[1]]]);
-        let mut data = line(&[from, to]);
-        for (at, arrow) in [(from, &start), (to, &end)] {
-            if arrow.is_empty() {
-                data += &across(at);
+        let start = self.spot(a)?;
+        let end = self.spot(b)?;
+        let is_level = a[1] == b[1];
+        let [cap_x, cap_y] = if is_level { [0.0, CAP] } else { [CAP, 0.0] };
+        let interval = line(&[start.position, end.position]);
+        let mut data = interval.clone();
+        for spot in [&start, &end] {
+            if spot.arrow.is_empty() {
+                let [x, y] = spot.position;
+                data += &line(&[[x - cap_x, y - cap_y], [x + cap_x, y + cap_y]]);
             }
         }
-        Some(path("fig-l fig-thin", "", &data) + &start + &end + &self.hit(&line(&[from, to])))
+        let whisker = path("fig-l fig-thin", "", &data);
+        Some(whisker + &start.arrow + &end.arrow + &self.hit(&interval))
     }
+}
+
+/// An open arrow whose tip is at `tip`.
+fn arrow(tip: [f64; 2], [dx, dy]: [f64; 2]) -> String {
+    let back = |side: f64| {
+        [
+            tip[0] - ARROW * (2.0 * dx + side * dy),
+            tip[1] - ARROW * (2.0 * dy - side * dx),
+        ]
+    };
+    path("fig-b", "", &(line(&[tip, back(1.0), back(-1.0)]) + "Z"))
 }

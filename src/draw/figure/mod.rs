@@ -2,6 +2,8 @@
 
 mod dodge;
 mod element;
+mod ends;
+mod frame;
 mod head;
 pub mod ink;
 mod labels;
@@ -130,7 +132,7 @@ impl Mark {
 impl Scale {
     /// A logarithmic scale around positive numbers; `None` without numbers.
     pub fn log(label: &str, values: impl IntoIterator<Item = f64>) -> Option<Self> {
-        let (lo, hi) = ends(values.into_iter().filter(|value| *value > 0.0))?;
+        let [lo, hi] = finite_range(values.into_iter().filter(|value| *value > 0.0))?;
         let pad = ((hi / lo).ln() * 0.06).exp().max(1.15);
         Some(Self {
             label: label.to_owned(),
@@ -143,7 +145,7 @@ impl Scale {
 
     /// A linear scale around numbers; `None` without numbers.
     pub fn linear(label: &str, values: impl IntoIterator<Item = f64>) -> Option<Self> {
-        let (lo, hi) = ends(values)?;
+        let [lo, hi] = finite_range(values)?;
         let pad = if hi > lo {
             (hi - lo) * 0.06
         } else {
@@ -166,11 +168,13 @@ impl Scale {
     }
 }
 
-fn ends(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
+/// The least and the largest finite value.
+fn finite_range(values: impl IntoIterator<Item = f64>) -> Option<[f64; 2]> {
     let finite: Vec<f64> = values
         .into_iter()
         .filter(|value| value.is_finite())
         .collect();
     let lo = finite.iter().copied().reduce(f64::min)?;
-    Some((lo, finite.into_iter().fold(lo, f64::max)))
+    let hi = finite.into_iter().fold(lo, f64::max);
+    Some([lo, hi])
 }

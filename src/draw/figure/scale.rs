@@ -19,26 +19,40 @@ const ROUNDING: f64 = 1e-9;
 /// Widens an empty domain.
 const WIDENING: f64 = 2.0;
 
+/// A domain that is not empty, in place of any two numbers.
+fn linear_domain(lo: f64, hi: f64) -> [f64; 2] {
+    if hi > lo && (hi - lo).is_finite() {
+        [lo, hi]
+    } else if lo.is_finite() {
+        [lo - 0.5, lo + 0.5]
+    } else {
+        [0.0, 1.0]
+    }
+}
+
+/// As [`linear_domain`], of positive numbers.
+fn log_domain(lo: f64, hi: f64) -> [f64; 2] {
+    if lo > 0.0 && hi > lo && hi.is_finite() {
+        [lo, hi]
+    } else if hi > 0.0 && hi.is_finite() {
+        [hi / WIDENING, hi * WIDENING]
+    } else {
+        [1.0 / WIDENING, WIDENING]
+    }
+}
+
 impl Axis {
     /// `from` and `to` are the ends in pixels.
     pub fn new(kind: &ScaleKind, from: f64, to: f64) -> Self {
-        let (is_log, steps, lo, hi) = match kind {
-            ScaleKind::Linear { lo, hi } => (false, 0, *lo, *hi),
-            ScaleKind::Log { lo, hi } => (true, 0, *lo, *hi),
-            ScaleKind::Steps(names) => (
-                false,
-                names.len().max(1),
-                -0.5,
-                names.len().max(1) as f64 - 0.5,
-            ),
+        let is_log = matches!(kind, ScaleKind::Log { .. });
+        let steps = match kind {
+            ScaleKind::Steps(names) => names.len().max(1),
+            _ => 0,
         };
-        let (lo, hi) = match is_log {
-            true if lo > 0.0 && hi > lo && hi.is_finite() => (lo, hi),
-            true if hi > 0.0 && hi.is_finite() => (hi / WIDENING, hi * WIDENING),
-            true => (1.0 / WIDENING, WIDENING),
-            false if hi > lo && (hi - lo).is_finite() => (lo, hi),
-            false if lo.is_finite() => (lo - 0.5, lo + 0.5),
-            false => (0.0, 1.0),
+        let [lo, hi] = match *kind {
+            ScaleKind::Linear { lo, hi } => linear_domain(lo, hi),
+            ScaleKind::Log { lo, hi } => log_domain(lo, hi),
+            ScaleKind::Steps(_) => [-0.5, steps as f64 - 0.5],
         };
         Self {
             is_log,
@@ -65,26 +79,33 @@ impl Axis {
 
     /// 0 at the start of the domain, 1 at its end; -∞ for a logarithm of 0 or less.
     pub fn share(&self, value: f64) -> f64 {
-        match self.is_log {
-            true if value <= 0.0 => f64::NEG_INFINITY,
-            true => (value.ln() - self.lo.ln()) / (self.hi.ln() - self.lo.ln()),
-            false => (value - self.lo) / (self.hi - self.lo),
+        if !self.is_log {
+            (value - self.lo) / (self.hi - self.lo)
+        } else if value <= 0.0 {
+            f64::NEG_INFINITY
+        } else {
+            (value.ln() - self.lo.ln()) / (self.hi.ln() - self.lo.ln())
         }
     }
 
     /// Pixels, clamped to the ends; NaN for NaN.
-    pub fn at(&self, value: f64) -> f64 {
+    pub fn pixel(&self, value: f64) -> f64 {
         self.from + self.share(value).clamp(0.0, 1.0) * (self.to - self.from)
     }
 
-    /// -1 below the domain, 1 above it, 0 within.
-    pub fn beyond(&self, value: f64) -> f64 {
+    /// The side on which a value leaves the domain: -1 below, 1 above, 0 within.
+    pub fn outside(&self, value: f64) -> f64 {
         let share = self.share(value);
         f64::from(u8::from(share > 1.0 + ROUNDING)) - f64::from(u8::from(share < -ROUNDING))
     }
 }
 
-pub type Tick = (f64, String);
+/// A labelled value on an axis.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tick {
+    pub value: f64,
+    pub label: String,
+}
 
 /// About the most labels.
 const LABELS: f64 = 8.0;
@@ -93,61 +114,67 @@ const LABELS_LEAST: usize = 3;
 /// Exponents of the smallest and largest f64.
 const EXPONENTS: std::ops::RangeInclusive<i32> = -323..=308;
 
-/// The densest round ticks that `fits` accepts. `tried` are the data; powers of two are labelled as
-/// such.
-pub fn ticks(kind: &ScaleKind, tried: &[f64], fits: impl Fn(&[Tick]) -> bool) -> Vec<Tick> {
+/// The densest round ticks that `has_room` accepts. `data` are the values of the marks; powers of
+/// two are labelled as such.
+pub fn ticks(kind: &ScaleKind, data: &[f64], has_room: impl Fn(&[Tick]) -> bool) -> Vec<Tick> {
     let [lo, hi] = Axis::new(kind, 0.0, 1.0).domain();
     let candidates = match kind {
         ScaleKind::Steps(_) => Vec::new(),
         ScaleKind::Linear { .. } => linear(lo, hi),
-        ScaleKind::Log { .. } => powers_of_two(lo, hi, tried)
+        ScaleKind::Log { .. } => powers_of_two(lo, hi, data)
             .into_iter()
             .chain(decades(lo, hi))
             .chain(linear(lo, hi))
             .collect(),
     };
-    // Whole numbers are counts.
+    // Whole numbers are counts: between them a tick would mean nothing.
     let is_whole = |value: f64| value.fract() == 0.0;
-    let are_counts = !tried.is_empty() && tried.iter().all(|value| is_whole(*value));
-    let is_count = |ticks: &[Tick]| !are_counts || ticks.iter().all(|tick| is_whole(tick.0));
-    let fitting: Vec<Vec<Tick>> = candidates
+    let are_counts = !data.is_empty() && data.iter().all(|value| is_whole(*value));
+    let accepted: Vec<Vec<Tick>> = candidates
         .into_iter()
-        .filter(|ticks| is_count(ticks) && fits(ticks))
+        .filter(|ticks| !are_counts || ticks.iter().all(|tick| is_whole(tick.value)))
+        .filter(|ticks| has_room(ticks))
         .collect();
-    let best = fitting.iter().find(|ticks| ticks.len() >= LABELS_LEAST);
-    best.or_else(|| fitting.iter().max_by_key(|ticks| ticks.len()))
+    let dense_enough = accepted.iter().find(|ticks| ticks.len() >= LABELS_LEAST);
+    dense_enough
+        .or_else(|| accepted.iter().max_by_key(|ticks| ticks.len()))
         .cloned()
         .unwrap_or_default()
 }
 
+/// The exponent of a power of two from 1 on; `None` for other numbers.
+fn exponent_of_two(value: f64) -> Option<i32> {
+    let is_power = value >= 1.0 && value.is_finite() && value.log2().fract() == 0.0;
+    is_power.then(|| value.log2() as i32)
+}
+
 /// Ticks at powers of two as far apart as the data, at every second, and so on; none for other
 /// data.
-fn powers_of_two(lo: f64, hi: f64, tried: &[f64]) -> Vec<Vec<Tick>> {
-    let is_power = |value: &f64| *value >= 1.0 && value.is_finite() && value.log2().fract() == 0.0;
-    let mut exponents: Vec<i32> = tried
-        .iter()
-        .filter(|value| is_power(value))
-        .map(|value| value.log2() as i32)
-        .collect();
+fn powers_of_two(lo: f64, hi: f64, data: &[f64]) -> Vec<Vec<Tick>> {
+    let exponents: Option<Vec<i32>> = data.iter().map(|value| exponent_of_two(*value)).collect();
+    let Some(mut exponents) = exponents else {
+        return Vec::new();
+    };
     exponents.sort_unstable();
     let step = exponents
         .windows(2)
         .map(|pair| pair[1] - pair[0])
         .filter(|step| *step > 0)
         .min();
-    let Some(step) = step.filter(|_| exponents.len() == tried.len()) else {
+    let Some(step) = step else {
         return Vec::new();
     };
-    let (first, last) = (lo.log2().ceil().max(0.0) as i32, hi.log2().floor() as i32);
-    let every = |by: i32| {
-        let own = (first..=last).filter(|exponent| (exponent - exponents[0]) % (by * step) == 0);
-        labelled(
-            &own.map(|exponent| f64::from(exponent).exp2())
-                .collect::<Vec<f64>>(),
-            Some(0),
-        )
-    };
-    (1..=POWERS_LEFT_OUT).map(every).collect()
+    let first = lo.log2().ceil().max(0.0) as i32;
+    let last = hi.log2().floor() as i32;
+    let mut candidates = Vec::new();
+    for every in 1..=POWERS_LEFT_OUT {
+        let powers: Vec<f64> = (first..=last)
+            .filter(|exponent| (exponent - exponents[0]) % (every * step) == 0)
+            .map(|exponent| f64::from(exponent).exp2())
+            .collect();
+        candidates.push(labelled(&powers, Some(0)));
+    }
+    candidates
 }
 
 /// At least one in this many powers of two has a label.
@@ -159,7 +186,7 @@ fn decades(lo: f64, hi: f64) -> Vec<Vec<Tick>> {
     let dense = digits
         .into_iter()
         .map(|digits| multiples(lo, hi, digits, 1));
-    let sparse = (2..=EXPONENTS.end() / 2).map(|by| multiples(lo, hi, &[1], by));
+    let sparse = (2..=EXPONENTS.end() / 2).map(|every| multiples(lo, hi, &[1], every));
     dense
         .chain(sparse)
         .take_while(|values| !values.is_empty())
@@ -167,13 +194,14 @@ fn decades(lo: f64, hi: f64) -> Vec<Vec<Tick>> {
         .collect()
 }
 
-/// `digit 10^e` in the domain, for every `by`th exponent.
-fn multiples(lo: f64, hi: f64, digits: &[i64], by: i32) -> Vec<f64> {
-    let (first, last) = (lo.log10().floor() as i32, hi.log10().ceil() as i32);
-    let exponents = (first.max(*EXPONENTS.start())..=last.min(*EXPONENTS.end()))
-        .filter(|e| e.rem_euclid(by) == 0);
-    let all = exponents.flat_map(|e| digits.iter().map(move |digit| decimal(*digit, e)));
-    all.filter(|value| (lo * (1.0 - ROUNDING)..=hi * (1.0 + ROUNDING)).contains(value))
+/// `digit 10^e` in the domain, for the exponents that `every` divides.
+fn multiples(lo: f64, hi: f64, digits: &[i64], every: i32) -> Vec<f64> {
+    let first = (lo.log10().floor() as i32).max(*EXPONENTS.start());
+    let last = (hi.log10().ceil() as i32).min(*EXPONENTS.end());
+    (first..=last)
+        .filter(|e| e.rem_euclid(every) == 0)
+        .flat_map(|e| digits.iter().map(move |digit| decimal(*digit, e)))
+        .filter(|value| (lo * (1.0 - ROUNDING)..=hi * (1.0 + ROUNDING)).contains(value))
         .collect()
 }
 
@@ -184,22 +212,24 @@ fn decimal(whole: i64, e: i32) -> f64 {
 
 /// Ticks of a linear axis, dense to sparse.
 fn linear(lo: f64, hi: f64) -> Vec<Vec<Tick>> {
-    let least = (hi - lo) / LABELS;
-    let first = least.log10().floor() as i32;
-    let steps = (first..first + 3).flat_map(|e| [(1, e), (2, e), (5, e)]);
-    let of = |(digit, e): (i64, i32)| {
-        let step = decimal(digit, e);
-        let range = (lo / step - ROUNDING).ceil() as i64..=(hi / step + ROUNDING).floor() as i64;
-        labelled(
-            &range.map(|i| decimal(i * digit, e)).collect::<Vec<f64>>(),
-            Some(e.min(0).unsigned_abs() as usize),
-        )
-    };
-    steps
-        .filter(|(digit, e)| decimal(*digit, *e) >= least)
-        .map(of)
-        .filter(|ticks| !ticks.is_empty())
-        .collect()
+    let least_step = (hi - lo) / LABELS;
+    let first = least_step.log10().floor() as i32;
+    let mut candidates = Vec::new();
+    for e in first..first + 3 {
+        for digit in [1, 2, 5] {
+            let step = decimal(digit, e);
+            if step < least_step {
+                continue;
+            }
+            let from = (lo / step - ROUNDING).ceil() as i64;
+            let to = (hi / step + ROUNDING).floor() as i64;
+            let values: Vec<f64> = (from..=to).map(|i| decimal(i * digit, e)).collect();
+            if !values.is_empty() {
+                candidates.push(labelled(&values, Some(e.min(0).unsigned_abs() as usize)));
+            }
+        }
+    }
+    candidates
 }
 
 /// Numbers that are not written as powers of ten.
@@ -216,7 +246,13 @@ fn labelled(values: &[f64], decimals: Option<usize>) -> Vec<Tick> {
         Some(decimals) => format!("{:.decimals$}", value + 0.0).replace('-', "\u{2212}"),
         None => value.to_string(),
     };
-    values.iter().map(|value| (*value, label(*value))).collect()
+    values
+        .iter()
+        .map(|&value| Tick {
+            value,
+            label: label(value),
+        })
+        .collect()
 }
 
 /// `10⁻⁴`, `2·10⁵`.

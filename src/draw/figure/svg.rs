@@ -9,8 +9,9 @@
 //! `data-series`.
 
 use super::element::{dash, line, path, rectangle, words};
+use super::frame::{Frame, Layout, LegendEntry};
 use super::ink::{class, style};
-use super::layout::{Frame, Layout, layout};
+use super::layout::layout;
 use super::marks::{draw, marker};
 use super::text::{escape, px};
 use super::{Figure, Shape};
@@ -20,77 +21,81 @@ pub const FILE_WIDTH: u32 = 760;
 pub const WIDTHS: [u32; 2] = [1180, 360];
 const NARROWEST: u32 = 240;
 
+/// The SVG of a figure at a width, pixels.
 pub fn svg(figure: &Figure, width: u32) -> String {
     let layout = layout(figure, f64::from(width.max(NARROWEST)));
-    let (width, height) = (px(layout.width), px(layout.height.ceil()));
-    let (title, note, style) = (escape(&figure.title), escape(&figure.note), style());
-    let body = std::iter::once(legend(figure, &layout))
-        .chain(layout.frames.iter().map(grid))
-        .chain(layout.words.iter().map(words))
-        .chain(
-            layout
-                .frames
-                .iter()
-                .enumerate()
-                .map(|(index, frame)| draw(figure, index, frame)),
-        );
-    let body: String = body.collect();
+    let mut body = legend(figure, &layout);
+    body.extend(layout.frames.iter().map(grid));
+    body.extend(layout.words.iter().map(words));
+    for (index, frame) in layout.frames.iter().enumerate() {
+        body += &draw(figure, index, frame);
+    }
+    let width = px(layout.width);
+    let height = px(layout.height.ceil());
+    let title = escape(&figure.title);
+    let note = escape(&figure.note);
+    let style = style();
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"fig\" width=\"{width}\" \
          height=\"{height}\" viewBox=\"0 0 {width} {height}\" \
          role=\"group\" \
-         aria-label=\"{title}\">\n<title>{title}</title>\n<desc>{note}</desc>\n<style>{style}</style>\n\
+         aria-label=\"{title}\">\n<title>{title}</title>\n<desc>{note}</desc>\n\
+         <style>{style}</style>\n\
          <rect class=\"fig-ground\" width=\"{width}\" height=\"{height}\"/>\n{body}</svg>\n"
     )
 }
 
+/// The samples of marks in the legend; the names of series are words.
 fn legend(figure: &Figure, layout: &Layout) -> String {
-    let swatch = layout.swatch;
-    let entry = |(index, [x, y]): &(usize, [f64; 2])| {
-        let series = Some(*index);
-        let ink = figure.ink(series);
-        let own = |is: fn(&Shape) -> bool| {
-            figure
-                .marks()
-                .any(|mark| mark.series == series && is(&mark.shape))
-        };
-        let bar = own(|shape| matches!(shape, Shape::HorizontalBar { .. }))
-            .then(|| path("fig-f", "", &rectangle([*x, y - 6.0, swatch, 12.0])));
-        let is_line = |shape: &Shape| {
-            matches!(
-                shape,
-                Shape::Line(_) | Shape::HorizontalRule(_) | Shape::VerticalRule(_)
-            )
-        };
-        let curve = own(is_line).then(|| {
-            path(
-                "fig-l",
-                &dash(figure, series),
-                &line(&[[*x, *y], [x + swatch, *y]]),
-            )
-        });
-        let has_dots =
-            own(|shape| matches!(shape, Shape::Dot(_))) || (bar.is_none() && curve.is_none());
-        let dot = has_dots.then(|| path("fig-d", "", &marker(ink, [x + swatch / 2.0, *y])));
-        let drawn: String = [bar, curve, dot].into_iter().flatten().collect();
-        format!(
-            "<g class=\"{}\" data-series=\"{index}\">{drawn}</g>\n",
-            class(ink)
-        )
+    let mut body = String::new();
+    for entry in &layout.entries {
+        let class = class(figure.ink(Some(entry.series)));
+        let sample = legend_sample(figure, entry, layout.swatch);
+        let index = entry.series;
+        body += &format!("<g class=\"{class}\" data-series=\"{index}\">{sample}</g>\n");
+    }
+    body
+}
+
+/// A bar, a line and a dot, as far as a series has such marks.
+fn legend_sample(figure: &Figure, entry: &LegendEntry, width: f64) -> String {
+    let [x, y] = entry.position;
+    let series = Some(entry.series);
+    let has = |is_wanted: fn(&Shape) -> bool| {
+        figure
+            .marks()
+            .any(|mark| mark.series == series && is_wanted(&mark.shape))
     };
-    layout.entries.iter().map(entry).collect()
+    let has_bar = has(|shape| matches!(shape, Shape::HorizontalBar { .. }));
+    let has_line = has(|shape| {
+        matches!(
+            shape,
+            Shape::Line(_) | Shape::HorizontalRule(_) | Shape::VerticalRule(_)
+        )
+    });
+    let has_dot = has(|shape| matches!(shape, Shape::Dot(_)));
+    let mut sample = String::new();
+    if has_bar {
+        sample += &path("fig-f", "", &rectangle([x, y - 6.0, width, 12.0]));
+    }
+    if has_line {
+        let dash = dash(figure, series);
+        sample += &path("fig-l", &dash, &line(&[[x, y], [x + width, y]]));
+    }
+    if has_dot || !(has_bar || has_line) {
+        let outline = marker(figure.ink(series), [x + width / 2.0, y]);
+        sample += &path("fig-d", "", &outline);
+    }
+    sample
 }
 
 fn grid(frame: &Frame) -> String {
-    let Frame {
-        left,
-        top,
-        right,
-        bottom,
-        lines: [xs, ys],
-        ..
-    } = frame;
-    let upright = xs.iter().map(|x| line(&[[*x, *top], [*x, *bottom]]));
-    let level = ys.iter().map(|y| line(&[[*left, *y], [*right, *y]]));
-    path("fig-grid", "", &upright.chain(level).collect::<String>()) + "\n"
+    let mut data = String::new();
+    for &x in &frame.grid_x {
+        data += &line(&[[x, frame.top], [x, frame.bottom]]);
+    }
+    for &y in &frame.grid_y {
+        data += &line(&[[frame.left, y], [frame.right, y]]);
+    }
+    path("fig-grid", "", &data) + "\n"
 }

@@ -61,6 +61,7 @@ pub const LABEL: Font = Font {
 };
 
 impl Font {
+    /// Height of a line, pixels.
     pub fn line(self) -> f64 {
         self.size * LINE
     }
@@ -71,6 +72,7 @@ impl Font {
         text.chars().map(advance).sum::<f64>() * self.size * SLACK * weight
     }
 
+    /// Width of the widest line, pixels.
     pub fn widest<'t>(self, lines: impl IntoIterator<Item = &'t String>) -> f64 {
         lines
             .into_iter()
@@ -81,18 +83,19 @@ impl Font {
     /// Breaks a text into at most `most` lines no wider than `room`, preferably after commas; the
     /// last may end in an ellipsis.
     pub fn wrap(self, text: &str, room: f64, most: usize) -> Vec<String> {
-        let items = text.split_inclusive(", ").map(str::trim);
-        let pieces = items.flat_map(|item| match self.width(item) <= room {
-            true => vec![item],
-            false => item.split_whitespace().collect(),
-        });
+        let mut pieces: Vec<&str> = Vec::new();
+        for item in text.split_inclusive(", ").map(str::trim) {
+            if self.width(item) <= room {
+                pieces.push(item);
+            } else {
+                pieces.extend(item.split_whitespace());
+            }
+        }
         let mut lines: Vec<String> = Vec::new();
-        for piece in pieces.filter(|piece| !piece.is_empty()) {
-            let count = lines.len();
+        for piece in pieces.into_iter().filter(|piece| !piece.is_empty()) {
+            let is_last_line = lines.len() >= most.max(1);
             match lines.last_mut() {
-                Some(line)
-                    if count >= most.max(1) || self.width(&format!("{line} {piece}")) <= room =>
-                {
+                Some(line) if is_last_line || self.width(&format!("{line} {piece}")) <= room => {
                     *line = format!("{line} {piece}");
                 }
                 _ => lines.push(piece.to_owned()),
@@ -101,30 +104,36 @@ impl Font {
         lines.iter().map(|line| self.elide(line, room)).collect()
     }
 
+    /// Cuts a text to `room` pixels; the last letter is then an ellipsis.
     pub fn elide(self, text: &str, room: f64) -> String {
         if self.width(text) <= room {
             return text.to_owned();
         }
-        let starts = text
-            .char_indices()
+        text.char_indices()
             .rev()
-            .map(|(end, _)| format!("{}…", text[..end].trim_end()));
-        starts
-            .into_iter()
+            .map(|(end, _)| format!("{}…", text[..end].trim_end()))
             .find(|start| self.width(start) <= room)
             .unwrap_or_else(|| "…".to_owned())
     }
 }
 
+/// Where a text begins, ends or has its middle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Anchor {
+    Start,
+    Middle,
+    End,
+}
+
+/// A line of text with its position.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Words {
     pub text: String,
     /// The whole text, if `text` is truncated.
     pub full: Option<String>,
-    /// The anchor on the baseline.
-    pub at: [f64; 2],
-    /// SVG's `text-anchor`.
-    pub anchor: &'static str,
+    /// The anchor on the baseline, pixels.
+    pub position: [f64; 2],
+    pub anchor: Anchor,
     /// From bottom to top.
     pub is_upright: bool,
     pub class: Cow<'static, str>,
@@ -136,12 +145,12 @@ pub fn stack<'t>(
     full: &'t str,
     [x, y]: [f64; 2],
     font: Font,
-    anchor: &'static str,
+    anchor: Anchor,
 ) -> impl Iterator<Item = Words> + 't {
     lines.iter().enumerate().map(move |(i, line)| Words {
         text: line.clone(),
         full: (line.ends_with('…') && !full.contains(line.as_str())).then(|| full.to_owned()),
-        at: [x, y + i as f64 * font.line()],
+        position: [x, y + i as f64 * font.line()],
         anchor,
         is_upright: false,
         class: font.class.into(),

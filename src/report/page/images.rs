@@ -65,7 +65,7 @@ pub fn collect(runs: &[PageRun], choice: Choice, budget: usize) -> ImageSet {
             );
         }
         Choice::Automatic => {
-            let first = set.of_first_point_set(runs);
+            let first = set.in_first_point_set(runs);
             let mut order: Vec<usize> = (0..set.images.len()).collect();
             // Further point sets only differ in noise.
             order.sort_by_key(|index| !first.contains(index));
@@ -73,13 +73,11 @@ pub fn collect(runs: &[PageRun], choice: Choice, budget: usize) -> ImageSet {
         }
     }
     if set.images.is_empty() && choice != Choice::None {
-        let why = match designs(runs).is_empty() {
-            true => "The run has no images.csv, so there are no images.".to_owned(),
-            false => format!(
-                "The run has only the scene design, of which there are no pictures: {DESIGN}."
-            ),
-        };
-        set.notes.push(why);
+        set.notes.push(if designs(runs).is_empty() {
+            "The run has no images.csv, so there are no images.".to_owned()
+        } else {
+            format!("The run has only the scene design, of which there are no pictures: {DESIGN}.")
+        });
     }
     set
 }
@@ -97,8 +95,19 @@ fn designs(runs: &[PageRun]) -> HashSet<Value> {
         .collect()
 }
 
-/// An image, its encoded texels and its mask.
-type Prepared = (EmbeddedImage, String, Option<String>);
+/// An image before its payloads are stored.
+struct Prepared {
+    image: EmbeddedImage,
+    texels: String,
+    /// Of references.
+    mask: Option<String>,
+}
+
+impl Prepared {
+    fn bytes(&self) -> usize {
+        self.texels.len() + self.mask.as_ref().map_or(0, String::len)
+    }
+}
 
 impl ImageSet {
     /// The images of the cells, each once, without pixels and without designs.
@@ -108,10 +117,10 @@ impl ImageSet {
         for (run, page_run) in runs.iter().enumerate() {
             let is_picture = |cell: &&FinishedCell| !designs.contains(&cell.point[SCENE]);
             for cell in page_run.finished.cells.iter().filter(is_picture) {
-                let (Some(files), light) = (&cell.images, page_run.finished.epsilon(&cell.point))
-                else {
+                let Some(files) = &cell.images else {
                     continue;
                 };
+                let light = page_run.finished.epsilon(&cell.point);
                 let reference = set.add(run, &files.reference, None, light);
                 set.add(run, &files.radiance, Some(reference), light);
             }
@@ -123,11 +132,10 @@ impl ImageSet {
         let next = self.images.len();
         let index = *self.index.entry((run, file.to_owned())).or_insert(next);
         if index == next {
-            let (file, reference) = (file.to_owned(), reference.unwrap_or(next));
             self.images.push(EmbeddedImage {
                 run,
-                file,
-                reference,
+                file: file.to_owned(),
+                reference: reference.unwrap_or(next),
                 light_mean: light.mean(),
                 ..EmbeddedImage::default()
             });
@@ -140,28 +148,30 @@ impl ImageSet {
     }
 
     /// References, and images of the first point set or without one.
-    fn of_first_point_set(&self, runs: &[PageRun]) -> BTreeSet<usize> {
-        let mut found: BTreeSet<usize> = self.references().collect();
+    fn in_first_point_set(&self, runs: &[PageRun]) -> BTreeSet<usize> {
+        let mut indices: BTreeSet<usize> = self.references().collect();
         for (run, page_run) in runs.iter().enumerate() {
             let cells = &page_run.finished.cells;
-            let set = |cell: &FinishedCell| cell.point.get("point_set").clone();
-            let first = cells
+            let first_set = cells
                 .iter()
-                .map(set)
-                .find(|value| *value != Value::Unset)
-                .unwrap_or(Value::Unset);
-            let own = cells
-                .iter()
-                .filter(|cell| [&first, &Value::Unset].contains(&&set(cell)));
-            let files = own.filter_map(|cell| cell.images.as_ref());
-            found.extend(files.filter_map(|files| self.index.get(&(run, files.radiance.clone()))));
+                .map(|cell| cell.point.get("point_set"))
+                .find(|set| **set != Value::Unset)
+                .unwrap_or(&Value::Unset);
+            for cell in cells {
+                let set = cell.point.get("point_set");
+                let is_in_first = *set == Value::Unset || set == first_set;
+                if let Some(files) = cell.images.as_ref().filter(|_| is_in_first) {
+                    indices.extend(self.index.get(&(run, files.radiance.clone())));
+                }
+            }
         }
-        found
+        indices
     }
 
     /// Embeds images in this order, as many as fit the budget.
     fn embed(&mut self, runs: &[PageRun], order: &[usize], budget: usize) {
-        let (mut bytes, mut done) = (0, 0);
+        let mut bytes = 0;
+        let mut done_count = 0;
         for chunk in order.chunks(CHUNK) {
             let prepared: Vec<Result<Prepared, String>> = chunk
                 .into_par_iter()
@@ -170,42 +180,44 @@ impl ImageSet {
             for (index, prepared) in chunk.iter().zip(prepared) {
                 match prepared {
                     Err(note) => self.notes.push(note),
-                    Ok((image, text, mask)) => {
-                        bytes += text.len() + mask.as_ref().map_or(0, String::len);
+                    Ok(prepared) => {
+                        bytes += prepared.bytes();
                         if bytes > budget {
                             self.notes.push(format!(
                                 "{} of {} images exceed the {} MB for images; their EXR files are \
                                  linked.",
-                                order.len() - done,
+                                order.len() - done_count,
                                 order.len(),
                                 budget / 1_000_000
                             ));
                             return;
                         }
-                        let (payload, mask) =
-                            (Some(self.store(text)), mask.map(|mask| self.store(mask)));
                         self.images[*index] = EmbeddedImage {
-                            payload,
-                            mask,
-                            ..image
+                            payload: Some(self.store(prepared.texels)),
+                            mask: prepared.mask.map(|mask| self.store(mask)),
+                            ..prepared.image
                         };
                     }
                 }
-                done += 1;
+                done_count += 1;
             }
         }
     }
 
     fn prepare(&self, runs: &[PageRun], index: usize) -> Result<Prepared, String> {
-        let mut image = self.images[index].clone();
+        let image = self.images[index].clone();
         let decoded = read(&runs[image.run].finished.dir, &image.file)?;
         let encoded = packed::texels(&decoded.rgb);
-        let mask = (image.reference == index).then(|| packed::mask(&mask_of(&decoded)));
-        (image.size, image.clamped_count) = (
-            [decoded.rgb.width, decoded.rgb.height],
-            encoded.clamped_count,
-        );
-        Ok((image, encoded.base64, mask))
+        let is_reference = image.reference == index;
+        Ok(Prepared {
+            image: EmbeddedImage {
+                size: [decoded.rgb.width, decoded.rgb.height],
+                clamped_count: encoded.clamped_count,
+                ..image
+            },
+            texels: encoded.base64,
+            mask: is_reference.then(|| packed::mask(&mask_of(&decoded))),
+        })
     }
 
     /// The index of a payload; equal small ones, such as masks, are stored once.

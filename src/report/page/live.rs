@@ -15,8 +15,8 @@ use crate::instrument::precompute::taps::TapCount;
 use crate::instrument::scene::camera::PERSPECTIVE_FOV_DEG;
 use crate::instrument::shade::bend::Bend;
 use crate::instrument::shade::{METHODS, Method, Shading, from_file};
-use crate::run::live::{LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord, LiveShader};
-use crate::run::live_model::LiveModel;
+use crate::report::live::model::LiveModel;
+use crate::report::live::record::{LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord, LiveShader};
 use serde::Serialize;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -25,6 +25,7 @@ pub const BUDGET_BYTES: usize = 4 << 20;
 /// Texels below which an environment is not reduced to keep another one.
 const ENVIRONMENT_TEXELS_MIN: u32 = 1 << 15;
 const FILE_BYTES_MAX: u64 = 64 << 20;
+
 #[derive(Debug, Serialize)]
 pub struct Light {
     pub environments: Vec<LiveEnvironment>,
@@ -66,10 +67,13 @@ impl LiveMethod {
         }
     }
 
-    /// Split sums with tables in a record, and methods that filter samples, in the order of the
-    /// list.
-    fn all(record: Option<&LiveRecord>) -> [Vec<Self>; 2] {
-        let has = |count: TapCount| {
+    fn listed(method: &Method) -> Self {
+        Self::new(method.name, method.uses_samples)
+    }
+
+    /// Split sums with tables in a record, in the order of the list.
+    fn split_sums(record: Option<&LiveRecord>) -> Vec<Self> {
+        let has_table = |count: TapCount| {
             record.is_some_and(|record| {
                 record
                     .lobes
@@ -77,15 +81,21 @@ impl LiveMethod {
                     .all(|lobe| lobe.tap_tables.contains_key(count.sampler()))
             })
         };
-        let is_served = |method: &&Method| {
-            method.uses_prefiltered() && method.uses_dfg && method.tap_table.is_none_or(has)
-        };
-        let split_sums = METHODS.iter().filter(is_served);
-        let sampled = METHODS
+        METHODS
             .iter()
-            .filter(|method| method.uses_samples && method.uses_lod_bias);
-        let of = |method: &Method| Self::new(method.name, method.uses_samples);
-        [split_sums.map(of).collect(), sampled.map(of).collect()]
+            .filter(|method| method.uses_prefiltered() && method.uses_dfg)
+            .filter(|method| method.tap_table.is_none_or(has_table))
+            .map(Self::listed)
+            .collect()
+    }
+
+    /// Methods that filter their samples, in the order of the list.
+    fn sampled() -> Vec<Self> {
+        METHODS
+            .iter()
+            .filter(|method| method.uses_samples && method.uses_lod_bias)
+            .map(Self::listed)
+            .collect()
     }
 }
 
@@ -98,24 +108,19 @@ pub fn page_name(permutation: &str) -> String {
 }
 
 /// The page's shaders of a method in a file, by name; the error is the compiler's.
-fn own_shaders(method: &LiveShader) -> Result<BTreeMap<String, String>, String> {
+fn shaders_of_file(method: &LiveShader) -> Result<BTreeMap<String, String>, String> {
     let mut sources = shader_sources();
     sources.0.insert(method.name.clone(), method.text.clone());
     let entry = format!("{PAGE_FOLDER}specular.frag");
     let choice = Choice::from([(METHOD_INCLUDE.to_owned(), method.name.clone())]);
-    let expanded = |(permutation, choice): (String, Choice)| {
+    let mut shaders = BTreeMap::new();
+    for (permutation, choice) in sources.permutations(&entry, &choice)? {
         let text = sources.expand(&entry, &choice, Language::Es)?;
         parse(&entry, &text, Language::Es)?;
-        Ok((
-            page_name(&from_file::shader_name(&permutation, &method.name)),
-            text,
-        ))
-    };
-    sources
-        .permutations(&entry, &choice)?
-        .into_iter()
-        .map(expanded)
-        .collect()
+        let name = page_name(&from_file::shader_name(&permutation, &method.name));
+        shaders.insert(name, text);
+    }
+    Ok(shaders)
 }
 
 /// An `environment_orientation` and the columns of its rotation matrix.
@@ -127,18 +132,17 @@ pub struct Orientation {
 
 impl Orientation {
     fn all(runs: &[PageRun]) -> Vec<Self> {
-        let cells = runs.iter().flat_map(|run| &run.finished.cells);
-        let of_cells = cells.filter_map(|cell| match cell.point[ENVIRONMENT_ORIENTATION] {
-            Value::Count(k) => Some(k),
-            _ => None,
-        });
-        let all: BTreeSet<u32> = of_cells.collect();
-        let all = if all.is_empty() {
-            BTreeSet::from([0])
-        } else {
-            all
-        };
-        all.into_iter()
+        let mut orientations: BTreeSet<u32> = BTreeSet::new();
+        for cell in runs.iter().flat_map(|run| &run.finished.cells) {
+            if let Value::Count(k) = cell.point[ENVIRONMENT_ORIENTATION] {
+                orientations.insert(k);
+            }
+        }
+        if orientations.is_empty() {
+            orientations.insert(0);
+        }
+        orientations
+            .into_iter()
             .map(|k| Self {
                 k,
                 columns: orientation(k).to_cols_array_2d(),
@@ -150,17 +154,15 @@ impl Orientation {
 /// The constants of anisotropy and layers: of each the first among the runs' cells that is not the
 /// default.
 fn codes(runs: &[PageRun]) -> BTreeMap<&'static str, u32> {
-    let cells = || {
-        runs.iter()
-            .flat_map(|run| &run.finished.cells)
-            .map(|cell| cell.point.settings().shading)
-    };
+    let shadings: Vec<Shading> = runs
+        .iter()
+        .flat_map(|run| &run.finished.cells)
+        .map(|cell| cell.point.settings().shading)
+        .collect();
     let first = |code: fn(&Shading) -> u32| {
         let default = code(&Shading::default());
-        cells()
-            .map(|shading| code(&shading))
-            .find(|own| *own != default)
-            .unwrap_or(default)
+        let mut codes = shadings.iter().map(code);
+        codes.find(|code| *code != default).unwrap_or(default)
     };
     BTreeMap::from([
         ("ANISOTROPY", first(|shading| shading.widths as u32)),
@@ -183,38 +185,24 @@ impl Light {
     /// The tables of the first run that has some, within `budget` bytes.
     pub fn collect(runs: &[PageRun], budget: usize) -> Self {
         let mut notes = Vec::new();
-        let record = runs.iter().find_map(|run| match read(run) {
-            Ok(record) => {
-                if record.is_some() && runs.len() > 1 {
-                    notes.push(format!(
-                        "Light and tables come from {}.",
-                        run.finished.dir.display()
-                    ));
-                }
-                record
-            }
-            Err(note) => {
-                notes.push(note);
-                None
-            }
-        });
-        let [mut methods, sampled] = LiveMethod::all(record.as_ref());
+        let record = first_record(runs, &mut notes);
+        let mut methods = LiveMethod::split_sums(record.as_ref());
         let mut shaders = BTreeMap::new();
-        for own in record.iter().flat_map(|record| &record.methods) {
-            match own_shaders(own) {
+        for method in record.iter().flat_map(|record| &record.methods) {
+            match shaders_of_file(method) {
                 Ok(texts) => {
-                    methods.push(LiveMethod::new(&own.name, own.is_sampled));
+                    methods.push(LiveMethod::new(&method.name, method.is_sampled));
                     shaders.extend(texts);
                 }
                 Err(log) => notes.push(format!(
                     "{} does not compile for a browser: {}",
-                    own.name,
+                    method.name,
                     log.trim()
                 )),
             }
         }
         // The reference is the last method that takes samples.
-        methods.extend(sampled);
+        methods.extend(LiveMethod::sampled());
         let mut light = Self {
             environments: Vec::new(),
             lobes: Vec::new(),
@@ -242,8 +230,9 @@ impl Light {
     /// Takes the tables; drops the finest levels of the largest environments, then whole
     /// environments, until all fits.
     fn fit(&mut self, record: LiveRecord, budget: usize) {
-        (self.environments, self.lobes, self.models) =
-            (record.environments, record.lobes, record.models);
+        self.environments = record.environments;
+        self.lobes = record.lobes;
+        self.models = record.models;
         self.notes.extend(
             self.models
                 .iter()
@@ -278,12 +267,34 @@ impl Light {
                 .iter()
                 .chain(e.prefiltered.iter().flat_map(|map| &map.levels))
         });
-        let of_lobes = self
+        let lobe_tables = self
             .lobes
             .iter()
             .flat_map(|lobe| lobe.tap_tables.values().chain([&lobe.dfg]));
-        maps.chain(of_lobes).map(|image| image.base64.len()).sum()
+        maps.chain(lobe_tables)
+            .map(|image| image.base64.len())
+            .sum()
     }
+}
+
+/// The record of the first run that has one.
+fn first_record(runs: &[PageRun], notes: &mut Vec<String>) -> Option<LiveRecord> {
+    for run in runs {
+        match read(run) {
+            Ok(Some(record)) => {
+                if runs.len() > 1 {
+                    notes.push(format!(
+                        "Light and tables come from {}.",
+                        run.finished.dir.display()
+                    ));
+                }
+                return Some(record);
+            }
+            Ok(None) => {}
+            Err(note) => notes.push(note),
+        }
+    }
+    None
 }
 
 /// The record of a run; `None` if it has none.

@@ -1,20 +1,27 @@
-//! The report: one HTML file without requests. `sections` shows answers, `lead` the first screen;
-//! [`model`], [`images`] and [`live`] hold the data of the scripts; [`render`] writes the file.
+//! The report: one HTML file without requests. `sections` shows answers, `pictures` the first
+//! screen; [`model`], [`images`] and [`live`] hold the data of the scripts; [`render`] writes the
+//! file.
 
 pub mod images;
-mod lead;
 pub mod live;
 pub mod model;
 pub mod page_run;
+mod pictures;
 pub mod render;
 mod sections;
 
 pub use page_run::PageRun;
 
 use crate::base::pixels::{PixelsError, write_atomically};
+use crate::run::provenance::{ExclusionRecord, MetricRecord};
+use crate::run::store::FailureRecord;
 use crate::study::frame::Frame;
 use images::Choice;
-use serde_json::{Value as Json, json};
+use model::{PageAxis, ScriptRun, ScriptTable};
+use page_run::Fact;
+use pictures::Pictures;
+use sections::Section;
+use serde::Serialize;
 use std::io::Read;
 use std::path::{Path, PathBuf};
 
@@ -35,12 +42,11 @@ pub const PAGE_FILE: &str = "report.html";
 impl PageOptions {
     /// The page of one run, in its folder.
     pub fn in_folder(dir: &Path) -> Self {
-        let (images, budget) = (Choice::Automatic, images::BUDGET_BYTES);
         Self {
             out: dir.join(PAGE_FILE),
             is_alone: false,
-            images,
-            budget,
+            images: Choice::Automatic,
+            budget: images::BUDGET_BYTES,
             metric: None,
         }
     }
@@ -52,7 +58,7 @@ pub struct Written {
     pub bytes: usize,
     /// Omissions, one sentence each.
     pub notes: Vec<String>,
-    /// The cell of the leading pictures.
+    /// The cell of the pictures of the first run.
     pub cell: Option<String>,
 }
 
@@ -63,10 +69,17 @@ const PROGRAM_BYTES: usize = 400_000;
 pub enum PageError {
     #[error("expected at least one run to report")]
     NoRun,
-    #[error("--out {}: is a folder; expected the file to write, such as {}", path.display(), path.join(PAGE_FILE).display())]
+    #[error(
+        "--out {}: is a folder; expected the file to write, such as {}",
+        path.display(),
+        path.join(PAGE_FILE).display()
+    )]
     OutIsFolder { path: PathBuf },
-    #[error("--out {}: exists and is not a report of splitsum; choose a new file, or a report to \
-             replace", path.display())]
+    #[error(
+        "--out {}: exists and is not a report of splitsum; choose a new file, or a report to \
+         replace",
+        path.display()
+    )]
     NotAReport { path: PathBuf },
     #[error(transparent)]
     Write(#[from] PixelsError),
@@ -83,14 +96,69 @@ impl PageError {
 
 /// Refuses a folder, or a file that is not a report.
 pub fn check_out(path: &Path) -> Result<(), PageError> {
-    match () {
-        () if path.is_dir() => Err(PageError::OutIsFolder {
-            path: path.to_owned(),
-        }),
-        () if path.exists() && !is_page(path) => Err(PageError::NotAReport {
-            path: path.to_owned(),
-        }),
-        () => Ok(()),
+    let path = path.to_owned();
+    if path.is_dir() {
+        Err(PageError::OutIsFolder { path })
+    } else if path.exists() && !is_page(&path) {
+        Err(PageError::NotAReport { path })
+    } else {
+        Ok(())
+    }
+}
+
+/// The data of the template.
+#[derive(Serialize)]
+struct Content<'a> {
+    name: &'a str,
+    heading: String,
+    /// Name of the metric of the answers.
+    metric: &'static str,
+    facts: Vec<Fact>,
+    /// As the first run defined them.
+    metrics: &'a [MetricRecord],
+    program_version: &'static str,
+    runs: Vec<RunContent<'a>>,
+}
+
+/// The data of a run for the template.
+#[derive(Serialize)]
+struct RunContent<'a> {
+    label: &'a str,
+    name: &'a str,
+    /// To the folder of the run; `None` if the page leaves it.
+    link: Option<String>,
+    anchor: String,
+    index: usize,
+    device: String,
+    date: String,
+    warnings: Vec<String>,
+    cpu_warning: Option<String>,
+    shared: String,
+    /// Index of the answer on the first screen.
+    lead: Option<usize>,
+    pictures: Option<Pictures>,
+    sections: Vec<Section>,
+    provenance: Vec<(&'static str, Vec<(String, String)>)>,
+    failures: &'a [FailureRecord],
+    excluded: &'a [ExclusionRecord],
+    input_warnings: &'a [String],
+    sheets: Vec<[String; 2]>,
+    /// The text of the experiment.
+    experiment: &'a str,
+    /// The text of the provenance.
+    whole: String,
+}
+
+impl RunContent<'_> {
+    fn for_scripts(&self) -> ScriptRun<'_> {
+        ScriptRun {
+            failures: self.failures,
+            label: self.label,
+            link: self.link.as_deref(),
+            name: self.name,
+            shared: &self.shared,
+            sheets: &self.sheets,
+        }
     }
 }
 
@@ -98,11 +166,6 @@ pub fn check_out(path: &Path) -> Result<(), PageError> {
 pub fn write(options: &PageOptions, runs: &[PageRun]) -> Result<Written, PageError> {
     check_out(&options.out)?;
     let first = runs.first().ok_or(PageError::NoRun)?;
-    let here = if options.is_alone {
-        &first.finished.dir
-    } else {
-        options.out.parent().unwrap_or(Path::new(""))
-    };
     let frames: Vec<Frame> = runs
         .iter()
         .map(|run| Frame::new(run.finished, options.metric.as_deref()))
@@ -110,116 +173,111 @@ pub fn write(options: &PageOptions, runs: &[PageRun]) -> Result<Written, PageErr
     let axes = model::axes(runs);
     let metrics = model::metrics(runs);
     let light = live::Light::collect(runs, live::BUDGET_BYTES);
-    let mut section_count = 0;
-    let shown = runs
-        .iter()
-        .zip(&frames)
-        .enumerate()
-        .map(|(index, (page_run, frame))| {
-            let lead = lead::leading(page_run);
-            let has_pictures = options.images != Choice::None;
-            let sections = sections::sections(page_run, index, section_count, here);
-            section_count += sections.len();
-            json!({
-                "label": page_run.label,
-                "name": page_run.finished.text("/name"),
-                "link": (!options.is_alone).then(|| page_run::link(here, &page_run.finished.dir)),
-                "anchor": format!("run-{}", index + 1),
-                "index": index,
-                "device": page_run.device(),
-                "date": page_run.date(),
-                "warnings": page_run.warnings(),
-                "cpu_warning": page_run.cpu_warning(),
-                "shared": model::shared(&model::axes(std::slice::from_ref(page_run))),
-                "lead": lead,
-                "pictures": has_pictures.then(|| lead::pictures(page_run, frame, &axes)).flatten(),
-                "sections": sections,
-                "provenance": page_run::provenance(page_run),
-                "failures": page_run.finished.failures,
-                "excluded": page_run.finished.provenance["excluded"],
-                "input_warnings": page_run.finished.provenance["input_warnings"],
-                "sheets": if options.is_alone { Vec::new() } else { page_run.sheets(here) },
-                "experiment": page_run.finished.experiment,
-                "whole": format!("{:#}", page_run.finished.provenance),
-            })
-        });
-    let fixed = json!({
-        "name": first.finished.text("/name"),
-        "heading": page_run::heading(runs),
-        "metric": frames[0].metric_name(),
-        "facts": page_run::facts(runs),
-        "metrics": first.finished.provenance["metrics"],
-        "program_version": env!("CARGO_PKG_VERSION"),
-        "runs": shown.collect::<Vec<Json>>(),
-    });
-    let answers: Vec<Json> = runs
+    let content = Content {
+        name: &first.finished.provenance.name,
+        heading: page_run::heading(runs),
+        metric: frames[0].metric_name(),
+        facts: page_run::facts(runs),
+        metrics: &first.finished.provenance.metrics,
+        program_version: env!("CARGO_PKG_VERSION"),
+        runs: run_contents(options, runs, &frames, &axes),
+    };
+    let tables: Vec<ScriptTable> = runs
         .iter()
         .enumerate()
-        .flat_map(|(run, own)| sections::model(own, run))
+        .flat_map(|(index, run)| sections::tables(run, index))
         .collect();
-    let others = [
-        json_bytes(&light),
-        json_bytes(&answers),
-        json_bytes(&fixed),
-        PROGRAM_BYTES,
-    ]
-    .iter()
-    .sum::<usize>();
-    let mut images = images::collect(
-        runs,
-        options.images,
-        options.budget.saturating_sub(others + row_bytes(runs)),
-    );
+    let bytes_without_images = json_bytes(&light)
+        + json_bytes(&tables)
+        + json_bytes(&content)
+        + PROGRAM_BYTES
+        + row_bytes(runs);
+    let image_budget = options.budget.saturating_sub(bytes_without_images);
+    let mut images = images::collect(runs, options.images, image_budget);
     let payloads = std::mem::take(&mut images.payloads);
     let model = model::Model {
         headline: frames[0].metric,
-        runs: fixed["runs"]
-            .as_array()
-            .into_iter()
-            .flatten()
-            .map(for_scripts)
-            .collect(),
+        runs: content.runs.iter().map(RunContent::for_scripts).collect(),
         axes: &axes,
         metrics: &metrics,
-        answers,
+        answers: tables,
         images: &images,
-        cells_of: runs,
+        page_runs: runs,
     };
     write_atomically(&options.out, |writer| {
-        render::render(writer, &fixed, &model, payloads, &light)
+        render::render(writer, &content, &model, payloads, &light)
     })?;
     let bytes = std::fs::metadata(&options.out).map_or(0, |written| written.len() as usize);
-    let cell = fixed
-        .pointer("/runs/0/pictures/cell")
-        .and_then(Json::as_str)
-        .map(str::to_owned);
+    let pictures = content.runs[0].pictures.as_ref();
     Ok(Written {
         path: options.out.clone(),
         bytes,
         notes: images.notes,
-        cell,
+        cell: pictures.map(|pictures| pictures.cell.clone()),
     })
 }
 
-fn for_scripts(run: &Json) -> Json {
-    let keys = ["label", "name", "link", "failures", "sheets", "shared"];
-    keys.into_iter()
-        .map(|key| (key.to_owned(), run[key].clone()))
-        .collect::<serde_json::Map<_, _>>()
-        .into()
+/// The data of all runs for the template; `axes` are the axes of all runs.
+fn run_contents<'a>(
+    options: &PageOptions,
+    runs: &'a [PageRun],
+    frames: &[Frame],
+    axes: &[PageAxis],
+) -> Vec<RunContent<'a>> {
+    let link_base = if options.is_alone {
+        runs[0].finished.dir.as_path()
+    } else {
+        options.out.parent().unwrap_or(Path::new(""))
+    };
+    let mut contents = Vec::with_capacity(runs.len());
+    let mut section_count = 0;
+    for (index, (run, frame)) in runs.iter().zip(frames).enumerate() {
+        let finished = run.finished;
+        let sections = sections::sections(run, index, section_count, link_base);
+        section_count += sections.len();
+        let pictures = if options.images == Choice::None {
+            None
+        } else {
+            pictures::pictures(run, frame, axes)
+        };
+        contents.push(RunContent {
+            label: &run.label,
+            name: &finished.provenance.name,
+            link: (!options.is_alone).then(|| page_run::link(link_base, &finished.dir)),
+            anchor: format!("run-{}", index + 1),
+            index,
+            device: run.device(),
+            date: run.date(),
+            warnings: run.warnings(),
+            cpu_warning: run.cpu_warning(),
+            shared: model::shared(&model::axes(std::slice::from_ref(run))),
+            lead: pictures::first_answer(run),
+            pictures,
+            sections,
+            provenance: page_run::provenance(run),
+            failures: &finished.failures,
+            excluded: &finished.provenance.excluded,
+            input_warnings: &finished.provenance.input_warnings,
+            sheets: if options.is_alone {
+                Vec::new()
+            } else {
+                run.sheets(link_base)
+            },
+            experiment: &finished.experiment,
+            whole: format!("{:#}", finished.provenance.to_json()),
+        });
+    }
+    contents
 }
 
 /// Size of the rows in the page, about, bytes.
 fn row_bytes(runs: &[PageRun]) -> usize {
     const ROW_BYTES: usize = 500;
-    ROW_BYTES
-        * runs
-            .iter()
-            .map(|run| run.finished.cells.len())
-            .sum::<usize>()
+    let row_count: usize = runs.iter().map(|run| run.finished.cells.len()).sum();
+    ROW_BYTES * row_count
 }
 
-fn json_bytes(value: &impl serde::Serialize) -> usize {
+fn json_bytes(value: &impl Serialize) -> usize {
     serde_json::to_vec(value).map_or(0, |text| text.len())
 }
 

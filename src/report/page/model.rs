@@ -13,6 +13,7 @@ use crate::instrument::metrics::{METRICS, Metric, verdict};
 use crate::instrument::scene::is_design;
 use crate::instrument::shade::{METHODS, Method};
 use crate::run::columns::FAILED;
+use crate::run::store::FailureRecord;
 use crate::study::finished::FinishedCell;
 use crate::study::names::Names;
 use indexmap::IndexMap;
@@ -56,9 +57,14 @@ pub struct PageAxis {
 }
 
 impl PageAxis {
-    /// Index of [`AXES`]; `None` for the axis of runs.
-    fn index(&self) -> Option<AxisId> {
+    /// `None` for the axis of runs.
+    fn axis(&self) -> Option<AxisId> {
         self.named.map(|named| named.axis)
+    }
+
+    /// The index of a value, as in [`Self::values`].
+    pub fn index_of(&self, text: &str) -> Option<usize> {
+        self.values.iter().position(|value| value == text)
     }
 
     /// A cell's value, as in [`Self::values`].
@@ -71,107 +77,114 @@ impl PageAxis {
 /// The axis of runs, then the axes that some cell uses.
 pub fn axes(runs: &[PageRun]) -> Vec<PageAxis> {
     let labels: Vec<String> = runs.iter().map(|run| run.label.clone()).collect();
-    let role = if runs.len() > 1 {
-        Role::Variant
-    } else {
-        Role::Fixed
-    };
-    let (values, words) = (labels.clone(), labels.clone());
-    let of_runs = PageAxis {
+    let mut axes = vec![PageAxis {
         name: RUN_AXIS,
-        role,
-        values,
+        role: if runs.len() > 1 {
+            Role::Variant
+        } else {
+            Role::Fixed
+        },
+        values: labels.clone(),
+        words: labels.clone(),
         labels,
-        words,
         named: None,
         is_constant: true,
-    };
-    let names = runs.first().map(|run| Names::of(run.finished));
-    let axes = names
-        .iter()
-        .flat_map(|names| AXES.ids().filter_map(|index| page_axis(runs, names, index)));
-    std::iter::once(of_runs).chain(axes).collect()
+    }];
+    if let Some(first) = runs.first() {
+        let names = Names::of(first.finished);
+        axes.extend(AXES.ids().filter_map(|axis| page_axis(runs, &names, axis)));
+    }
+    axes
 }
 
-fn page_axis(runs: &[PageRun], names: &Names, index: AxisId) -> Option<PageAxis> {
-    let cells = runs.iter().flat_map(|run| &run.finished.cells);
-    let found = cells
-        .clone()
-        .map(|cell| &cell.point.0[index])
-        .filter(|value| **value != Value::Unset);
+/// An axis with the values of all cells; `None` if no cell has one.
+fn page_axis(runs: &[PageRun], names: &Names, axis: AxisId) -> Option<PageAxis> {
+    let mut is_everywhere = true;
     // Distinct by text, by which a cell's value is looked up.
     let mut distinct: IndexMap<String, &Value> = IndexMap::new();
-    for value in found {
+    for cell in runs.iter().flat_map(|run| &run.finished.cells) {
+        let value = &cell.point.0[axis];
+        if *value == Value::Unset {
+            is_everywhere = false;
+            continue;
+        }
         distinct
-            .entry(names.shown(index, value).to_string())
+            .entry(names.shown(axis, value).to_string())
             .or_insert(value);
     }
-    let (seen, distinct): (Vec<String>, Vec<&Value>) = distinct.into_iter().unzip();
-    let role = match (distinct.len(), AXES[index].part) {
-        (0, _) => return None,
-        (1, _) => Role::Fixed,
-        (_, Part::Case) => Role::Scene,
-        (_, Part::Display) => Role::Display,
-        _ => Role::Variant,
+    if distinct.is_empty() {
+        return None;
+    }
+    let role = if distinct.len() == 1 {
+        Role::Fixed
+    } else {
+        match AXES[axis].part {
+            Part::Case => Role::Scene,
+            Part::Display => Role::Display,
+            _ => Role::Variant,
+        }
     };
-    let labels = match index {
-        METHOD => seen
-            .iter()
-            .map(|name| {
-                Method::by_name(name)
-                    .map_or(name.as_str(), |own| own.title)
-                    .to_owned()
-            })
-            .collect(),
-        _ => labels(names, index, &distinct),
-    };
-    let words = match index {
-        METHOD => labels.clone(),
-        _ => distinct
+    let (texts, values): (Vec<String>, Vec<&Value>) = distinct.into_iter().unzip();
+    let labels: Vec<String>;
+    let words: Vec<String>;
+    if axis == METHOD {
+        labels = texts.iter().map(|name| method_title(name)).collect();
+        words = labels.clone();
+    } else {
+        labels = short_labels(names, axis, &values);
+        words = values
             .iter()
             .zip(&labels)
-            .map(|(value, label)| word(names, index, value, label))
-            .collect(),
-    };
-    let is_constant = role == Role::Fixed
-        && cells
-            .clone()
-            .all(|cell| cell.point.0[index] != Value::Unset);
-    let (name, named) = (names.name(index), Some(names.named(index)));
+            .map(|(value, label)| value_with_name(names, axis, value, label))
+            .collect();
+    }
     Some(PageAxis {
-        name,
+        name: names.name(axis),
         role,
-        values: seen,
+        values: texts,
         labels,
         words,
-        named,
-        is_constant,
+        named: Some(names.named(axis)),
+        is_constant: role == Role::Fixed && is_everywhere,
     })
 }
 
+/// The title of a method; its name if this program does not know it.
+fn method_title(name: &str) -> String {
+    Method::by_name(name)
+        .map_or(name, |method| method.title)
+        .to_owned()
+}
+
 /// Short texts, whole if two would be equal.
-fn labels(names: &Names, index: AxisId, values: &[&Value]) -> Vec<String> {
-    let labels: Vec<String> = values
+fn short_labels(names: &Names, axis: AxisId, values: &[&Value]) -> Vec<String> {
+    let short: Vec<String> = values
         .iter()
-        .map(|value| names.short(index, value))
+        .map(|value| names.short(axis, value))
         .collect();
-    let is_double = |label: &String| labels.iter().filter(|other| *other == label).count() > 1;
-    let whole = |(value, label): (&&Value, &String)| {
-        if is_double(label) {
-            value.to_string()
-        } else {
-            label.clone()
-        }
-    };
-    values.iter().zip(&labels).map(whole).collect()
+    let is_double = |label: &String| short.iter().filter(|other| *other == label).count() > 1;
+    values
+        .iter()
+        .zip(&short)
+        .map(|(value, label)| {
+            if is_double(label) {
+                value.to_string()
+            } else {
+                label.clone()
+            }
+        })
+        .collect()
 }
 
 /// A value with its name: "5 lv", "alpha 0.25 (roughness 0.5)", "bias 1 (filament)".
-fn word(names: &Names, index: AxisId, value: &Value, short: &str) -> String {
-    let word = names
-        .heading(index, value)
-        .replace(&names.short(index, value), short);
-    number_name(index, value).map_or_else(|| word.clone(), |name| format!("{word} ({name})"))
+fn value_with_name(names: &Names, axis: AxisId, value: &Value, label: &str) -> String {
+    let words = names
+        .heading(axis, value)
+        .replace(&names.short(axis, value), label);
+    match number_name(axis, value) {
+        Some(name) => format!("{words} ({name})"),
+        None => words,
+    }
 }
 
 /// The name of a number, such as the engine of a level bias; 0 has none.
@@ -190,61 +203,84 @@ fn number_name(index: AxisId, value: &Value) -> Option<String> {
 fn designs(axes: &[PageAxis]) -> Vec<&String> {
     let scenes = axes
         .iter()
-        .filter(|axis| axis.index() == Some(SCENE))
+        .filter(|axis| axis.axis() == Some(SCENE))
         .flat_map(|axis| &axis.values);
     scenes.filter(|name| is_design(name)).collect()
 }
 
 /// The common values that are not defaults: "size 128x128, diffuse none".
 pub fn shared(axes: &[PageAxis]) -> String {
-    let says = |axis: &&PageAxis| {
-        let Some(index) = axis.index().filter(|_| axis.role == Role::Fixed) else {
-            return false;
+    let mut words = Vec::new();
+    for page_axis in axes.iter().filter(|axis| axis.role == Role::Fixed) {
+        let Some(axis) = page_axis.axis() else {
+            continue;
         };
-        index == SIZE || (AXES[index].default)().to_string() != axis.values[0]
-    };
-    let word = |axis: &PageAxis| {
-        let word = format!("{} {}", axis.name.replace('_', " "), axis.labels[0]);
-        if !designs(std::slice::from_ref(axis)).is_empty() {
-            format!("{word} ({DESIGN})")
-        } else {
-            word
+        let is_default = (AXES[axis].default)().to_string() == page_axis.values[0];
+        if is_default && axis != SIZE {
+            continue;
         }
-    };
-    axes.iter()
-        .filter(says)
-        .map(word)
-        .collect::<Vec<_>>()
-        .join(", ")
+        let name = page_axis.name.replace('_', " ");
+        let label = &page_axis.labels[0];
+        words.push(if designs(std::slice::from_ref(page_axis)).is_empty() {
+            format!("{name} {label}")
+        } else {
+            format!("{name} {label} ({DESIGN})")
+        });
+    }
+    words.join(", ")
 }
 
+/// The columns of [`Model::row`] besides axes and metrics.
+const ROW_COLUMNS: [&str; 6] = [
+    "run",
+    "cell",
+    "image",
+    "reference",
+    "verdict",
+    "noise_floor",
+];
+
 pub fn columns(axes: &[PageAxis], metrics: &[&'static Metric]) -> Vec<&'static str> {
-    let own = [
-        "run",
-        "cell",
-        "image",
-        "reference",
-        "verdict",
-        "noise_floor",
-    ];
     let axes = axes
         .iter()
         .filter(|axis| !axis.is_constant)
         .map(|axis| axis.name);
-    own.into_iter()
+    ROW_COLUMNS
+        .into_iter()
         .chain(axes)
         .chain(metrics.iter().map(|metric| metric.name))
         .collect()
 }
 
+/// A run, for the scripts.
+#[derive(serde::Serialize)]
+pub struct ScriptRun<'a> {
+    pub failures: &'a [FailureRecord],
+    pub label: &'a str,
+    pub link: Option<&'a str>,
+    pub name: &'a str,
+    pub shared: &'a str,
+    pub sheets: &'a [[String; 2]],
+}
+
+/// The whole table of an answer, for the scripts.
+#[derive(serde::Serialize)]
+pub struct ScriptTable<'a> {
+    pub columns: &'a [String],
+    /// Of the question.
+    pub name: &'static str,
+    pub rows: Vec<Vec<Json>>,
+    pub run: usize,
+}
+
 /// Rows are made while they are written, to save memory.
 pub struct Model<'a> {
-    pub runs: Vec<Json>,
-    pub cells_of: &'a [PageRun<'a>],
+    pub runs: Vec<ScriptRun<'a>>,
+    pub page_runs: &'a [PageRun<'a>],
     pub axes: &'a [PageAxis],
     pub metrics: &'a [&'static Metric],
     pub headline: &'static Metric,
-    pub answers: Vec<Json>,
+    pub answers: Vec<ScriptTable<'a>>,
     pub images: &'a ImageSet,
 }
 
@@ -282,50 +318,51 @@ struct Rows<'a>(&'a Model<'a>);
 
 impl Serialize for Rows<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        let all = self.0.cells_of.iter().enumerate();
-        let cells = all.flat_map(|(run, page_run)| {
-            page_run.finished.cells.iter().map(move |cell| (run, cell))
-        });
+        let runs = self.0.page_runs.iter().enumerate();
+        let cells =
+            runs.flat_map(|(run, page_run)| page_run.finished.cells.iter().map(move |c| (run, c)));
         serializer.collect_seq(cells.map(|(run, cell)| self.0.row(run, cell)))
     }
 }
 
 impl Model<'_> {
+    /// A cell, under [`columns`].
     fn row(&self, run: usize, cell: &FinishedCell) -> Vec<Json> {
-        let Self {
-            axes,
-            metrics,
-            headline,
-            images,
-            ..
-        } = *self;
-        let image = |file: &String| images.index.get(&(run, file.clone())).copied();
-        let [own, reference] = [0, 1].map(|i| {
-            cell.images
-                .as_ref()
-                .and_then(|files| image([&files.radiance, &files.reference][i]))
-        });
-        let floor = cell.noise_floors.get(headline.name);
-        let verdict = match (score(cell, headline), floor) {
-            _ if cell.scores.is_none() => FAILED,
-            (Some(score), Some(floor)) => verdict(headline, score, floor).name(),
-            _ => NO_FLOOR,
-        };
-        let own = [
+        let image_index = |file: &String| self.images.index.get(&(run, file.clone())).copied();
+        let files = cell.images.as_ref();
+        let image = files.and_then(|files| image_index(&files.radiance));
+        let reference = files.and_then(|files| image_index(&files.reference));
+        let floor = cell.noise_floors.get(self.headline.name);
+        let mut row = vec![
             json!(run),
             json!(cell.id),
-            json!(own),
+            json!(image),
             json!(reference),
-            json!(verdict),
+            json!(self.verdict(cell, floor)),
             number(floor),
         ];
-        let place = |axis: &PageAxis| {
-            let text = axis.text(cell).filter(|_| !axis.is_constant)?;
-            Some(axis.values.iter().position(|value| *value == text))
-        };
-        let places = axes.iter().filter_map(place).map(|place| json!(place));
-        let scores = metrics.iter().map(|metric| number(score(cell, metric)));
-        own.into_iter().chain(places).chain(scores).collect()
+        for axis in self.axes.iter().filter(|axis| !axis.is_constant) {
+            if let Some(text) = axis.text(cell) {
+                row.push(json!(axis.index_of(&text)));
+            }
+        }
+        row.extend(
+            self.metrics
+                .iter()
+                .map(|metric| number(score(cell, metric))),
+        );
+        row
+    }
+
+    /// Whether the error of a cell exceeds its noise floor, in a word.
+    fn verdict(&self, cell: &FinishedCell, floor: Option<f64>) -> &'static str {
+        if cell.scores.is_none() {
+            return FAILED;
+        }
+        match (score(cell, self.headline), floor) {
+            (Some(score), Some(floor)) => verdict(self.headline, score, floor).name(),
+            _ => NO_FLOOR,
+        }
     }
 }
 

@@ -5,105 +5,102 @@
 use crate::base::files;
 use crate::draw::markdown::percent_escaped;
 use crate::instrument::metrics::Metric;
-use crate::run::sheets::sheet_files;
+use crate::report::sheets::sheet_files;
+use crate::run::provenance::Session;
 use crate::study::finished::{Finished, FinishedCell};
 use crate::study::questions::Answer;
-use serde_json::{Value as Json, json};
+use itertools::Itertools;
+use serde::Serialize;
+use serde_json::Value as Json;
 use std::collections::BTreeSet;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 #[derive(Clone)]
 pub struct PageRun<'a> {
     /// Short and unique in the page.
     pub label: String,
     pub finished: &'a Finished,
-    /// The leading answer first.
+    /// The main answer first.
     pub answers: &'a [Answer],
 }
 
 impl<'a> PageRun<'a> {
     /// Labels runs by folder, numbered if two are equal.
     pub fn of_runs(runs: &'a [(Finished, Vec<Answer>)]) -> Vec<Self> {
-        let name = |run: &Finished| {
-            let path = std::fs::canonicalize(&run.dir).unwrap_or_else(|_| run.dir.clone());
-            path.file_name().map_or_else(
-                || run.text("/name"),
-                |name| name.to_string_lossy().into_owned(),
-            )
-        };
-        let names: Vec<String> = runs.iter().map(|(run, _)| name(run)).collect();
-        let is_double = |name: &String| names.iter().filter(|other| *other == name).count() > 1;
-        let label = |i: usize| {
-            if is_double(&names[i]) {
-                format!("{} #{}", names[i], i + 1)
-            } else {
-                names[i].clone()
-            }
-        };
-        let page_run = |(i, (finished, answers)): (usize, &'a (Finished, Vec<Answer>))| Self {
-            label: label(i),
-            finished,
-            answers,
-        };
-        runs.iter().enumerate().map(page_run).collect()
+        let names: Vec<String> = runs.iter().map(|(run, _)| folder_name(run)).collect();
+        let mut page_runs = Vec::with_capacity(runs.len());
+        for (i, (finished, answers)) in runs.iter().enumerate() {
+            let is_double = names.iter().filter(|name| **name == names[i]).count() > 1;
+            page_runs.push(Self {
+                label: if is_double {
+                    format!("{} #{}", names[i], i + 1)
+                } else {
+                    names[i].clone()
+                },
+                finished,
+                answers,
+            });
+        }
+        page_runs
     }
 
-    /// A text of the last session.
-    pub fn session(&self, pointer: &str) -> String {
-        self.finished
-            .text(&format!("{}{pointer}", self.finished.last_session()))
+    /// The last session; an empty one before the first.
+    fn session(&self) -> Session {
+        let last = self.finished.provenance.last_session();
+        last.cloned().unwrap_or_default()
     }
 
     /// The question of the experiment, else its name.
     pub fn question(&self) -> String {
-        Some(self.finished.text("/question"))
-            .filter(|text| !text.is_empty())
-            .unwrap_or_else(|| self.finished.text("/name"))
+        let provenance = &self.finished.provenance;
+        if provenance.question.is_empty() {
+            provenance.name.clone()
+        } else {
+            provenance.question.clone()
+        }
     }
 
+    /// The device of the last session with its driver.
     pub fn device(&self) -> String {
-        format!(
-            "{} · {}",
-            self.session("/device/name"),
-            self.session("/device/driver")
-        )
+        let device = self.session().device;
+        format!("{} · {}", device.name, device.driver)
     }
 
-    /// `2026-11-21 18:07 UTC` for `2026-11-21T18:07:34Z`.
+    /// When the last session began: `2026-11-21 18:07 UTC` for `2026-11-21T18:07:34Z`.
     pub fn date(&self) -> String {
-        let date = self.session("/date_utc");
+        let date = self.session().date_utc;
         let parts = date
             .split_once('T')
             .and_then(|(day, time)| Some((day, time.strip_suffix('Z')?.get(..5)?)));
-        parts.map_or_else(|| date.clone(), |(day, time)| format!("{day} {time} UTC"))
+        match parts {
+            Some((day, time)) => format!("{day} {time} UTC"),
+            None => date,
+        }
     }
 
-    /// The commit of the program, marked if files were changed.
+    /// The commit of the program, marked if files were changed; empty if unknown.
     pub fn commit(&self) -> String {
-        let changed = if self.session("/commit/dirty") == "true" {
-            " (changed)"
-        } else {
-            ""
-        };
-        format!("{}{changed}", self.session("/commit/hash"))
+        match self.session().commit {
+            Some(commit) if commit.is_dirty == Some(true) => format!("{} (changed)", commit.hash),
+            Some(commit) => commit.hash,
+            None => String::new(),
+        }
     }
 
+    /// What is missing from the answers, one sentence each.
     pub fn warnings(&self) -> Vec<String> {
         let run = self.finished;
         let mut warnings = Vec::new();
-        match run.failed_count() {
-            0 => {}
-            1 => {
-                warnings.push("1 cell failed and is missing from every figure; see Run.".to_owned())
-            }
-            n => warnings.push(format!(
-                "{n} cells failed and are missing from every figure; see Run."
-            )),
+        let failed_count = run.failed_count();
+        if failed_count == 1 {
+            warnings.push("1 cell failed and is missing from every figure; see Run.".to_owned());
+        } else if failed_count > 1 {
+            warnings.push(format!(
+                "{failed_count} cells failed and are missing from every figure; see Run."
+            ));
         }
-        let (done, planned) = (
-            run.cells.len() as u64,
-            run.provenance["cell_count"].as_u64().unwrap_or(0),
-        );
+        let done = run.cells.len() as u64;
+        let planned = run.provenance.cell_count;
         if done < planned {
             warnings.push(format!(
                 "{done} of {planned} cells are done: the run was stopped."
@@ -112,62 +109,91 @@ impl<'a> PageRun<'a> {
         warnings
     }
 
+    /// Names the CPU drivers whose times the answers contain.
     pub fn cpu_warning(&self) -> Option<String> {
-        let own = self
+        let devices: BTreeSet<&str> = self
             .finished
             .timings
             .iter()
-            .filter(|record| record.device_type == "cpu");
-        let devices: BTreeSet<&str> = own.map(|record| record.device.as_str()).collect();
-        let devices: Vec<&str> = devices.into_iter().collect();
-        (!devices.is_empty()).then(|| {
-            format!(
-                "The times of {} come from a CPU driver: they say nothing about a GPU.",
-                devices.join(", ")
-            )
-        })
+            .filter(|record| record.device_type == "cpu")
+            .map(|record| record.device.as_str())
+            .collect();
+        if devices.is_empty() {
+            return None;
+        }
+        let devices = devices.into_iter().join(", ");
+        Some(format!(
+            "The times of {devices} come from a CPU driver: they say nothing about a GPU."
+        ))
     }
 
-    /// Title and link (from the folder `here`) of the contact sheets.
-    pub fn sheets(&self, here: &Path) -> Vec<[String; 2]> {
-        let sheet = |path: &Path| {
+    /// Title and link (from the folder `link_base`) of the contact sheets.
+    pub fn sheets(&self, link_base: &Path) -> Vec<[String; 2]> {
+        let sheet = |path: PathBuf| {
             let title = path
                 .file_stem()
                 .map_or_else(String::new, |stem| stem.to_string_lossy().into_owned());
-            [title, link(here, path)]
+            [title, link(link_base, &path)]
         };
         sheet_files(&self.finished.dir)
-            .iter()
-            .map(|path| sheet(path))
+            .into_iter()
+            .map(sheet)
             .collect()
     }
 }
 
+/// The name of a run's folder, else of its experiment.
+fn folder_name(run: &Finished) -> String {
+    let path = std::fs::canonicalize(&run.dir).unwrap_or_else(|_| run.dir.clone());
+    path.file_name().map_or_else(
+        || run.provenance.name.clone(),
+        |name| name.to_string_lossy().into_owned(),
+    )
+}
+
+/// A fact of each run.
+#[derive(Serialize)]
+pub struct Fact {
+    what: &'static str,
+    differs: bool,
+    values: Vec<String>,
+}
+
+impl Fact {
+    fn new<'a>(
+        what: &'static str,
+        runs: &[PageRun<'a>],
+        value: fn(&PageRun<'a>) -> String,
+    ) -> Self {
+        let values: Vec<String> = runs.iter().map(value).collect();
+        Self {
+            what,
+            differs: values.iter().any(|value| *value != values[0]),
+            values,
+        }
+    }
+}
+
 /// Device, commit and question of each run, and whether they differ.
-pub fn facts(runs: &[PageRun]) -> Vec<Json> {
-    let facts = ["device", "commit", "question"].map(|what| {
-        let of = |page_run: &PageRun| match what {
-            "device" => page_run.device(),
-            "commit" => page_run.commit(),
-            _ => page_run.question(),
-        };
-        let values: Vec<String> = runs.iter().map(of).collect();
-        json!({ "what": what, "differs": values.iter().any(|value| *value != values[0]), "values": values })
-    });
-    facts.to_vec()
+pub fn facts(runs: &[PageRun]) -> Vec<Fact> {
+    vec![
+        Fact::new("device", runs, PageRun::device),
+        Fact::new("commit", runs, PageRun::commit),
+        Fact::new("question", runs, PageRun::question),
+    ]
 }
 
 /// The heading of the page: one or two questions, else their number.
 pub fn heading(runs: &[PageRun]) -> String {
-    let mut questions: Vec<String> = runs.iter().map(PageRun::question).collect();
-    let mut seen = BTreeSet::new();
-    questions.retain(|question| seen.insert(question.clone()));
-    match questions.len() {
-        0..=2 => questions.join(" · "),
-        count => format!("{} runs, {count} questions", runs.len()),
+    let questions: Vec<String> = runs.iter().map(PageRun::question).unique().collect();
+    if questions.len() <= 2 {
+        questions.join(" · ")
+    } else {
+        format!("{} runs, {} questions", runs.len(), questions.len())
     }
 }
 
+/// The score of a cell; `None` if it failed or lacks the metric.
 pub fn score(cell: &FinishedCell, metric: &Metric) -> Option<f64> {
     cell.scores.as_ref()?.get(metric.name)
 }
@@ -179,37 +205,44 @@ pub fn link(from: &Path, to: &Path) -> String {
 
 /// The facts of a run in its provenance by title, with the hashes of its inputs last.
 pub fn provenance(page_run: &PageRun) -> Vec<(&'static str, Vec<(String, String)>)> {
-    let all = &page_run.finished.provenance;
-    let session = all
-        .pointer(&page_run.finished.last_session())
-        .unwrap_or(&Json::Null);
+    let provenance = &page_run.finished.provenance;
+    let session = provenance.last_session();
     let groups = [
-        ("Device", &session["device"]),
-        ("Host", &session["host"]),
-        ("Program", session),
-        ("Commit", &session["commit"]),
-        ("Experiment", all),
-        ("Inputs", &all["inputs"]),
-    ];
-    let words = |value: &Json| match value {
-        Json::String(text) => Some(text.clone()),
-        Json::Array(all) => Some(
-            all.iter()
-                .map(Json::as_str)
-                .collect::<Option<Vec<_>>>()?
-                .join(" "),
+        ("Device", session.map(|session| entries(&session.device))),
+        ("Host", session.map(|session| entries(&session.host))),
+        ("Program", session.map(entries)),
+        (
+            "Commit",
+            session.and_then(|session| session.commit.as_ref().map(entries)),
         ),
-        Json::Number(_) | Json::Bool(_) => Some(value.to_string()),
-        Json::Null | Json::Object(_) => None,
-    };
-    let facts = |value: &Json| -> Vec<(String, String)> {
-        let facts = value.as_object().into_iter().flatten();
-        let facts = facts.filter_map(|(name, value)| Some((name.clone(), words(value)?)));
-        facts.filter(|(_, text)| !text.is_empty()).collect()
-    };
+        ("Experiment", Some(entries(provenance))),
+        ("Inputs", Some(entries(&provenance.inputs))),
+    ];
     groups
-        .map(|(title, value)| (title, facts(value)))
         .into_iter()
-        .filter(|(_, facts)| !facts.is_empty())
+        .map(|(title, entries)| (title, entries.unwrap_or_default()))
+        .filter(|(_, entries)| !entries.is_empty())
         .collect()
+}
+
+/// The fields of an object that are texts, numbers, flags or lists of texts, by name as in the
+/// file.
+fn entries(object: &impl Serialize) -> Vec<(String, String)> {
+    let object = serde_json::to_value(object).expect("JSON can hold text, numbers and lists");
+    let mut entries = Vec::new();
+    for (name, value) in object.as_object().into_iter().flatten() {
+        let text = match value {
+            Json::String(text) => text.clone(),
+            Json::Array(list) => {
+                let texts: Option<Vec<&str>> = list.iter().map(Json::as_str).collect();
+                texts.unwrap_or_default().join(" ")
+            }
+            Json::Number(_) | Json::Bool(_) => value.to_string(),
+            Json::Null | Json::Object(_) => String::new(),
+        };
+        if !text.is_empty() {
+            entries.push((name.clone(), text));
+        }
+    }
+    entries
 }

@@ -6,8 +6,6 @@
 
 use super::live::{Light, page_name};
 use crate::base::glsl::source::{Choice, Language, PAGE_FOLDER};
-use crate::base::names::Listed;
-use crate::draw::method_titles::words_in;
 use crate::instrument::gpu::shader_sources;
 use crate::instrument::shade::Method;
 use base64::Engine;
@@ -21,23 +19,40 @@ use std::io::{Error, Write};
 
 const STYLE: &str = include_str!("../../../assets/report/report.css");
 const TEMPLATE: &str = include_str!("../../../assets/report/report.html");
-/// Family, weight and file of the fonts: subsets under the SIL Open Font License.
-const FONTS: [(&str, u32, &[u8]); 3] = [
-    (
-        "Sans",
-        400,
-        include_bytes!("../../../assets/report/fonts/text-regular.woff2"),
-    ),
-    (
-        "Sans",
-        500,
-        include_bytes!("../../../assets/report/fonts/text-medium.woff2"),
-    ),
-    (
-        "Mono",
-        400,
-        include_bytes!("../../../assets/report/fonts/code-regular.woff2"),
-    ),
+/// A font: a subset under the SIL Open Font License.
+struct Font {
+    family: &'static str,
+    weight: u32,
+    woff2: &'static [u8],
+}
+
+impl Font {
+    fn css(&self) -> String {
+        let Self { family, weight, .. } = self;
+        let base64 = BASE64_STANDARD.encode(self.woff2);
+        format!(
+            "@font-face{{font-family:\"Splitsum \
+             {family}\";font-weight:{weight};src:url(data:font/woff2;base64,{base64})}}\n"
+        )
+    }
+}
+
+const FONTS: [Font; 3] = [
+    Font {
+        family: "Sans",
+        weight: 400,
+        woff2: include_bytes!("../../../assets/report/fonts/text-regular.woff2"),
+    },
+    Font {
+        family: "Sans",
+        weight: 500,
+        woff2: include_bytes!("../../../assets/report/fonts/text-medium.woff2"),
+    },
+    Font {
+        family: "Mono",
+        weight: 400,
+        woff2: include_bytes!("../../../assets/report/fonts/code-regular.woff2"),
+    },
 ];
 /// The part of views with a canvas.
 const STAGE: &str = include_str!("../../../assets/report/stage.html");
@@ -45,7 +60,10 @@ const STAGE: &str = include_str!("../../../assets/report/stage.html");
 /// Modules by import name, for an import map.
 macro_rules! modules {
     ($($name:literal),+ $(,)?) => {
-        &[$((concat!("report/", $name), include_str!(concat!("../../../assets/report/", $name, ".js")))),+]
+        &[$((
+            concat!("report/", $name),
+            include_str!(concat!("../../../assets/report/", $name, ".js")),
+        )),+]
     };
 }
 
@@ -69,57 +87,55 @@ const MODULES: &[(&str, &str)] = modules![
     "grid",
 ];
 
-/// The place of the model in the template, which is written directly to save memory.
+/// Where the template has the model, which is written directly to save memory.
 const MODEL: &str = "{{ model }}";
 
 /// Writes the page. `page` is for the template, `model` for the scripts, `payloads` are texels,
 /// `light` is for the Live view.
 pub fn render(
     writer: &mut impl Write,
-    page: &Json,
+    page: &impl Serialize,
     model: &impl Serialize,
     payloads: Vec<String>,
     light: &Light,
 ) -> std::io::Result<()> {
-    let mut environment = Environment::new();
-    environment.set_auto_escape_callback(|_| AutoEscape::Html);
-    environment.add_filter("whole_units", whole_units);
-    environment.add_filter("pieces", pieces);
     let (before, behind) = TEMPLATE
         .split_once(MODEL)
         .expect("the template holds the model");
-    let parts = [("before", before), ("behind", behind), ("stage", STAGE)];
-    parts
-        .into_iter()
-        .try_for_each(|(name, text)| environment.add_template(name, text))
-        .map_err(Error::other)?;
-    let import = |text: &str| {
-        format!(
-            "data:text/javascript;base64,{}",
-            BASE64_STANDARD.encode(text)
-        )
-    };
-    let imports: BTreeMap<&str, String> = MODULES
-        .iter()
-        .map(|(name, text)| (*name, import(text)))
-        .collect();
+    let mut environment = Environment::new();
+    environment.set_auto_escape_callback(|_| AutoEscape::Html);
+    environment.add_filter("whole_units", whole_units);
+    for (name, text) in [("before", before), ("behind", behind), ("stage", STAGE)] {
+        environment.add_template(name, text).map_err(Error::other)?;
+    }
     let context = context! {
         page => Serde(page),
         style => safe(style()),
-        imports => safe(in_script(&json!({ "imports": imports }))),
+        imports => safe(in_script(&json!({ "imports": imports() }))),
         shaders => safe(in_script(&json!(shaders(light)))),
         light => safe(in_script(&json!(light))),
         payloads => payloads.into_iter().map(safe).collect::<Vec<_>>(),
     };
-    let part = |name: &str, writer: &mut dyn Write| {
-        let template = environment.get_template(name);
-        template
+    let write_part = |name: &str, writer: &mut dyn Write| {
+        environment
+            .get_template(name)
             .and_then(|template| template.render_captured_to(&context, writer).map(drop))
             .map_err(Error::other)
     };
-    part("before", writer)?;
+    write_part("before", writer)?;
     serde_json::to_writer(Script(&mut *writer), model)?;
-    part("behind", writer)
+    write_part("behind", writer)
+}
+
+/// The modules as data URLs, by import name.
+fn imports() -> BTreeMap<&'static str, String> {
+    MODULES
+        .iter()
+        .map(|(name, text)| {
+            let base64 = BASE64_STANDARD.encode(text);
+            (*name, format!("data:text/javascript;base64,{base64}"))
+        })
+        .collect()
 }
 
 /// The page's shaders (GLSL ES 3.00) by name, such as `specular:cube:sampled:ggx`, as far as
@@ -131,74 +147,37 @@ pub fn shaders(light: &Light) -> BTreeMap<String, String> {
         .iter()
         .map(|environment| environment.layout.as_str());
     let models = light.lobes.iter().map(|lobe| lobe.brdf.as_str());
-    let methods = light
-        .methods
-        .iter()
-        .map(|method| method.name.as_str())
-        .chain([Method::SHEEN_LOOKUP.name]);
-    let wanted: BTreeSet<&str> = layouts.chain(models).chain(methods).collect();
-    let entries = sources
-        .entries()
-        .filter(|entry| entry.starts_with(PAGE_FOLDER));
-    let all = entries.flat_map(|entry| {
-        let named = sources
+    let methods = light.methods.iter().map(|method| method.name.as_str());
+    let wanted: BTreeSet<&str> = layouts
+        .chain(models)
+        .chain(methods)
+        .chain([Method::SHEEN_LOOKUP.name])
+        .collect();
+    let is_wanted = |name: &str| name.split(':').skip(1).all(|part| wanted.contains(part));
+    let mut shaders = BTreeMap::new();
+    for entry in sources.entries() {
+        if !entry.starts_with(PAGE_FOLDER) {
+            continue;
+        }
+        let permutations = sources
             .permutations(entry, &Choice::new())
             .expect("every file that a shader includes is there");
-        named
-            .into_iter()
-            .map(move |(name, choice)| (entry, name, choice))
-    });
-    let is_wanted = |name: &str| name.split(':').skip(1).all(|part| wanted.contains(part));
-    all.filter(|(_, name, _)| is_wanted(name))
-        .map(|(entry, name, choice)| {
-            let text = sources
-                .expand(entry, &choice, Language::Es)
-                .expect("its permutation was found");
-            (page_name(&name), text)
-        })
-        .chain(light.shaders.clone())
-        .collect()
+        for (name, choice) in permutations {
+            if is_wanted(&name) {
+                let text = sources
+                    .expand(entry, &choice, Language::Es)
+                    .expect("its permutation was found");
+                shaders.insert(page_name(&name), text);
+            }
+        }
+    }
+    shaders.extend(light.shaders.clone());
+    shaders
 }
 
 /// The style of all pages, with its fonts.
 pub fn style() -> String {
-    FONTS.map(font).concat() + STYLE
-}
-
-fn font((family, weight, bytes): (&str, u32, &[u8])) -> String {
-    let base64 = BASE64_STANDARD.encode(bytes);
-    format!(
-        "@font-face{{font-family:\"Splitsum \
-         {family}\";font-weight:{weight};src:url(data:font/woff2;base64,{base64})}}\n"
-    )
-}
-
-/// Splits a sentence into parts: strong between `**`, code between backticks. Methods are in words,
-/// with their code.
-fn pieces(text: String) -> Vec<Value> {
-    let strong = text.split("**").enumerate();
-    let parts = strong.flat_map(|(i, part)| {
-        part.split('`')
-            .enumerate()
-            .map(move |(j, text)| (text, i % 2, j % 2))
-    });
-    let piece = |(place, (text, strong, code)): (usize, (&str, usize, usize))| {
-        let words =
-            Method::by_name(text).map_or_else(|| words_in(text), |method| method.title.to_owned());
-        let is_method = code == 1 && words != text;
-        let words = if is_method && place > 0 {
-            words[..1].to_lowercase() + &words[1..]
-        } else {
-            words
-        };
-        let code = (code == 1).then_some(text);
-        context! { text => if is_method { &words } else { text }, is_strong => strong == 1, is_method, code }
-    };
-    parts
-        .filter(|(text, ..)| !text.is_empty())
-        .enumerate()
-        .map(piece)
-        .collect()
+    FONTS.iter().map(Font::css).collect::<String>() + STYLE
 }
 
 /// Prevents line breaks between a number and its sign.
@@ -222,8 +201,10 @@ struct Script<W>(W);
 
 impl<W: Write> Write for Script<W> {
     fn write(&mut self, bytes: &[u8]) -> std::io::Result<usize> {
-        for (place, part) in bytes.split(|byte| *byte == b'<').enumerate() {
-            self.0.write_all(if place > 0 { b"\\u003c" } else { b"" })?;
+        for (index, part) in bytes.split(|byte| *byte == b'<').enumerate() {
+            if index > 0 {
+                self.0.write_all(b"\\u003c")?;
+            }
             self.0.write_all(part)?;
         }
         Ok(bytes.len())

@@ -1,87 +1,150 @@
 //! The sections of the page: one per answer, with the SVG of `answers/`.
 
-use super::model::field;
+use super::model::{ScriptTable, field};
 use super::page_run::{PageRun, link};
 use crate::draw::figure::svg::WIDTHS;
 use crate::draw::method_titles::words_in;
+use crate::draw::words::{Span, spans};
 use crate::report::write::drawing;
 use crate::run::store::ANSWERS_FOLDER;
 use crate::study::questions::Answer;
 use crate::study::table::{Table, shown};
-use serde_json::{Value as Json, json};
+use serde::Serialize;
 use std::path::Path;
 
 /// Most rows of a table that is shown if an answer has no digest.
 const DIGEST_ROWS: usize = 24;
-/// Most columns of a digest that fits next to its figure.
-const COLUMNS_BESIDE: usize = 6;
+/// Most columns of a digest that has room next to its figure.
+const COLUMNS_BESIDE_FIGURE: usize = 6;
+
+/// An answer, for the template.
+#[derive(Serialize)]
+pub struct Section {
+    id: String,
+    /// Of the section among the sections of all runs.
+    index: usize,
+    /// Name of the question.
+    key: &'static str,
+    question: &'static str,
+    /// All sentences.
+    sentence: Vec<Span>,
+    /// The first sentence.
+    headline: Vec<Span>,
+    /// The other sentences.
+    scope: Vec<Span>,
+    row_count: usize,
+    /// Link to the table.
+    csv: String,
+    /// Whether the answer depends on times of a CPU driver.
+    is_cpu: bool,
+    /// Whether the digest is next to the figure.
+    is_split: bool,
+    /// The SVG for a desktop and for a phone.
+    figure: Option<[String; 2]>,
+    digest: Option<Digest>,
+}
 
 /// The answers of a run as sections for the template; `first` is the index of the first among all
 /// runs.
-pub fn sections(page_run: &PageRun, run: usize, first: usize, here: &Path) -> Vec<Json> {
-    let section = |(i, answer): (usize, &Answer)| {
-        let (key, finding) = (answer.question.name, &answer.finding);
-        // For a desktop and for a phone.
-        let figure = finding
-            .figure
-            .as_ref()
-            .map(|figure| WIDTHS.map(|width| drawing(figure, width).trim_end().to_owned()));
-        let small = Some(&finding.table).filter(|table| table.rows.len() <= DIGEST_ROWS);
-        let digest = finding.digest.as_ref().or(small).map(digest);
-        let is_narrow = digest.as_ref().is_some_and(|digest| {
-            digest["columns"]
-                .as_array()
-                .is_some_and(|all| all.len() <= COLUMNS_BESIDE)
-        });
-        let (headline, scope) = finding
-            .sentence
-            .split_once(". ")
-            .unwrap_or((&finding.sentence, ""));
-        json!({
-            // Numbered from the second run.
-            "id": if run == 0 { key.to_owned() } else { format!("{key}-{}", run + 1) },
-            "index": first + i,
-            "key": key,
-            "question": answer.question.asks,
-            "sentence": finding.sentence,
-            "headline": headline.trim_end_matches('.'),
-            "scope": scope,
-            "row_count": finding.table.rows.len(),
-            "csv": link(here, &page_run.finished.dir.join(ANSWERS_FOLDER).join(format!("{key}.csv"))),
-            "is_cpu": answer.question.rests_on_cpu_times(page_run.finished),
-            "is_split": figure.is_some() && is_narrow,
-            "figure": figure,
-            "digest": digest,
-        })
-    };
-    page_run.answers.iter().enumerate().map(section).collect()
+pub fn sections(page_run: &PageRun, run: usize, first: usize, link_base: &Path) -> Vec<Section> {
+    let sections = page_run.answers.iter().enumerate();
+    sections
+        .map(|(i, answer)| section(page_run, answer, run, first + i, link_base))
+        .collect()
 }
 
-/// The whole tables of the answers, for the scripts.
-pub fn model(page_run: &PageRun, run: usize) -> Vec<Json> {
-    let entry = |answer: &Answer| {
-        let table = &answer.finding.table;
-        json!({
-            "run": run,
-            "name": answer.question.name,
-            "columns": table.columns,
-            "rows": table.rows.iter().map(|row| row.iter().map(field).collect()).collect::<Vec<Vec<Json>>>(),
-        })
-    };
-    page_run.answers.iter().map(entry).collect()
+fn section(
+    page_run: &PageRun,
+    answer: &Answer,
+    run: usize,
+    index: usize,
+    link_base: &Path,
+) -> Section {
+    let key = answer.question.name;
+    let finding = &answer.finding;
+    let figure = finding
+        .figure
+        .as_ref()
+        .map(|figure| WIDTHS.map(|width| drawing(figure, width).trim_end().to_owned()));
+    let small = Some(&finding.table).filter(|table| table.rows.len() <= DIGEST_ROWS);
+    let digest = finding.digest.as_ref().or(small).map(Digest::new);
+    let is_narrow = digest
+        .as_ref()
+        .is_some_and(|digest| digest.columns.len() <= COLUMNS_BESIDE_FIGURE);
+    let csv = page_run
+        .finished
+        .dir
+        .join(ANSWERS_FOLDER)
+        .join(format!("{key}.csv"));
+    Section {
+        // Numbered from the second run.
+        id: if run == 0 {
+            key.to_owned()
+        } else {
+            format!("{key}-{}", run + 1)
+        },
+        index,
+        key,
+        question: answer.question.asks,
+        sentence: spans(finding.sentences.all()),
+        headline: spans([&finding.sentences.headline]),
+        scope: spans(finding.sentences.after_headline()),
+        row_count: finding.table.rows.len(),
+        csv: link(link_base, &csv),
+        is_cpu: answer.question.rests_on_cpu_times(page_run.finished),
+        is_split: figure.is_some() && is_narrow,
+        figure,
+        digest,
+    }
 }
 
-/// A small table in words: heads with their alignment, and rows of texts.
-fn digest(table: &Table) -> Json {
-    let rows: Vec<Vec<String>> = table
-        .rows
-        .iter()
-        .map(|row| row.iter().map(|cell| words_in(&shown(cell))).collect())
-        .collect();
-    let starts_with_digit =
-        |text: &String| text.starts_with(|c: char| c.is_ascii_digit() || c == '-');
-    let is_number =
-        |column: usize| column > 0 && rows.iter().any(|row| starts_with_digit(&row[column]));
-    let head = |(column, name): (usize, &String)| json!({ "text": words_in(&name.replace('_', " ")), "is_number": is_number(column) });
-    json!({ "columns": table.columns.iter().enumerate().map(head).collect::<Vec<Json>>(), "rows": rows })
+/// The whole tables of the answers of a run.
+pub fn tables<'a>(page_run: &PageRun<'a>, run: usize) -> Vec<ScriptTable<'a>> {
+    let answers = page_run.answers.iter();
+    answers
+        .map(|answer| {
+            let table = &answer.finding.table;
+            let rows = table.rows.iter();
+            ScriptTable {
+                columns: &table.columns,
+                name: answer.question.name,
+                rows: rows.map(|row| row.iter().map(field).collect()).collect(),
+                run,
+            }
+        })
+        .collect()
+}
+
+/// A small table in words.
+#[derive(Serialize)]
+struct Digest {
+    columns: Vec<DigestColumn>,
+    rows: Vec<Vec<String>>,
+}
+
+#[derive(Serialize)]
+struct DigestColumn {
+    text: String,
+    /// Whether the column is aligned as numbers are.
+    is_number: bool,
+}
+
+impl Digest {
+    fn new(table: &Table) -> Self {
+        let rows: Vec<Vec<String>> = table
+            .rows
+            .iter()
+            .map(|row| row.iter().map(|cell| words_in(&shown(cell))).collect())
+            .collect();
+        let starts_with_digit =
+            |text: &String| text.starts_with(|c: char| c.is_ascii_digit() || c == '-');
+        let column = |(index, name): (usize, &String)| DigestColumn {
+            text: words_in(&name.replace('_', " ")),
+            is_number: index > 0 && rows.iter().any(|row| starts_with_digit(&row[index])),
+        };
+        Self {
+            columns: table.columns.iter().enumerate().map(column).collect(),
+            rows,
+        }
+    }
 }

@@ -17,11 +17,9 @@ use crate::instrument::metrics::METRICS;
 use crate::run::environments;
 use crate::run::estimate::{Ahead, Forecast};
 use crate::run::images;
-use crate::run::live::{self, LIVE_FILE};
 use crate::run::provenance::device_words;
 use crate::run::renderer::{RenderFault, Renderer};
 use crate::run::scoring::CellFault;
-use crate::run::sheets;
 use crate::run::split::Share;
 use crate::run::store::{CELLS_FOLDER, CellRecord, FailureRecord, KeptCell, Store};
 use crate::run::tables::{self, CellResult, Results};
@@ -33,8 +31,8 @@ use std::time::Instant;
 /// Makes the renderer when it is needed: a finished run needs no device.
 pub type MakeRenderer<'a> = dyn FnMut() -> Result<Box<dyn Renderer>, RenderFault> + 'a;
 
-/// Runs the open part of `plan` in the folder of `options`, then writes tables and contact sheets.
-/// A shard leaves these to [`merge`].
+/// Runs the open part of `plan` in the folder of `options`, then writes tables and the
+/// companions' files. A shard leaves these to [`merge`].
 pub fn run(
     plan: &Plan,
     make_renderer: &mut MakeRenderer,
@@ -280,7 +278,7 @@ impl<'p> Run<'p> {
         progress: &mut dyn Progress,
     ) -> Result<(), RunError> {
         let result = self
-            .live(renderer, progress)
+            .plan_files(renderer, progress)
             .and_then(|()| self.cells(renderer, progress))
             .and_then(|()| self.time(renderer, progress));
         for warning in renderer.take_warnings() {
@@ -289,25 +287,30 @@ impl<'p> Run<'p> {
         result
     }
 
-    /// Writes `live.json`, unless it exists. It comes first, since a run whose cells are all done
-    /// makes nothing more.
-    fn live(
+    /// Writes the files of the plan that do not exist. They come first, since a run whose cells are
+    /// all done makes nothing more.
+    fn plan_files(
         &self,
         renderer: &mut dyn Renderer,
         progress: &mut dyn Progress,
     ) -> Result<(), RunError> {
-        let path = self.store.dir().join(LIVE_FILE);
-        if !self.makes_live() || self.is_stopped() || path.exists() {
+        if !self.makes_plan_files() {
             return Ok(());
         }
-        match of_cell(live::record(self.plan, renderer).map_err(CellFault::from))? {
-            Ok(record) => self.store.write_json(&path, &record)?,
-            Err(reason) => progress.note(&format!("the report will have no Live view: {reason}")),
+        for file in self.options.companions.plan_files {
+            let path = self.store.dir().join(file.name());
+            if self.is_stopped() || path.exists() {
+                continue;
+            }
+            match of_cell(file.text(self.plan, renderer).map_err(CellFault::from))? {
+                Ok(text) => self.store.write_text(&path, &text)?,
+                Err(reason) => progress.note(&format!("{}: {reason}", file.loss())),
+            }
         }
         Ok(())
     }
 
-    fn makes_live(&self) -> bool {
+    fn makes_plan_files(&self) -> bool {
         self.share.as_ref().is_none_or(|share| share.has_live)
     }
 
@@ -370,7 +373,7 @@ impl<'p> Run<'p> {
         Ok(())
     }
 
-    /// Writes tables and contact sheets.
+    /// Writes tables and the companions' files.
     fn finish(mut self, has_worked: bool) -> Result<Outcome, RunError> {
         if self.share.is_some() {
             return Ok(self.outcome());
@@ -400,9 +403,11 @@ impl<'p> Run<'p> {
         let index = images::index(self.plan, &self.results);
         let index = csv::to_text(&index.columns, index.rows.iter().map(Vec::as_slice));
         let path = self.store.dir().join("images.csv");
-        // Written last: if it is up to date, so are the sheets.
+        // Written last: if it is up to date, so are the companions' files.
         if has_worked || !holds(&path, &index) {
-            sheets::write_sheets(&self.store, self.plan, &self.results)?;
+            for files in self.options.companions.result_files {
+                files.write(&self.store, self.plan, &self.results)?;
+            }
             self.store
                 .write_text(&path, &String::from_utf8_lossy(&index))?;
         }

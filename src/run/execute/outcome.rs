@@ -1,5 +1,6 @@
 //! The options and the outcome of a run.
 
+use crate::run::companion::Companions;
 use crate::run::estimate::Ahead;
 use crate::run::provenance::ProvenanceError;
 use crate::run::renderer::RenderFault;
@@ -20,10 +21,12 @@ pub struct RunOptions<'a> {
     pub shard: Option<Shard>,
     /// Ends the run at the first cell that fails.
     pub fail_fast: bool,
+    /// Files of the report that the run leaves in its folder.
+    pub companions: Companions<'a>,
 }
 
 impl<'a> RunOptions<'a> {
-    /// A whole run in `dir` with defaults.
+    /// A whole run in `dir` with defaults, without companions.
     pub fn new(dir: &Path, stop: &'a AtomicBool) -> Self {
         let command_line = Vec::new();
         Self {
@@ -32,6 +35,7 @@ impl<'a> RunOptions<'a> {
             command_line,
             shard: None,
             fail_fast: false,
+            companions: Companions::default(),
         }
     }
 }

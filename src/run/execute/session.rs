@@ -4,7 +4,6 @@ use super::{Progress, Run, RunError};
 use crate::base::files::holds;
 use crate::instrument::pipeline::DeviceInfo;
 use crate::run::frozen::EXPERIMENT_FILE;
-use crate::run::live::LIVE_FILE;
 use crate::run::provenance::{self, Provenance, Session};
 use crate::run::shard::Shard;
 use crate::run::store::{FAILED_FOLDER, SHARDS_FOLDER};
@@ -25,9 +24,11 @@ impl Run<'_> {
             progress.note(&format!(
                 "continues a run of another plan: {done} of {all} cells are done"
             ));
-            // It lacks the environments and models of new cells.
-            if done < all && self.makes_live() {
-                self.store.remove("", LIVE_FILE)?;
+            // They lack the environments and models of new cells.
+            if done < all && self.makes_plan_files() {
+                for file in self.options.companions.plan_files {
+                    self.store.remove("", file.name())?;
+                }
             }
             let planned: BTreeSet<&str> = self
                 .plan

@@ -11,11 +11,10 @@ use crate::experiment::config::Config;
 use crate::experiment::value::Value;
 use crate::instrument::metrics::{Epsilon, METRICS, Weight};
 use crate::instrument::scene::is_design;
-use crate::run::provenance::device_words;
+use crate::run::provenance::{Provenance, device_words};
 use crate::run::store::{FailureRecord, ReferenceStop};
 use crate::run::timing::TimingRecord;
 use indexmap::IndexSet;
-use serde_json::Value as Json;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -104,7 +103,7 @@ pub struct Light {
 #[derive(Clone, Debug)]
 pub struct Finished {
     pub dir: PathBuf,
-    pub provenance: Json,
+    pub provenance: Provenance,
     pub experiment: String,
     /// With the overrides of the run; `None` if this program does not understand it.
     pub config: Option<Config>,
@@ -120,21 +119,6 @@ pub struct Finished {
 }
 
 impl Finished {
-    /// A text of the provenance by JSON pointer; empty if missing.
-    pub fn text(&self, pointer: &str) -> String {
-        match self.provenance.pointer(pointer) {
-            Some(Json::String(text)) => text.clone(),
-            Some(Json::Null) | None => String::new(),
-            Some(value) => value.to_string(),
-        }
-    }
-
-    /// JSON pointer to the last session.
-    pub fn last_session(&self) -> String {
-        let count = self.provenance["sessions"].as_array().map_or(0, Vec::len);
-        format!("/sessions/{}", count.saturating_sub(1))
-    }
-
     /// The light of a point, if `environments.csv` has it.
     pub fn light(&self, point: &Point) -> Option<&Light> {
         let name = point[ENVIRONMENT].to_string();
@@ -153,17 +137,13 @@ impl Finished {
         })
     }
 
+    /// The devices of all sessions with their drivers, each once.
     pub fn devices(&self) -> Vec<String> {
-        let sessions = 0..self.provenance["sessions"].as_array().map_or(0, Vec::len);
-        let device = |session: usize| {
-            let text = |name: &str| self.text(&format!("/sessions/{session}/device/{name}"));
-            device_words(&text("name"), &text("driver"))
-        };
-        sessions
-            .map(device)
-            .collect::<IndexSet<_>>()
-            .into_iter()
-            .collect()
+        let sessions = self.provenance.sessions.iter();
+        let devices: IndexSet<String> = sessions
+            .map(|session| device_words(&session.device.name, &session.device.driver))
+            .collect();
+        devices.into_iter().collect()
     }
 
     pub fn failed_count(&self) -> usize {

@@ -11,15 +11,12 @@ use crate::experiment::value::Value;
 use crate::instrument::metrics::Weight;
 use crate::run::columns::FAILED;
 use crate::run::frozen::EXPERIMENT_FILE;
-use crate::run::provenance::{
-    self, EXPERIMENT_FOLDER, PROVENANCE_FILE, Provenance, ProvenanceError, SET_FOLDER,
-};
+use crate::run::provenance::{self, PROVENANCE_FILE, Provenance, ProvenanceError};
 use crate::run::store::{
     CELLS_FOLDER, Exact, FAILED_FOLDER, ReferenceStop, StopReason, Store, StoreError,
     TIMINGS_FOLDER,
 };
 use crate::run::tables::HEADLINE;
-use serde_json::Value as Json;
 use std::collections::{BTreeSet, HashMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -53,7 +50,7 @@ impl Finished {
     /// Reads everything but the images. Empty or truncated tables are refused: their answers would
     /// be wrong.
     pub fn read(dir: &Path) -> Result<Self, FinishedError> {
-        let provenance = provenance(dir)?.to_json();
+        let provenance = provenance(dir)?;
         if Store::at(dir).is_under_way() {
             return Err(FinishedError::UnderWay {
                 dir: dir.to_owned(),
@@ -261,41 +258,30 @@ fn check_head(table: &TableRows) -> Result<(), FinishedError> {
 
 /// The experiment; `None` if this program does not understand it. Methods in files are loaded if
 /// the files still exist, since their parameters decide which questions can be answered.
-fn config(dir: &Path, experiment: &str, provenance: &Json) -> Option<Config> {
-    let overrides = provenance["overrides"].as_array().into_iter().flatten();
-    let overrides: Vec<String> = overrides
-        .filter_map(|text| Some(text.as_str()?.to_owned()))
-        .collect();
+fn config(dir: &Path, experiment: &str, provenance: &Provenance) -> Option<Config> {
     let path = Path::new(EXPERIMENT_FILE);
     let mut faults = Faults::new(path, experiment);
-    let mut config = Config::parse(path, experiment, &overrides, &mut faults);
-    let folder = |key: &str| provenance[key].as_str().map(|folder| dir.join(folder));
-    config.file_dir = folder(EXPERIMENT_FOLDER);
-    config.set_dir = folder(SET_FOLDER).unwrap_or_default();
+    let mut config = Config::parse(path, experiment, &provenance.overrides, &mut faults);
+    let folder = |from_run: &Option<String>| from_run.as_ref().map(|folder| dir.join(folder));
+    config.file_dir = folder(&provenance.experiment_folder);
+    config.set_dir = folder(&provenance.set_folder).unwrap_or_default();
     let is_understood = faults.is_empty();
     load_methods(&config, &mut faults);
     is_understood.then_some(config)
 }
 
 /// A folder without tables: of a run if a command worked on it.
-fn unfinished(dir: &Path, provenance: &Json) -> FinishedError {
-    let last = provenance["sessions"]
-        .as_array()
-        .and_then(|sessions| sessions.last()?["command_line"].as_array());
-    let words: Vec<&str> = last
-        .into_iter()
-        .flatten()
-        .filter_map(Json::as_str)
-        .collect();
-    match words.join(" ") {
-        none if none.is_empty() => FinishedError::NotARun {
-            dir: dir.to_owned(),
+fn unfinished(dir: &Path, provenance: &Provenance) -> FinishedError {
+    let dir = dir.to_owned();
+    let last = provenance.last_session();
+    let command = last.map_or_else(String::new, |session| session.command_line.join(" "));
+    if command.is_empty() {
+        FinishedError::NotARun {
+            dir,
             file: "errors.csv",
-        },
-        command => FinishedError::Unfinished {
-            dir: dir.to_owned(),
-            command,
-        },
+        }
+    } else {
+        FinishedError::Unfinished { dir, command }
     }
 }
 
@@ -350,7 +336,7 @@ fn images(mut table: TableRows) -> Result<HashMap<String, CellImages>, FinishedE
 /// Checks that `errors.csv` has each cell once, and every cell with a record.
 fn check_errors(
     dir: &Path,
-    provenance: &Json,
+    provenance: &Provenance,
     errors: &TableRows,
     cells: &[FinishedCell],
 ) -> Result<(), FinishedError> {
@@ -380,14 +366,12 @@ fn check_errors(
         ));
     }
     // A published folder has no records; a run stopped before its first cell has no session.
-    let has_worked = provenance["sessions"]
-        .as_array()
-        .is_some_and(|sessions| !sessions.is_empty());
+    let has_worked = !provenance.sessions.is_empty();
     if rows == 0
         && records == 0
         && has_worked
         && !dir.join(CELLS_FOLDER).is_dir()
-        && provenance["cell_count"] != 0
+        && provenance.cell_count != 0
     {
         return damaged("no rows".to_owned());
     }

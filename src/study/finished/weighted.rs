@@ -12,7 +12,7 @@ use std::sync::Arc;
 impl Finished {
     /// The run scored by the pixels with n·v from `lo` to `hi` alone, under its weight; `None`
     /// without bins.
-    pub fn seen_at(&self, [lo, hi]: [f64; 2]) -> Option<Self> {
+    pub fn within_n_dot_v(&self, [lo, hi]: [f64; 2]) -> Option<Self> {
         let density = self.density(&self.weight);
         let is_own = |bin: &Bin| bin.lo >= lo && bin.hi <= hi;
         let cell = |cell: &FinishedCell| {

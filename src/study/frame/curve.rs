@@ -1,8 +1,8 @@
-//! Error over sample or frame count ([`Frame::along`]): one curve per sampling method and case. A
+//! Error over sample or frame count ([`Frame::curve_axis`]): one curve per sampling method and case. A
 //! *case* is one setting of everything but method, that count, point set and tone curve.
 
 use super::estimate::geometric_mean;
-use super::{Frame, Key, Row, by, distinct_in_order, fits};
+use super::{Frame, Key, Row, agree, distinct_in_order, group_by_axes};
 use crate::experiment::axis::AxisId;
 use crate::experiment::axis::METHOD;
 use crate::experiment::value::Value;
@@ -34,7 +34,8 @@ impl<'r, 'f> Curve<'r, 'f> {
         self.points[0].rows[0]
     }
 
-    pub fn tried(&self) -> [u32; 2] {
+    /// The least and the largest count.
+    pub fn count_ends(&self) -> [u32; 2] {
         [&self.points[0], &self.points[self.points.len() - 1]].map(|point| point.count)
     }
 }
@@ -45,26 +46,27 @@ pub fn curves<'r, 'f>(
     images: &[&'r Row<'f>],
     axes: &[AxisId],
 ) -> Vec<Curve<'r, 'f>> {
-    let is_tested = |row: &Row| row.text(METHOD) != frame.shape.reference_method;
-    let sampled = images
-        .iter()
-        .copied()
-        .filter(|row| row.count(frame.along).is_some() && is_tested(row));
-    let sampled: Vec<&Row> = sampled.collect();
+    let mut sampled = images.to_vec();
+    sampled.retain(|row| {
+        row.count(frame.curve_axis).is_some() && row.text(METHOD) != frame.shape.reference_method
+    });
     let with_method: Vec<AxisId> = axes.iter().copied().chain([METHOD]).collect();
-    let groups = by(&sampled, &with_method).into_iter();
-    let curve = |(mut key, own): (Key, Vec<&'r Row<'f>>)| {
-        let method = key.pop()?;
-        let points = points(frame, &own);
-        (!points.is_empty()).then_some(Curve {
-            method,
-            key,
-            points,
-        })
-    };
-    groups.filter_map(curve).collect()
+    let mut curves = Vec::new();
+    for (mut key, rows) in group_by_axes(&sampled, &with_method) {
+        let method = key.pop().expect("a key has a value for each axis");
+        let points = points(frame, &rows);
+        if !points.is_empty() {
+            curves.push(Curve {
+                method,
+                key,
+                points,
+            });
+        }
+    }
+    curves
 }
 
+/// The images of methods without samples, but for images without a method.
 pub fn without_samples<'r, 'f>(images: &[&'r Row<'f>]) -> Vec<&'r Row<'f>> {
     images
         .iter()
@@ -75,27 +77,32 @@ pub fn without_samples<'r, 'f>(images: &[&'r Row<'f>]) -> Vec<&'r Row<'f>> {
 
 fn points<'r, 'f>(frame: &Frame, rows: &[&'r Row<'f>]) -> Vec<CurvePoint<'r, 'f>> {
     let mut counts: Vec<u32> =
-        distinct_in_order(rows.iter().filter_map(|row| row.count(frame.along)));
+        distinct_in_order(rows.iter().filter_map(|row| row.count(frame.curve_axis)));
     counts.sort_unstable();
-    let point = |count: u32| {
-        let is_own =
-            |row: &&Row| row.count(frame.along) == Some(count) && frame.error(row).is_some();
-        let rows: Vec<&'r Row<'f>> = rows.iter().copied().filter(is_own).collect();
-        let errors: Vec<f64> = rows.iter().filter_map(|row| frame.error(row)).collect();
-        let is_resolved = rows.iter().all(|row| frame.is_resolved(row));
-        (!rows.is_empty()).then(|| CurvePoint {
-            count,
-            error: geometric_mean(&errors),
-            is_resolved,
-            rows,
-        })
-    };
-    counts.into_iter().filter_map(point).collect()
+    counts
+        .into_iter()
+        .filter_map(|count| point(frame, rows, count))
+        .collect()
+}
+
+fn point<'r, 'f>(frame: &Frame, rows: &[&'r Row<'f>], count: u32) -> Option<CurvePoint<'r, 'f>> {
+    let mut rows = rows.to_vec();
+    rows.retain(|row| row.count(frame.curve_axis) == Some(count) && frame.error(row).is_some());
+    if rows.is_empty() {
+        return None;
+    }
+    let errors: Vec<f64> = rows.iter().filter_map(|row| frame.error(row)).collect();
+    Some(CurvePoint {
+        count,
+        error: geometric_mean(&errors),
+        is_resolved: rows.iter().all(|row| frame.is_resolved(row)),
+        rows,
+    })
 }
 
 /// A sampling method and one without samples in one case.
 #[derive(Clone, Debug)]
-pub struct Beside<'r, 'f> {
+pub struct Rivals<'r, 'f> {
     /// Values on the axes of cases, from the method that uses them.
     pub key: Key,
     pub curve: Curve<'r, 'f>,
@@ -104,13 +111,23 @@ pub struct Beside<'r, 'f> {
     pub error: f64,
 }
 
-impl Beside<'_, '_> {
-    /// The sampling method and the other.
-    pub fn names(&self) -> [String; 2] {
-        [self.curve.method.to_string(), self.fixed.text(METHOD)]
+impl Rivals<'_, '_> {
+    pub fn methods(&self) -> Methods {
+        Methods {
+            sampled: self.curve.method.to_string(),
+            fixed: self.fixed.text(METHOD),
+        }
     }
 }
 
+/// The code names of a sampling method and of one without samples.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Methods {
+    pub sampled: String,
+    pub fixed: String,
+}
+
+/// The values of `a`, and of `b` where `a` has none.
 fn united(a: &[Value], b: &[Value]) -> Key {
     a.iter()
         .zip(b)
@@ -120,20 +137,20 @@ fn united(a: &[Value], b: &[Value]) -> Key {
 
 /// Pairs each curve with the images of methods without samples in the same case, in the order of
 /// the rows.
-pub fn beside<'r, 'f>(
+pub fn rivals<'r, 'f>(
     frame: &Frame,
     images: &[&'r Row<'f>],
     axes: &[AxisId],
-) -> Vec<Beside<'r, 'f>> {
+) -> Vec<Rivals<'r, 'f>> {
     let fixed = without_samples(images);
     let mut found = Vec::new();
     for curve in curves(frame, images, axes) {
         for &row in &fixed {
             let other = row.key(axes);
-            let Some(error) = frame.error(row).filter(|_| fits(&other, &curve.key)) else {
+            let Some(error) = frame.error(row).filter(|_| agree(&other, &curve.key)) else {
                 continue;
             };
-            found.push(Beside {
+            found.push(Rivals {
                 key: united(&curve.key, &other),
                 curve: curve.clone(),
                 fixed: row,

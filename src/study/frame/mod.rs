@@ -47,18 +47,18 @@ pub struct Frame<'f> {
     pub metric: &'static Metric,
     pub names: Names,
     /// The axis of the rows of a digest, if the experiment names one.
-    pub by: Option<AxisId>,
+    pub digest_axis: Option<AxisId>,
     /// The axis along which curves have their points: samples, or frames.
-    pub along: AxisId,
+    pub curve_axis: AxisId,
     /// Whether no other frame of the run comes before it, under another weight of views.
-    pub leads: bool,
+    pub is_first: bool,
 }
 
 impl<'f> Frame<'f> {
     /// The frame of a run with the metric of that name, else the experiment's own.
     pub fn new(run: &'f Finished, metric_name: Option<&str>) -> Self {
-        let own = run.config.as_ref().map_or(HEADLINE, |config| config.metric);
-        let metric = Metric::listed(metric_name.unwrap_or(own));
+        let experiment_metric = run.config.as_ref().map_or(HEADLINE, |config| config.metric);
+        let metric = Metric::listed(metric_name.unwrap_or(experiment_metric));
         let rows = distinct(run);
         Self {
             shape: Shape::of_rows(run, &rows),
@@ -66,18 +66,18 @@ impl<'f> Frame<'f> {
             rows,
             metric,
             names: Names::of(run),
-            by: None,
-            along: SAMPLES,
-            leads: true,
+            digest_axis: None,
+            curve_axis: SAMPLES,
+            is_first: true,
         }
     }
 
     /// A frame of another run or metric with the same rows of digests.
     pub fn like<'g>(&self, run: &'g Finished, metric: &str) -> Frame<'g> {
         Frame {
-            by: self.by,
-            along: self.along,
-            leads: self.leads,
+            digest_axis: self.digest_axis,
+            curve_axis: self.curve_axis,
+            is_first: self.is_first,
             ..Frame::new(run, Some(metric))
         }
     }
@@ -85,7 +85,7 @@ impl<'f> Frame<'f> {
     /// The axis of the rows of digests and the steps of figures: alpha, unless the experiment names
     /// another one.
     pub fn row_axis(&self) -> AxisId {
-        self.by.unwrap_or(ALPHA)
+        self.digest_axis.unwrap_or(ALPHA)
     }
 
     pub fn metric_name(&self) -> &'static str {
@@ -125,38 +125,40 @@ impl<'f> Frame<'f> {
     /// Swept axes that distinguish cases: all but method, points of a curve, point sets and the
     /// tone curve.
     pub fn case_axes(&self) -> Vec<AxisId> {
-        let own = self.swept(&[
+        let mut axes = self.swept(&[
             Part::Case,
             Part::Parameter,
             Part::Table,
             Part::Method,
             Part::Count,
         ]);
-        own.into_iter()
-            .filter(|axis| ![METHOD, self.along].contains(axis))
-            .collect()
+        axes.retain(|axis| ![METHOD, self.curve_axis].contains(axis));
+        axes
     }
 
     /// The axes of answer tables: axes of cases, and the most important axes even with one value.
     pub fn table_axes(&self) -> Vec<AxisId> {
-        let (own, always) = (self.case_axes(), [ENVIRONMENT, BRDF, ALPHA, F0]);
+        let case_axes = self.case_axes();
+        let always = [ENVIRONMENT, BRDF, ALPHA, F0];
         AXES.ids()
-            .filter(|axis| own.contains(axis) || always.contains(axis))
+            .filter(|axis| case_axes.contains(axis) || always.contains(axis))
             .collect()
     }
 
     /// Scenes without meaning for the metric: beside a design, pictures in a metric of radiance,
     /// since they prefer parts of the map; the design in a metric of display images, since it is
     /// not a picture.
-    fn silent_scenes(&self) -> Vec<Value> {
+    fn excluded_scenes(&self) -> Vec<Value> {
         let scenes = distinct_in_order(self.rows.iter().map(|row| row.point[SCENE].clone()));
-        let (designs, pictures): (Vec<_>, Vec<_>) = scenes
+        let (designs, pictures): (Vec<Value>, Vec<Value>) = scenes
             .into_iter()
             .partition(|scene| is_design(&scene.to_string()));
-        match (designs.is_empty() || pictures.is_empty(), self.metric.space) {
-            (true, _) => Vec::new(),
-            (false, Space::Linear) => pictures,
-            (false, Space::Display) => designs,
+        if designs.is_empty() || pictures.is_empty() {
+            return Vec::new();
+        }
+        match self.metric.space {
+            Space::Linear => pictures,
+            Space::Display => designs,
         }
     }
 
@@ -171,19 +173,13 @@ impl<'f> Frame<'f> {
 
     /// Rows with scores, each linear image once: with the default tone curve, else the first.
     pub fn images(&self) -> Vec<&Row<'f>> {
-        let silent = self.silent_scenes();
-        let linear = |row: &Row| -> Key {
-            AXES.iter()
-                .zip(&row.point.0)
-                .filter(|(axis, _)| axis.changes_radiance())
-                .map(|(_, v)| v.clone())
-                .collect()
-        };
+        let excluded = self.excluded_scenes();
         let mut images: IndexMap<Key, &Row<'f>> = IndexMap::new();
-        let is_counted =
-            |row: &&Row| row.cell.scores.is_some() && !silent.contains(&row.point[SCENE]);
-        for row in self.rows.iter().filter(is_counted) {
-            let known = images.entry(linear(row)).or_insert(row);
+        for row in &self.rows {
+            if row.cell.scores.is_none() || excluded.contains(&row.point[SCENE]) {
+                continue;
+            }
+            let known = images.entry(row.radiance_key()).or_insert(row);
             if row.has_plain_curve() {
                 *known = row;
             }
@@ -191,12 +187,16 @@ impl<'f> Frame<'f> {
         images.into_values().collect()
     }
 
-    /// The run as seen at each band of n·v, if all images are of designs: with a camera n·v is tied
+    /// The run under each band of n·v alone, if all images are of designs: with a camera n·v is tied
     /// to a place on the map.
-    pub fn views(&self, images: &[&Row]) -> Vec<([f64; 2], Finished)> {
-        let is_asked = images.iter().all(|row| is_design(&row.text(SCENE)));
-        let seen = |seen: &[f64; 2]| Some((*seen, self.run.seen_at(*seen)?));
-        VIEWS.iter().filter(|_| is_asked).filter_map(seen).collect()
+    pub fn runs_by_n_dot_v(&self, images: &[&Row]) -> Vec<([f64; 2], Finished)> {
+        if !images.iter().all(|row| is_design(&row.text(SCENE))) {
+            return Vec::new();
+        }
+        let bands = VIEWS.iter();
+        bands
+            .filter_map(|band| Some((*band, self.run.within_n_dot_v(*band)?)))
+            .collect()
     }
 
     /// A remark on times of a CPU driver; else empty.
@@ -208,9 +208,9 @@ impl<'f> Frame<'f> {
         }
     }
 
-    /// The axes of [`Frame::way`]: method and sample count; without any specular term, the diffuse
-    /// method.
-    pub fn way_axes(&self) -> Vec<AxisId> {
+    /// The axes of [`Frame::variant`]: method and sample count; without any specular term, the
+    /// diffuse method.
+    pub fn variant_axes(&self) -> Vec<AxisId> {
         if self.shape.methods().next().is_some() {
             vec![METHOD, SAMPLES]
         } else {
@@ -220,17 +220,16 @@ impl<'f> Frame<'f> {
 
     /// Whether a row has none of the compared terms.
     pub fn is_nothing(&self, row: &Row) -> bool {
-        self.way(row) == NONE
+        self.variant(row) == NONE
     }
 
-    /// How the image of a row is made: "sampled 16", "split-sum".
-    pub fn way(&self, row: &Row) -> String {
-        let texts: Vec<String> = self
-            .way_axes()
-            .into_iter()
-            .map(|axis| row.text(axis))
-            .collect();
-        texts.join(" ").trim_end().to_owned()
+    /// The method of a row with its sample count: "sampled 16", "split-sum".
+    pub fn variant(&self, row: &Row) -> String {
+        let axes = self.variant_axes().into_iter();
+        axes.map(|axis| row.text(axis))
+            .filter(|text| !text.is_empty())
+            .collect::<Vec<_>>()
+            .join(" ")
     }
 }
 
@@ -245,6 +244,15 @@ impl Row<'_> {
 
     pub fn text(&self, axis: AxisId) -> String {
         self.point[axis].to_string()
+    }
+
+    /// The values that change its linear image.
+    fn radiance_key(&self) -> Key {
+        AXES.iter()
+            .zip(&self.point.0)
+            .filter(|(axis, _)| axis.changes_radiance())
+            .map(|(_, value)| value.clone())
+            .collect()
     }
 
     /// `None` for a failed cell.
@@ -284,15 +292,18 @@ impl Row<'_> {
     }
 }
 
-/// Whether two keys agree; an unset value fits any value.
-pub fn fits(a: &[Value], b: &[Value]) -> bool {
+/// Whether two keys agree; an unset value agrees with any value.
+pub fn agree(a: &[Value], b: &[Value]) -> bool {
     a.iter()
         .zip(b)
         .all(|(a, b)| a == b || *a == Value::Unset || *b == Value::Unset)
 }
 
 /// Groups rows that agree on some axes ([`rows`](crate::run::rows::rows)).
-pub fn by<'r, 'f>(rows: &[&'r Row<'f>], axes: &[AxisId]) -> Vec<(Key, Vec<&'r Row<'f>>)> {
+pub fn group_by_axes<'r, 'f>(
+    rows: &[&'r Row<'f>],
+    axes: &[AxisId],
+) -> Vec<(Key, Vec<&'r Row<'f>>)> {
     crate::run::rows::rows(rows, |row| row.key(axes))
 }
 
@@ -304,38 +315,64 @@ pub fn pair<'r, 'f>(
     axis: AxisId,
     base: &Value,
 ) -> Vec<(&'r Row<'f>, &'r Row<'f>)> {
-    let run: PerAxis<Vec<Value>> = AXES
-        .ids()
-        .map(|of| distinct_in_order(set_values(rows, of)))
-        .collect();
-    let usual = |of: AxisId, row: &Row| {
-        let default = row.point.default_of(of);
-        if run[of].contains(&default) {
+    let matching = Matching {
+        axis,
+        values: AXES
+            .ids()
+            .map(|axis| distinct_in_order(set_values(rows, axis)))
+            .collect(),
+    };
+    let mut bases = Vec::new();
+    let mut others = Vec::new();
+    for row in rows {
+        if row.point[axis] == *base {
+            bases.push(*row);
+        } else if row.point[axis] != Value::Unset {
+            others.push(*row);
+        }
+    }
+    let partner = |row: &'r Row<'f>| bases.iter().find(|base| matching.is_pair(row, base));
+    others
+        .into_iter()
+        .filter_map(|row| Some((row, *partner(row)?)))
+        .collect()
+}
+
+/// Decides which rows are paired ([`pair`]).
+struct Matching {
+    /// The axis on which paired rows differ.
+    axis: AxisId,
+    /// The values of all rows.
+    values: PerAxis<Vec<Value>>,
+}
+
+impl Matching {
+    fn is_pair(&self, a: &Row, b: &Row) -> bool {
+        AXES.ids().all(|axis| {
+            axis == self.axis
+                || !AXES[axis].changes_radiance()
+                || a.point[axis] == b.point[axis]
+                || self.is_substitute(axis, a, b)
+                || self.is_substitute(axis, b, a)
+        })
+    }
+
+    /// Whether `unset` does not use the axis, and the other row has the usual value there.
+    fn is_substitute(&self, axis: AxisId, unset: &Row, row: &Row) -> bool {
+        AXES[axis].part != Part::Count
+            && unset.point[axis] == Value::Unset
+            && self.usual(axis, row).as_ref() == Some(&row.point[axis])
+    }
+
+    /// The default of a row on an axis if it was run, else the first value.
+    fn usual(&self, axis: AxisId, row: &Row) -> Option<Value> {
+        let default = row.point.default_of(axis);
+        if self.values[axis].contains(&default) {
             Some(default)
         } else {
-            run[of].first().cloned()
+            self.values[axis].first().cloned()
         }
-    };
-    let agrees = |a: &Row, b: &Row| {
-        AXES.ids().all(|i| {
-            let (x, y) = (&a.point.0[i], &b.point.0[i]);
-            let may_default = AXES[i].part != Part::Count;
-            let replaces = |unset: &Value, of: &Row| {
-                may_default && *unset == Value::Unset && usual(i, of) == Some(of.point.0[i].clone())
-            };
-            i == axis || !AXES[i].changes_radiance() || x == y || replaces(x, b) || replaces(y, a)
-        })
-    };
-    let bases: Vec<&&Row> = rows
-        .iter()
-        .filter(|row| row.point.0[axis] == *base)
-        .collect();
-    let others = rows
-        .iter()
-        .filter(|row| row.point.0[axis] != *base && row.point.0[axis] != Value::Unset);
-    others
-        .filter_map(|row| Some((*row, **bases.iter().find(|other| agrees(row, other))?)))
-        .collect()
+    }
 }
 
 fn set_values(rows: &[&Row], axis: AxisId) -> Vec<Value> {
@@ -360,9 +397,9 @@ pub fn grouped<T, K: Eq + std::hash::Hash>(
     key: impl Fn(&T) -> K,
 ) -> Vec<(K, Vec<T>)> {
     let mut groups: IndexMap<K, Vec<T>> = IndexMap::new();
-    items
-        .into_iter()
-        .for_each(|item| groups.entry(key(&item)).or_default().push(item));
+    for item in items {
+        groups.entry(key(&item)).or_default().push(item);
+    }
     groups.into_iter().collect()
 }
 
@@ -382,10 +419,10 @@ pub fn ascending(mut values: Vec<Value>) -> Vec<Value> {
 /// Groups items by the value of their row on an axis, ascending.
 pub fn grouped_ascending<'r, 'f: 'r, T>(
     items: impl IntoIterator<Item = T>,
-    of: AxisId,
+    axis: AxisId,
     row: impl Fn(&T) -> &'r Row<'f>,
 ) -> Vec<(Value, Vec<T>)> {
-    let mut groups = grouped(items, |item| row(item).point[of].clone());
+    let mut groups = grouped(items, |item| row(item).point[axis].clone());
     groups.sort_by(|(a, _), (b, _)| by_size(a, b));
     groups
 }

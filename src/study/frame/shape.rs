@@ -41,7 +41,7 @@ impl Shape {
                 values: set_only(values),
                 has_timing: !run.timings.is_empty(),
                 has_ladder: false,
-                reference_method: run.text("/reference/method"),
+                reference_method: run.provenance.reference.method.clone(),
             },
         }
     }

@@ -17,7 +17,7 @@ use super::prelude::*;
 use super::{FIXED, SAMPLED};
 use crate::instrument::metrics::Space;
 use crate::run::tables::DISPLAY_HEADLINE;
-use crate::study::frame::curve::{Beside, beside, without_samples};
+use crate::study::frame::curve::{Methods, Rivals, rivals, without_samples};
 use crate::study::table::Column;
 
 pub(super) const METRIC: Column = column("metric", "The score of the errors.");
@@ -61,16 +61,64 @@ pub(super) fn lacks_counts(
     counts: AxisId,
     too_few: &'static str,
 ) -> Option<&'static str> {
-    match () {
-        () if !shape.methods().any(|method| method.uses_point_set) => {
-            Some("axes.method has no sampling method")
-        }
-        () if shape.methods().all(|method| method.uses_samples) => {
-            Some("axes.method has no method without samples")
-        }
-        () if !shape.is_swept(counts) => Some(too_few),
-        () => None,
+    if !shape.methods().any(|method| method.uses_point_set) {
+        Some("axes.method has no sampling method")
+    } else if shape.methods().all(|method| method.uses_samples) {
+        Some("axes.method has no method without samples")
+    } else if !shape.is_swept(counts) {
+        Some(too_few)
+    } else {
+        None
     }
+}
+
+/// The counts, ascending, between the least and the largest that every case tried.
+pub(super) struct TriedCounts(Vec<u32>);
+
+impl TriedCounts {
+    fn of(cases: &[&Rivals]) -> Self {
+        let mut least = 0;
+        let mut largest = u32::MAX;
+        for case in cases {
+            let [from, to] = case.curve.count_ends();
+            least = least.max(from);
+            largest = largest.min(to);
+        }
+        let points = cases.iter().flat_map(|case| &case.curve.points);
+        let counts = points
+            .map(|point| point.count)
+            .filter(|count| (least..=largest).contains(count));
+        let mut counts = distinct_in_order(counts);
+        counts.sort_unstable();
+        Self(counts)
+    }
+
+    pub(super) fn largest(&self) -> Option<u32> {
+        self.0.last().copied()
+    }
+
+    /// The next tried count; `None` above them.
+    fn round_up(&self, n: f64) -> Option<u32> {
+        self.0.iter().copied().find(|count| f64::from(*count) >= n)
+    }
+
+    /// "16"; "at most 4" if no fewer were tried; "more than 256".
+    pub(super) fn number(&self, n: f64) -> Number {
+        let least = self.0[0];
+        match self.round_up(n) {
+            None => Number::MoreThan(self.0[self.0.len() - 1].into()),
+            Some(count) if count == least && least > 1 => Number::AtMost(least.into()),
+            Some(count) => Number::Count(count.into()),
+        }
+    }
+}
+
+/// The comparison at each case's largest count, the median over environments; NaN if unknown.
+pub(super) struct AtLargest {
+    /// Error over the other method's.
+    pub(super) ratio: f64,
+    pub(super) lag_bias: f64,
+    pub(super) flicker: f64,
 }
 
 /// The median of a pair under a condition.
@@ -78,61 +126,91 @@ pub(super) struct Pair {
     pub(super) metric: &'static str,
     /// On the axes of [`conditions`].
     pub(super) key: Key,
-    pub(super) sampled: String,
-    pub(super) fixed: String,
+    pub(super) methods: Methods,
     pub(super) crossing: Estimate,
-    pub(super) tried: Vec<u32>,
-    /// Error over the other method's, lag bias and flicker at each case's largest count; NaN if
-    /// unknown.
-    pub(super) last: [f64; 3],
+    /// Never empty.
+    pub(super) tried: TriedCounts,
+    pub(super) at_largest: AtLargest,
 }
 
 impl Pair {
-    /// "16 (95 % 8 to 32)"; below six environments their range. Nothing in brackets if both ends
-    /// are one count.
-    fn words(&self) -> String {
-        let words = |n: f64| counted(n, &self.tried);
-        let (which, ends) = match self.crossing.interval {
-            Some(ends) => ("95 %", ends),
-            None => (AXES[ENVIRONMENT].plural, self.crossing.ends),
+    /// `None` if no count was tried in every case.
+    fn new(frame: &Frame, methods: &Methods, key: Key, cases: &[&Rivals]) -> Option<Self> {
+        let tried = TriedCounts::of(cases);
+        tried.largest()?;
+        let crossings: Vec<(Value, f64)> = cases
+            .iter()
+            .map(|case| {
+                let light = case.fixed.point[ENVIRONMENT].clone();
+                (light, crossing(case, &tried))
+            })
+            .collect();
+        Some(Self {
+            metric: frame.metric_name(),
+            key,
+            methods: methods.clone(),
+            crossing: estimate(&crossings, Middle::Median)?,
+            tried,
+            at_largest: AtLargest {
+                ratio: median_of(cases, last_ratio),
+                lag_bias: median_of(cases, |case| Some(last_steadiness(case)?[0])),
+                flicker: median_of(cases, |case| Some(last_steadiness(case)?[1])),
+            },
+        })
+    }
+
+    /// The crossing, rounded up to a tried count.
+    pub(super) fn number(&self) -> Number {
+        self.tried.number(self.crossing.value)
+    }
+
+    /// The 95 % interval; below six environments the range of all.
+    fn interval(&self) -> Interval {
+        let (coverage, ends) = match self.crossing.interval {
+            Some(ends) => (Coverage::Confidence, ends),
+            None => (Coverage::All(AXES[ENVIRONMENT].plural), self.crossing.ends),
         };
-        let [lo, hi] = ends.map(words);
-        words(self.crossing.value)
-            + &if lo == hi {
-                String::new()
-            } else {
-                format!(" ({which} {lo} to {hi})")
-            }
+        Interval {
+            extent: Extent {
+                least: self.tried.number(ends[0]),
+                most: self.tried.number(ends[1]),
+            },
+            coverage,
+        }
+    }
+
+    /// "16 (95 % 8 to 32)".
+    fn quantity(&self) -> Quantity {
+        Quantity::new(self.number()).interval(Some(self.interval()))
+    }
+
+    /// "16 (95 % 8 to 32) at alpha 0.1, ggx".
+    fn statement(&self, frame: &Frame, axes: &[AxisId]) -> Statement {
+        let condition = frame.names.comma_phrases(axes, &self.key);
+        statement![self.quantity(), " at ", condition]
+    }
+
+    /// The value under which the pair was compared, if the axis is one of the conditions.
+    fn value(&self, axes: &[AxisId], axis: AxisId) -> Option<&Value> {
+        let index = axes.iter().position(|known| *known == axis)?;
+        Some(&self.key[index])
     }
 }
 
 /// The axes whose values have their own answers: the row axis, the surface, and parameters of
 /// methods and tables.
 pub(super) fn conditions(frame: &Frame) -> Vec<AxisId> {
-    let ways = frame
-        .swept(&[Part::Method, Part::Parameter, Part::Table, Part::Count])
-        .into_iter();
-    let ways = ways.filter(|of| ![METHOD, frame.along].contains(of));
-    let all = std::iter::once(frame.row_axis()).chain(SURFACE).chain(ways);
-    distinct_in_order(all.filter(|of| frame.shape.is_swept(*of)))
-}
-
-/// The counts, ascending, between the least and the largest that every case tried.
-fn tried(cases: &[&Beside]) -> Vec<u32> {
-    let ends = cases.iter().map(|case| case.curve.tried());
-    let [least, largest] = ends.fold([0, u32::MAX], |[a, b], [from, to]| [a.max(from), b.min(to)]);
-    let all = cases
-        .iter()
-        .flat_map(|case| &case.curve.points)
-        .map(|point| point.count);
-    let mut counts = distinct_in_order(all.filter(|count| (least..=largest).contains(count)));
-    counts.sort_unstable();
-    counts
+    let mut parameters = frame.swept(&[Part::Method, Part::Parameter, Part::Table, Part::Count]);
+    parameters.retain(|axis| ![METHOD, frame.curve_axis].contains(axis));
+    let axes = std::iter::once(frame.row_axis())
+        .chain(SURFACE)
+        .chain(parameters);
+    distinct_in_order(axes.filter(|axis| frame.shape.is_swept(*axis)))
 }
 
 /// The crossing, if rounding it up gives the break-even; else the break-even. Infinite above the
 /// largest tried count.
-fn crossing(case: &Beside, tried: &[u32]) -> f64 {
+fn crossing(case: &Rivals, tried: &TriedCounts) -> f64 {
     let points = &case.curve.points;
     let wins = points
         .iter()
@@ -149,7 +227,7 @@ fn crossing(case: &Beside, tried: &[u32]) -> f64 {
     let [x0, x1] = [before, after].map(|point| f64::from(point.count).ln());
     let [y0, y1] = [before, after].map(|point| (point.error / case.error).ln());
     let crossing = (x0 + y0 / (y0 - y1) * (x1 - x0)).exp();
-    if up(crossing, tried) == count {
+    if tried.round_up(crossing) == Some(after.count) {
         crossing
     } else {
         count
@@ -158,99 +236,85 @@ fn crossing(case: &Beside, tried: &[u32]) -> f64 {
 
 /// Pair by pair, each by condition, ascending.
 pub(super) fn pairs(frame: &Frame) -> Vec<Pair> {
-    let (images, axes, of) = (frame.images(), frame.case_axes(), conditions(frame));
-    let all = beside(frame, &images, &axes)
-        .into_iter()
-        .filter(|case| case.curve.points.len() > 1);
-    let condition = |case: &Beside| -> Key {
-        let place = |of: &AxisId| axes.iter().position(|axis| axis == of);
-        of.iter()
-            .filter_map(|of| Some(case.key[place(of)?].clone()))
-            .collect()
-    };
-    let steps: Vec<Vec<Value>> = of
-        .iter()
-        .map(|of| ascending(frame.shape.values[*of].clone()))
-        .collect();
-    let order = |key: &Key| -> Vec<Option<usize>> {
-        key.iter()
-            .zip(&steps)
-            .map(|(value, steps)| steps.iter().position(|step| step == value))
-            .collect()
-    };
-    let mut found = Vec::new();
-    for ([sampled, fixed], cases) in grouped(all, |case| case.names()) {
+    let images = frame.images();
+    let case_axes = frame.case_axes();
+    let axes = conditions(frame);
+    let condition = |case: &Rivals| condition(case, &case_axes, &axes);
+    let mut all = rivals(frame, &images, &case_axes);
+    all.retain(|case| case.curve.points.len() > 1);
+    let mut pairs = Vec::new();
+    for (methods, cases) in grouped(all, Rivals::methods) {
         // Formulas do not count if the pair has enough measured environments.
         let numbers = Numbers::new(cases.iter().map(|case| (case.fixed, 0.0)), Middle::Median);
         let mut keys = distinct_in_order(cases.iter().map(condition));
-        keys.sort_by_key(order);
+        keys.sort_by_key(|key| order(frame, &axes, key));
         for key in keys {
-            let own = cases
+            let cases: Vec<&Rivals> = cases
                 .iter()
-                .filter(|case| condition(case) == key && numbers.weighs(case.fixed));
-            let own: Vec<&Beside> = own.collect();
-            let tried = tried(&own);
-            let crossings = own.iter().map(|case| {
-                (
-                    case.fixed.point[ENVIRONMENT].clone(),
-                    crossing(case, &tried),
-                )
-            });
-            let Some(crossing) = estimate(&crossings.collect::<Vec<_>>(), Middle::Median) else {
-                continue;
-            };
-            let (metric, sampled, fixed) = (frame.metric_name(), sampled.clone(), fixed.clone());
-            let last = [0, 1, 2].map(|place| median_of(&own, |case| last(case, place)));
-            found.extend((!tried.is_empty()).then_some(Pair {
-                metric,
-                key,
-                sampled,
-                fixed,
-                crossing,
-                tried,
-                last,
-            }));
+                .filter(|case| condition(case) == key && numbers.counts(case.fixed))
+                .collect();
+            pairs.extend(Pair::new(frame, &methods, key, &cases));
         }
     }
-    found
+    pairs
 }
 
-/// Ratio of errors, lag bias and flicker of the first image at the largest count of a case.
-fn last(case: &Beside, place: usize) -> Option<f64> {
-    let point = case.curve.points.last()?;
-    if place == 0 {
-        Some(point.error / case.error)
-    } else {
-        Some(point.rows[0].cell.steadiness?[place - 1])
-    }
+/// The values of a case on the axes of [`conditions`].
+fn condition(case: &Rivals, case_axes: &[AxisId], axes: &[AxisId]) -> Key {
+    let index = |axis: &AxisId| case_axes.iter().position(|known| known == axis);
+    axes.iter()
+        .filter_map(index)
+        .map(|index| case.key[index].clone())
+        .collect()
+}
+
+/// Sorts keys by the ascending values of the experiment.
+fn order(frame: &Frame, axes: &[AxisId], key: &Key) -> Vec<Option<usize>> {
+    key.iter()
+        .zip(axes)
+        .map(|(value, axis)| {
+            ascending(frame.shape.values[*axis].clone())
+                .iter()
+                .position(|step| step == value)
+        })
+        .collect()
+}
+
+/// The ratio of errors at the largest count of a case.
+fn last_ratio(case: &Rivals) -> Option<f64> {
+    Some(case.curve.points.last()?.error / case.error)
+}
+
+/// Lag bias and flicker of the first image at the largest count of a case.
+fn last_steadiness(case: &Rivals) -> Option<[f64; 2]> {
+    case.curve.points.last()?.rows[0].cell.steadiness
 }
 
 /// The median of a number over environments; NaN if a case has none.
-fn median_of(cases: &[&Beside], number: impl Fn(&Beside) -> Option<f64>) -> f64 {
-    let all = cases
+fn median_of(cases: &[&Rivals], number: impl Fn(&Rivals) -> Option<f64>) -> f64 {
+    let by_light: Option<Vec<(Value, f64)>> = cases
         .iter()
-        .map(|case| Some((case.fixed.point[ENVIRONMENT].clone(), number(case)?)));
-    let all = all
-        .collect::<Option<Vec<_>>>()
-        .and_then(|all| estimate(&all, Middle::Median));
-    all.map_or(f64::NAN, |all| all.value)
+        .map(|case| Some((case.fixed.point[ENVIRONMENT].clone(), number(case)?)))
+        .collect();
+    by_light
+        .and_then(|by_light| estimate(&by_light, Middle::Median))
+        .map_or(f64::NAN, |all| all.value)
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
-    let has_flip = frame.leads && frame.metric.space == Space::Linear && frame.run.has_pictures();
+    let has_flip =
+        frame.is_first && frame.metric.space == Space::Linear && frame.run.has_pictures();
     let of_pictures = has_flip.then(|| frame.like(frame.run, DISPLAY_HEADLINE));
     let all: Vec<Pair> = std::iter::once(frame)
         .chain(&of_pictures)
         .flat_map(pairs)
         .collect();
     let axes = conditions(frame);
-    let table = table(frame, &axes, QUESTION.columns, &all, |_| Vec::new());
-    let figure = by_lookups::figure(of_pictures.as_ref().unwrap_or(frame));
     Some(Finding {
-        sentence: sentence(frame, &axes, &all)?,
+        sentences: sentences(frame, &axes, &all)?,
+        table: table(frame, &axes, QUESTION.columns, &all, |_| Vec::new()),
         digest: Some(digest(frame, &axes, &all, "samples per pixel")),
-        table,
-        figure,
+        figure: by_lookups::figure(of_pictures.as_ref().unwrap_or(frame)),
     })
 }
 
@@ -262,213 +326,246 @@ pub(super) fn table(
     all: &[Pair],
     more: impl Fn(&Pair) -> Vec<Cell>,
 ) -> Table {
-    let of = distinct_in_order(SURFACE.into_iter().chain(axes.iter().copied()));
-    let mut table = Table::new(&of, columns);
-    for own in all {
-        let value = |of: &AxisId| match axes.iter().position(|axis| axis == of) {
-            Some(place) => own.key[place].clone(),
-            None => frame.shape.values[*of]
+    let table_axes = distinct_in_order(SURFACE.into_iter().chain(axes.iter().copied()));
+    let mut table = Table::new(&table_axes, columns);
+    for pair in all {
+        let value = |axis: &AxisId| match pair.value(axes, *axis) {
+            Some(value) => value.clone(),
+            None => frame.shape.values[*axis]
                 .first()
                 .cloned()
                 .unwrap_or(Value::Unset),
         };
-        let count = |n: f64| Some(up(n, &own.tried)).filter(|n| n.is_finite());
-        let [lo, hi] = own
-            .crossing
-            .interval
-            .map_or([None; 2], |ends| ends.map(count));
-        let head = cells![own.metric, own.fixed.as_str(), own.sampled.as_str()];
-        let numbers = cells![
-            count(own.crossing.value),
+        let key: Key = table_axes.iter().map(value).collect();
+        let count = |n: f64| pair.tried.round_up(n).map(f64::from);
+        let [lo, hi] = match pair.crossing.interval {
+            Some(ends) => ends.map(count),
+            None => [None; 2],
+        };
+        let mut row = axis_cells(&table_axes, &key);
+        row.extend(cells![
+            pair.metric,
+            pair.methods.fixed.as_str(),
+            pair.methods.sampled.as_str(),
+            count(pair.crossing.value),
             lo,
             hi,
-            own.crossing.n,
-            own.tried.last().copied()
-        ];
-        let key: Key = of.iter().map(value).collect();
-        table.row([axis_cells(&of, &key), head, numbers, more(own)].concat());
+            pair.crossing.n,
+            pair.tried.largest()
+        ]);
+        row.extend(more(pair));
+        table.row(row);
     }
     table
 }
 
-/// The next tried count; infinity above them.
-pub(super) fn up(n: f64, tried: &[u32]) -> f64 {
-    tried
-        .iter()
-        .map(|count| f64::from(*count))
-        .find(|count| *count >= n)
-        .unwrap_or(f64::INFINITY)
+/// The pair with the least crossing, and the one with the largest.
+pub(super) struct Ends<'p> {
+    pub(super) least: &'p Pair,
+    pub(super) most: &'p Pair,
 }
 
-/// "16"; "at most 4" if no fewer were tried; "more than 256".
-pub(super) fn counted(n: f64, tried: &[u32]) -> String {
-    let (least, largest) = (tried[0], tried[tried.len() - 1]);
-    match up(n, tried) {
-        n if n.is_infinite() => format!("more than {largest}"),
-        n if n == f64::from(least) && least > 1 => format!("at most {least}"),
-        n => n.to_string(),
+impl<'p> Ends<'p> {
+    pub(super) fn of(pairs: &[&'p Pair]) -> Option<Self> {
+        let pairs = || pairs.iter().copied();
+        Some(Self {
+            least: pairs().reduce(|a, b| {
+                if b.crossing.value < a.crossing.value {
+                    b
+                } else {
+                    a
+                }
+            })?,
+            most: pairs().reduce(|a, b| {
+                if b.crossing.value > a.crossing.value {
+                    b
+                } else {
+                    a
+                }
+            })?,
+        })
+    }
+
+    pub(super) fn extent(&self) -> Extent {
+        Extent {
+            least: self.least.number(),
+            most: self.most.number(),
+        }
     }
 }
 
-/// The least and the largest of these medians.
-pub(super) fn ends<'p>(own: &[&'p Pair]) -> Option<[&'p Pair; 2]> {
-    let least = own.iter().copied().reduce(|a, b| {
-        if b.crossing.value < a.crossing.value {
-            b
-        } else {
-            a
-        }
-    })?;
-    let most = own.iter().copied().reduce(|a, b| {
-        if b.crossing.value > a.crossing.value {
-            b
-        } else {
-            a
-        }
-    })?;
-    Some([least, most])
-}
-
-/// The range of the first pair, by each metric. Then the places of its ends, or the ranges against
-/// the method without samples that errs least.
-fn sentence(frame: &Frame, axes: &[AxisId], all: &[Pair]) -> Option<String> {
+/// The range of the first pair of methods, by each metric. Then its ends, or the ranges against the
+/// method without samples that errs least.
+fn sentences(frame: &Frame, axes: &[AxisId], all: &[Pair]) -> Option<Sentences> {
     let images = frame.images();
     let fixed = without_samples(&images);
-    let mean = |own: &[&Row]| {
-        geometric_mean(
-            &own.iter()
-                .filter_map(|row| frame.error(row))
-                .collect::<Vec<_>>(),
-        )
-    };
-    let by_method = grouped(fixed.iter().copied(), |row| row.text(METHOD));
-    let (best, _) = by_method
-        .iter()
-        .min_by(|a, b| mean(&a.1).total_cmp(&mean(&b.1)))?;
     let first = all.first()?;
-    let is_like = |own: &&Pair| {
-        own.sampled == first.sampled && own.fixed == first.fixed && own.metric == first.metric
+    let same: Vec<&Pair> = all
+        .iter()
+        .filter(|pair| pair.methods == first.methods && pair.metric == first.metric)
+        .collect();
+    let is_single = same.len() == 1;
+
+    let target = Target {
+        unit: " samples per pixel",
+        end: statement![" to beat ", Phrase::Method(first.methods.fixed.clone())],
     };
-    let own: Vec<&Pair> = all.iter().filter(is_like).collect();
-    let is_one = own.len() == 1;
-    // "**8 to 16 samples per pixel** to beat `split-sum` in `relmse` and 4 in `flip`".
-    let against = |fixed: &str, unit: &str, beat: &str| {
-        let own = all
-            .iter()
-            .filter(|own| own.sampled == first.sampled && own.fixed == fixed);
-        let ranges = grouped(own, |own| own.metric)
-            .into_iter()
-            .enumerate()
-            .filter_map(|(place, (metric, own))| {
-                let range = range_words(ends(&own)?.map(|own| own.crossing.value), |n| {
-                    counted(n, &own[0].tried)
-                });
-                let unit = if range == "1" {
-                    unit.trim_end_matches('s').to_owned()
-                } else {
-                    unit.to_owned()
-                };
-                let interval = if is_one {
-                    own[0].words().split_off(range.len())
-                } else {
-                    String::new()
-                };
-                Some(match place {
-                    0 => format!("**{range}{unit}**{interval}{beat} in `{metric}`"),
-                    _ => format!("{range}{interval} in `{metric}`"),
-                })
-            });
-        ranges.collect::<Vec<_>>().join(" and ")
+    let needs = needs(all, &first.methods, is_single, &target);
+    let light = if first.crossing.n == 1 {
+        let light = &fixed.first()?.point[ENVIRONMENT];
+        let light = frame.names.short_phrase(ENVIRONMENT, light);
+        statement![", under ", light]
+    } else {
+        Statement::default()
     };
-    let [least, most] = ends(&own)?;
-    let at = |own: &Pair| {
-        format!(
-            "{} at {}",
-            own.words(),
-            frame.names.label(axes, &own.key).replace(" · ", ", ")
-        )
+    let headline = statement![
+        Phrase::Method(first.methods.sampled.clone()),
+        " needs ",
+        needs,
+        light,
+        "."
+    ];
+
+    let best = least_error(frame, &fixed)?;
+    let ends = Ends::of(&same)?;
+    let detail = if best != first.methods.fixed {
+        let methods = Methods {
+            fixed: best.clone(),
+            ..first.methods.clone()
+        };
+        Some(statement![
+            "To beat ",
+            Phrase::Method(best),
+            ", which errs least, it needs ",
+            self::needs(all, &methods, is_single, &Target::default()),
+            "."
+        ])
+    } else if ends.least.number() != ends.most.number() {
+        Some(statement![
+            "Fewest: ",
+            ends.least.statement(frame, axes),
+            "; most: ",
+            ends.most.statement(frame, axes),
+            "."
+        ])
+    } else {
+        None
     };
-    let more = match () {
-        () if *best != first.fixed => {
-            format!(
-                " To beat `{best}`, which errs least, it needs {}.",
-                against(best, "", "")
-            )
-        }
-        () if counted(least.crossing.value, &least.tried)
-            == counted(most.crossing.value, &most.tried) =>
-        {
-            String::new()
-        }
-        () => format!(" Fewest: {}; most: {}.", at(least), at(most)),
-    };
-    let needs = against(
-        &first.fixed,
-        " samples per pixel",
-        &format!(" to beat `{}`", first.fixed),
-    );
-    let (place, scope) = match first.crossing.n {
-        1 => (
-            format!(
-                ", under {}",
-                frame
-                    .names
-                    .short(ENVIRONMENT, &fixed.first()?.point[ENVIRONMENT])
-            ),
-            String::new(),
-        ),
-        n => (
-            String::new(),
-            format!(" Medians over {n} {}.", AXES[ENVIRONMENT].plural),
-        ),
-    };
-    Some(format!(
-        "`{}` needs {needs}{place}.{more}{scope}",
-        first.sampled
-    ))
+    let scope = (first.crossing.n != 1).then(|| {
+        let lights = Number::Count(first.crossing.n as u64);
+        let plural = AXES[ENVIRONMENT].plural;
+        statement!["Medians over ", lights, format!(" {plural}.")]
+    });
+    Some(
+        Sentences::new(headline)
+            .with_details(detail)
+            .with_scope(scope),
+    )
 }
 
-/// One row per metric, condition and pair, one column per value of [`Frame::row_axis`], else one of
-/// what is `counted`.
-pub(super) fn digest(frame: &Frame, axes: &[AxisId], all: &[Pair], counted: &str) -> Table {
-    let of = frame.row_axis();
-    let others: Vec<usize> = (0..axes.len()).filter(|place| axes[*place] != of).collect();
-    let width = |own: &Pair| {
-        axes.iter()
-            .position(|axis| *axis == of)
-            .map(|place| own.key[place].clone())
+/// The method without samples with the least mean error.
+fn least_error(frame: &Frame, fixed: &[&Row]) -> Option<String> {
+    let mean = |rows: &[&Row]| {
+        let errors = rows.iter().filter_map(|row| frame.error(row));
+        geometric_mean(&errors.collect::<Vec<_>>())
     };
-    let widths = ascending(distinct_in_order(all.iter().filter_map(width)));
-    let heads = widths.iter().map(|width| frame.names.heading(of, width));
-    let heads: Vec<String> = if widths.is_empty() {
-        vec![counted.to_owned()]
-    } else {
-        heads.collect()
+    grouped(fixed.iter().copied(), |row| row.text(METHOD))
+        .into_iter()
+        .min_by(|(_, a), (_, b)| mean(a).total_cmp(&mean(b)))
+        .map(|(method, _)| method)
+}
+
+/// What a count of samples is for, after the count in the first metric.
+#[derive(Default)]
+struct Target {
+    unit: &'static str,
+    end: Statement,
+}
+
+/// "**8 to 16 samples per pixel** to beat `split-sum` in `relmse` and 4 in `flip`": the counts by
+/// metric; with their interval if each is of one condition.
+fn needs(all: &[Pair], methods: &Methods, is_single: bool, target: &Target) -> Statement {
+    let pairs = all.iter().filter(|pair| pair.methods == *methods);
+    let mut by_metric = Vec::new();
+    for (metric, pairs) in grouped(pairs, |pair| pair.metric) {
+        let ends = Ends::of(&pairs).expect("a group has a pair");
+        // Both ends are rounded up to the counts of the first condition.
+        let tried = &pairs[0].tried;
+        let extent = Extent {
+            least: tried.number(ends.least.crossing.value),
+            most: tried.number(ends.most.crossing.value),
+        };
+        let count = Quantity::new(extent).interval(is_single.then(|| pairs[0].interval()));
+        by_metric.push(if by_metric.is_empty() {
+            statement![
+                count.unit(target.unit).strong(),
+                target.end.clone(),
+                " in ",
+                Phrase::Metric(metric)
+            ]
+        } else {
+            statement![count, " in ", Phrase::Metric(metric)]
+        });
+    }
+    Statement::joined(by_metric, " and ")
+}
+
+/// The pairs of a row of the digest.
+#[derive(PartialEq, Eq, Hash)]
+struct DigestKey {
+    metric: &'static str,
+    /// On the conditions without the row axis.
+    others: Key,
+}
+
+/// One row per metric, condition and pair of methods, one column per value of
+/// [`Frame::row_axis`], else a single column `head`.
+pub(super) fn digest(frame: &Frame, axes: &[AxisId], all: &[Pair], head: &str) -> Table {
+    let row_axis = frame.row_axis();
+    let others: Vec<AxisId> = axes
+        .iter()
+        .copied()
+        .filter(|axis| *axis != row_axis)
+        .collect();
+    let steps = all.iter().filter_map(|pair| pair.value(axes, row_axis));
+    let steps = ascending(distinct_in_order(steps.cloned()));
+
+    let mut heads = vec!["metric".to_owned()];
+    heads.extend(others.iter().map(|axis| frame.names.name(*axis).to_owned()));
+    heads.extend(["without samples", "sampling"].map(str::to_owned));
+    if steps.is_empty() {
+        heads.push(head.to_owned());
+    }
+    heads.extend(steps.iter().map(|step| frame.names.heading(row_axis, step)));
+
+    let key = |pair: &&Pair| DigestKey {
+        metric: pair.metric,
+        others: axes
+            .iter()
+            .zip(&pair.key)
+            .filter(|(axis, _)| **axis != row_axis)
+            .map(|(_, value)| value.clone())
+            .collect(),
     };
-    let names = others.iter().map(|place| frame.names.name(axes[*place]));
-    let names = std::iter::once("metric")
-        .chain(names)
-        .chain(["without samples", "sampling"]);
-    let mut table = Table::with_names(names.map(str::to_owned).chain(heads));
-    let rest = |own: &Pair| -> Key { others.iter().map(|place| own.key[*place].clone()).collect() };
-    let blocks = grouped(all, |own| (own.metric, rest(own)));
-    for ((metric, rest), own) in blocks {
-        for ((fixed, sampled), own) in grouped(own, |own| (own.fixed.clone(), own.sampled.clone()))
-        {
-            let rest = others
-                .iter()
-                .zip(&rest)
-                .map(|(place, value)| Cell::from(frame.names.short(axes[*place], value)));
-            let words = |own: Option<&&Pair>| Cell::from(own.map(|own| own.words()));
-            let cells = widths
-                .iter()
-                .map(|at| words(own.iter().find(|own| width(own).as_ref() == Some(at))));
-            let only = widths.is_empty().then(|| words(own.first()));
-            let head = cells![metric]
-                .into_iter()
-                .chain(rest)
-                .chain(cells![fixed, sampled]);
-            table.row(head.chain(cells).chain(only).collect());
+    let mut table = Table::with_names(heads);
+    for (key, pairs) in grouped(all, key) {
+        for (methods, pairs) in grouped(pairs, |pair| pair.methods.clone()) {
+            let mut row = cells![key.metric];
+            for (axis, value) in others.iter().zip(&key.others) {
+                row.push(frame.names.short(*axis, value).into());
+            }
+            row.extend(cells![methods.fixed, methods.sampled]);
+            let text = |pair: &&Pair| pair.quantity().to_string();
+            if steps.is_empty() {
+                row.push(pairs.first().map(text).into());
+            }
+            for step in &steps {
+                let pair = pairs
+                    .iter()
+                    .find(|pair| pair.value(axes, row_axis) == Some(step));
+                row.push(pair.map(text).into());
+            }
+            table.row(row);
         }
     }
     table

@@ -2,7 +2,7 @@
 //! lookups of an environment map per pixel ([`Method::lookups_of_pixel`]); lookups of small tables
 //! do not count.
 
-use super::numbers::middle_marks;
+use super::numbers::middle_dot;
 use super::prelude::*;
 use crate::base::names::Listed;
 use crate::instrument::shade::Method;
@@ -17,26 +17,55 @@ fn lookups(row: &Row) -> Option<f64> {
         .map(f64::from)
 }
 
-/// The images with their error over the base's in the same case, and the base: the first method
-/// with a prefiltered map. `None` without a base.
-pub fn ratios<'r, 'f>(
-    frame: &Frame,
-    images: &[&'r Row<'f>],
-) -> Option<(Vec<(&'r Row<'f>, f64)>, Value)> {
-    let axes = frame.case_axes();
-    let is_base = |row: &&&Row| {
-        Method::by_name(&row.text(METHOD)).is_some_and(|method| method.uses_prefiltered())
-    };
-    let base = images.iter().find(is_base)?.point[METHOD].clone();
-    let bases = images.iter().filter(|row| row.point[METHOD] == base);
-    let bases: Vec<(Key, &Row)> = bases.map(|row| (row.key(&axes), *row)).collect();
-    let ratio = |row: &&'r Row<'f>| {
-        let key = row.key(&axes);
-        let (_, beside) = bases.iter().find(|(base, _)| fits(base, &key))?;
-        let ratio = frame.error(row)? / frame.error(beside)?;
-        (ratio.is_finite() && ratio > 0.0).then_some((*row, ratio))
-    };
-    Some((images.iter().filter_map(ratio).collect(), base))
+/// Images with their error over the base's in the same case.
+pub struct Ratios<'r, 'f> {
+    /// The first method with a prefiltered map.
+    pub base: Value,
+    pub rows: Vec<(&'r Row<'f>, f64)>,
+}
+
+impl<'r, 'f> Ratios<'r, 'f> {
+    /// `None` without a base.
+    pub fn new(frame: &Frame, images: &[&'r Row<'f>]) -> Option<Self> {
+        let axes = frame.case_axes();
+        let base = images.iter().find(|row| uses_prefiltered(row))?.point[METHOD].clone();
+        let bases: Vec<(Key, &Row)> = images
+            .iter()
+            .filter(|row| row.point[METHOD] == base)
+            .map(|row| (row.key(&axes), *row))
+            .collect();
+        let ratio = |row: &Row| {
+            let key = row.key(&axes);
+            let (_, base) = bases.iter().find(|(base, _)| agree(base, &key))?;
+            let ratio = frame.error(row)? / frame.error(base)?;
+            (ratio.is_finite() && ratio > 0.0).then_some(ratio)
+        };
+        let rows = images.iter().filter_map(|row| Some((*row, ratio(row)?)));
+        Some(Self {
+            rows: rows.collect(),
+            base,
+        })
+    }
+}
+
+fn uses_prefiltered(row: &Row) -> bool {
+    Method::by_name(&row.text(METHOD)).is_some_and(Method::uses_prefiltered)
+}
+
+/// The images of one method with the same parameters.
+#[derive(Clone, PartialEq, Eq, Hash)]
+struct Curve {
+    method: String,
+    name: String,
+    /// Whether the method has no samples, so that the curve has one point.
+    is_fixed: bool,
+}
+
+/// A number of lookups.
+struct Point {
+    /// `None` if the lookups are unknown.
+    position: Option<[f64; 2]>,
+    mark: Mark,
 }
 
 /// One panel per value of [`Frame::row_axis`]; of other swept surfaces the first. A sampling method
@@ -44,106 +73,112 @@ pub fn ratios<'r, 'f>(
 /// leads to the right: sampling wins where its line is below.
 pub fn figure(frame: &Frame) -> Option<Figure> {
     let images = frame.images();
-    let (all, base) = ratios(frame, &images)?;
-    let (of, names) = (frame.row_axis(), &frame.names);
+    let Ratios { base, mut rows } = Ratios::new(frame, &images)?;
+    let row_axis = frame.row_axis();
     let others: Vec<AxisId> = SURFACE
         .into_iter()
-        .filter(|axis| *axis != of && frame.shape.is_swept(*axis))
+        .filter(|axis| *axis != row_axis && frame.shape.is_swept(*axis))
         .collect();
-    let lead = all.first()?.0.key(&others);
-    let shown: Vec<(&Row, f64)> = all
-        .iter()
-        .copied()
-        .filter(|(row, _)| row.key(&others) == lead)
-        .collect();
-    let ways = frame.swept(&[Part::Parameter, Part::Table]);
-    // The word `sampled` alone also means a prefilter, so a figure leaves it as it is.
-    let title = |row: &Row| {
-        Method::by_name(&row.text(METHOD))
-            .map_or_else(String::new, |method| method.title.to_owned())
+    let surface = rows.first()?.0.key(&others);
+    rows.retain(|(row, _)| row.key(&others) == surface);
+
+    let parameters = frame.swept(&[Part::Parameter, Part::Table]);
+    let curve = |row: &Row| Curve {
+        method: row.text(METHOD),
+        name: curve_name(frame, &parameters, row),
+        is_fixed: row.samples().is_none(),
     };
-    let name = |row: &Row| commas([&title(row), &names.label(&ways, &row.key(&ways))]);
-    let most = shown
+    let mut curves = distinct_in_order(rows.iter().map(|(row, _)| curve(row)));
+    curves.sort_by_key(|curve| !curve.is_fixed);
+    let most_lookups = rows
         .iter()
         .filter_map(|(row, _)| lookups(row))
         .fold(0.0, f64::max);
-    let mut series = distinct_in_order(
-        shown
-            .iter()
-            .map(|(row, _)| (name(row), row.samples().is_none())),
-    );
-    series.sort_by_key(|(_, is_fixed)| !is_fixed);
-    let marks = |(place, own): (usize, Vec<(&Row, f64)>)| -> Vec<Mark> {
-        let dot = |(way, own): (String, Vec<(&Row, f64)>)| {
-            let all = Numbers::new(own.iter().copied(), Middle::Median).estimate()?;
-            let Some(x) = lookups(own[0].0) else {
-                let rule = Mark::new(Form::HorizontalRule(all.value), place);
-                return Some((rule.tip(format!("{way}: {}", with_interval(&all))), None));
-            };
-            let mark = middle_marks(&all, place, |y| [x, y], (&way, &with_interval)).swap_remove(0);
-            Some((
-                Mark {
-                    cell: only(&own.iter().map(|(row, _)| *row).collect::<Vec<_>>()),
-                    ..mark
-                },
-                Some([x, all.value]),
-            ))
-        };
-        let (dots, at): (Vec<Mark>, Vec<_>) = grouped(own, |(row, _)| frame.way(row))
-            .into_iter()
-            .filter_map(dot)
-            .unzip();
-        match (series[place].1, at.first()) {
-            (true, Some(Some([x, y]))) => {
-                let line = Mark::new(Form::Line(vec![[*x, *y], [most, *y]]), place);
-                std::iter::once(line).chain(dots).collect()
-            }
-            (true, _) => dots,
-            (false, _) => joined(dots),
+
+    let mut panels = Vec::new();
+    for (value, rows) in grouped_ascending(rows, row_axis, |(row, _)| row) {
+        let mut marks = Vec::new();
+        for (curve, rows) in grouped(rows, |(row, _)| curve(row)) {
+            let series = step(&curves, &curve) as usize;
+            let points = points(frame, series, &rows);
+            marks.extend(curve_marks(&curve, series, points, most_lookups));
         }
-    };
-    let panel = |(value, own): (Value, Vec<(&Row, f64)>)| {
-        let title = if frame.shape.is_swept(of) {
-            names.heading(of, &value)
-        } else {
-            String::new()
-        };
-        let place = |row: &Row| {
-            series
-                .iter()
-                .position(|(known, _)| *known == name(row))
-                .unwrap_or(0)
-        };
-        (
-            title,
-            grouped(own, |(row, _)| place(row))
-                .into_iter()
-                .flat_map(marks)
-                .collect(),
-        )
-    };
-    let (metric, surface) = (frame.metric_name(), names.label(&others, &lead));
-    let mut figure = Chart {
+        let is_swept = frame.shape.is_swept(row_axis);
+        let title = is_swept.then(|| frame.names.heading(row_axis, &value));
+        panels.push(ChartPanel {
+            title: title.unwrap_or_default(),
+            marks,
+        });
+    }
+    let metric = frame.metric_name();
+    Chart {
         title: "Error against map lookups per pixel",
         note: commas([
             metric,
             &format!("relative to {base}"),
             "median environment",
-            &surface,
+            &frame.names.comma_label(&others, &surface),
         ]) + "; dashed: without samples; sampling wins where its line is below",
-        x: Along::Log("map lookups per pixel"),
-        y: Along::Log(&format!("relative {metric}")),
-        panels: grouped_ascending(shown, of, |(row, _)| row)
+        x: ChartAxis::Log("map lookups per pixel"),
+        y: ChartAxis::Log(&format!("relative {metric}")),
+        panels,
+        series: curves
             .into_iter()
-            .map(panel)
+            .map(|curve| method_series(curve.name, &curve.method, curve.is_fixed))
             .collect(),
-        series: series.iter().map(|(name, _)| name.clone()).collect(),
     }
-    .figure()?;
-    figure
-        .series
-        .iter_mut()
-        .zip(&series)
-        .for_each(|(own, (_, is_fixed))| own.is_dashed = *is_fixed);
-    Some(figure)
+    .figure()
+}
+
+/// The title of a method, since the word `sampled` alone also means a prefilter, and its swept
+/// parameters.
+fn curve_name(frame: &Frame, parameters: &[AxisId], row: &Row) -> String {
+    let title = Method::by_name(&row.text(METHOD)).map_or("", |method| method.title);
+    let parameters = frame.names.comma_label(parameters, &row.key(parameters));
+    commas([title, &parameters])
+}
+
+/// The median ratio of each sample count of a curve.
+fn points(frame: &Frame, series: usize, rows: &[(&Row, f64)]) -> Vec<Point> {
+    let mut points = Vec::new();
+    for (variant, rows) in grouped(rows.iter().copied(), |(row, _)| frame.variant(row)) {
+        let numbers = Numbers::new(rows.iter().copied(), Middle::Median);
+        let Some(median) = numbers.estimate() else {
+            continue;
+        };
+        points.push(match lookups(rows[0].0) {
+            Some(lookups) => {
+                let position = [lookups, median.value];
+                let dot = middle_dot(&median, series, &variant, position, &with_interval);
+                Point {
+                    position: Some(position),
+                    mark: Mark {
+                        cell: only(&numbers.rows().collect::<Vec<_>>()),
+                        ..dot
+                    },
+                }
+            }
+            None => Point {
+                position: None,
+                mark: Mark::new(Form::HorizontalRule(median.value), series)
+                    .tip(format!("{variant}: {}", with_interval(&median))),
+            },
+        });
+    }
+    points
+}
+
+/// The points of a curve with its line: through the points of a sampling method, to the right of
+/// another one.
+fn curve_marks(curve: &Curve, series: usize, points: Vec<Point>, most_lookups: f64) -> Vec<Mark> {
+    let first = points.first().and_then(|point| point.position);
+    let marks: Vec<Mark> = points.into_iter().map(|point| point.mark).collect();
+    if !curve.is_fixed {
+        return joined(marks);
+    }
+    let line = first.map(|[x, y]| {
+        let line = Form::Line(vec![[x, y], [most_lookups, y]]);
+        Mark::new(line, series)
+    });
+    line.into_iter().chain(marks).collect()
 }

@@ -2,6 +2,7 @@
 
 use super::numbers::{Numbers, is_formula};
 use super::words::count;
+use crate::draw::figure::ink;
 use crate::draw::figure::{Figure, Mark, Panel, Scale, Series, Shape as Form};
 use crate::experiment::axis::{AXES, AxisId, ENVIRONMENT};
 use crate::experiment::value::Value;
@@ -12,22 +13,17 @@ const PANELS_MAX: usize = 12;
 pub const INTERVAL: &str = "; whiskers: 95 % over environments";
 
 /// A direction of a chart, with its label.
-pub enum Along<'n> {
+pub enum ChartAxis<'n> {
     Log(&'n str),
     Linear(&'n str),
     Steps(&'n str, Vec<String>),
 }
 
-impl<'n> Along<'n> {
+impl<'n> ChartAxis<'n> {
     /// One step per value of an axis.
-    pub fn values(frame: &'n Frame, of: AxisId, values: &[Value]) -> Self {
-        Self::Steps(
-            frame.names.name(of),
-            values
-                .iter()
-                .map(|value| frame.names.short(of, value))
-                .collect(),
-        )
+    pub fn values(frame: &'n Frame, axis: AxisId, values: &[Value]) -> Self {
+        let names = values.iter().map(|value| frame.names.short(axis, value));
+        Self::Steps(frame.names.name(axis), names.collect())
     }
 
     fn scale(self, values: impl Iterator<Item = f64>) -> Option<Scale> {
@@ -39,69 +35,112 @@ impl<'n> Along<'n> {
     }
 }
 
+/// A panel without its scales, which all panels share.
+pub struct ChartPanel {
+    /// Empty for a single panel.
+    pub title: String,
+    pub marks: Vec<Mark>,
+}
+
 pub struct Chart<'n> {
     pub title: &'n str,
     pub note: String,
-    pub x: Along<'n>,
-    pub y: Along<'n>,
-    pub panels: Vec<(String, Vec<Mark>)>,
-    pub series: Vec<String>,
+    pub x: ChartAxis<'n>,
+    pub y: ChartAxis<'n>,
+    pub panels: Vec<ChartPanel>,
+    pub series: Vec<Series>,
 }
 
 impl Chart<'_> {
     /// `None` without marks.
     pub fn figure(mut self) -> Option<Figure> {
-        let all = self.panels.len();
+        let count = self.panels.len();
         self.panels.truncate(PANELS_MAX);
-        if all > PANELS_MAX {
-            self.note += &format!("; the first {PANELS_MAX} of {all} panels");
+        if count > PANELS_MAX {
+            self.note += &format!("; the first {PANELS_MAX} of {count} panels");
         }
-        let ends = |i: usize| {
-            self.panels
-                .iter()
-                .flat_map(|(_, marks)| marks)
-                .flat_map(move |mark| reach(mark)[i].clone())
-        };
-        let [xs, ys] = [0, 1].map(|i| ends(i).collect::<Vec<f64>>());
-        let (x, y) = (self.x.scale(xs.into_iter())?, self.y.scale(ys.into_iter())?);
-        let panel = |(title, marks): (String, Vec<Mark>)| Panel {
-            title,
+        let mut xs = Vec::new();
+        let mut ys = Vec::new();
+        for mark in self.panels.iter().flat_map(|panel| &panel.marks) {
+            let Coordinates { x, y } = coordinates(mark);
+            xs.extend(x);
+            ys.extend(y);
+        }
+        let x = self.x.scale(xs.into_iter())?;
+        let y = self.y.scale(ys.into_iter())?;
+        let panels = self.panels.into_iter().map(|panel| Panel {
+            title: panel.title,
             x: x.clone(),
             y: y.clone(),
-            marks,
-        };
+            marks: panel.marks,
+        });
         Some(Figure {
             title: self.title.to_owned(),
             note: self.note,
-            panels: self.panels.into_iter().map(panel).collect(),
-            series: self
-                .series
-                .into_iter()
-                .map(|name| Series {
-                    name,
-                    is_dashed: false,
-                    ink: None,
-                })
-                .collect(),
+            panels: panels.collect(),
+            series: self.series,
         })
     }
 }
 
-/// The coordinates of a mark, by direction.
-fn reach(mark: &Mark) -> [Vec<f64>; 2] {
+/// A series of measured values.
+pub fn solid(name: impl Into<String>) -> Series {
+    Series {
+        name: name.into(),
+        is_dashed: false,
+        ink: None,
+    }
+}
+
+/// The series of a method, in its colour. Methods without samples are dashed, as floors are.
+pub fn method_series(name: impl Into<String>, method: &str, is_dashed: bool) -> Series {
+    Series {
+        is_dashed,
+        ink: ink::method_ink(method),
+        ..solid(name)
+    }
+}
+
+/// The coordinates of a mark that scales must contain.
+struct Coordinates {
+    x: Vec<f64>,
+    y: Vec<f64>,
+}
+
+fn coordinates(mark: &Mark) -> Coordinates {
     match &mark.shape {
-        Form::Line(points) => [0, 1].map(|i| points.iter().map(|point| point[i]).collect()),
-        Form::Dot(at) => at.map(|x| vec![x]),
-        Form::Whisker(a, b) => [0, 1].map(|i| vec![a[i], b[i]]),
-        Form::HorizontalBar { y, base, to } => [vec![*base, *to], vec![*y]],
-        Form::HorizontalRule(y) => [Vec::new(), vec![*y]],
-        Form::VerticalRule(x) => [vec![*x], Vec::new()],
+        Form::Line(points) => Coordinates {
+            x: points.iter().map(|[x, _]| *x).collect(),
+            y: points.iter().map(|[_, y]| *y).collect(),
+        },
+        Form::Dot([x, y]) => Coordinates {
+            x: vec![*x],
+            y: vec![*y],
+        },
+        Form::Whisker(a, b) => Coordinates {
+            x: vec![a[0], b[0]],
+            y: vec![a[1], b[1]],
+        },
+        Form::HorizontalBar { y, base, to } => Coordinates {
+            x: vec![*base, *to],
+            y: vec![*y],
+        },
+        Form::HorizontalRule(y) => Coordinates {
+            x: Vec::new(),
+            y: vec![*y],
+        },
+        Form::VerticalRule(x) => Coordinates {
+            x: vec![*x],
+            y: Vec::new(),
+        },
     }
 }
 
 /// A dot with a tip and a link to its image.
-pub fn dot(at: [f64; 2], series: usize, tip: String, row: &Row) -> Mark {
-    Mark::new(Form::Dot(at), series).tip(tip).cell(&row.cell.id)
+pub fn dot(position: [f64; 2], series: usize, tip: String, row: &Row) -> Mark {
+    Mark::new(Form::Dot(position), series)
+        .tip(tip)
+        .cell(&row.cell.id)
 }
 
 /// The image that a mark links to, if it has a single one.
@@ -113,56 +152,50 @@ pub fn only(rows: &[&Row]) -> Option<String> {
     }
 }
 
+/// The marks under one environment; unset for a single panel without a title.
+pub struct LightMarks {
+    pub light: Value,
+    pub marks: Vec<Mark>,
+}
+
 /// One panel per environment. If environments are averaged, a panel of the average comes first and
 /// formulas come last.
 pub fn light_panels(
     frame: &Frame,
     all: &Numbers,
-    summed: impl Fn() -> Vec<Mark>,
-    mut lights: Vec<(Value, Vec<Mark>)>,
-) -> Vec<(String, Vec<Mark>)> {
-    let first = all.estimate().filter(|_| all.is_summed());
-    if first.is_some() {
-        lights.sort_by_key(|(light, _)| is_formula(light));
+    average: impl FnOnce() -> Vec<Mark>,
+    mut lights: Vec<LightMarks>,
+) -> Vec<ChartPanel> {
+    let mut panels = Vec::new();
+    if let Some(all) = all.estimate().filter(|_| all.has_interval()) {
+        lights.sort_by_key(|one| is_formula(&one.light));
+        panels.push(ChartPanel {
+            title: count(all.n, "", AXES[ENVIRONMENT].plural),
+            marks: average(),
+        });
     }
-    let first = first.map(|all| (count(all.n, "", AXES[ENVIRONMENT].plural), summed()));
-    let name = |light: &Value| {
-        if *light == Value::Unset {
+    for LightMarks { light, marks } in lights {
+        let title = if light == Value::Unset {
             String::new()
         } else {
-            frame.names.short(ENVIRONMENT, light)
-        }
-    };
-    first
-        .into_iter()
-        .chain(
-            lights
-                .into_iter()
-                .map(|(light, marks)| (name(&light), marks)),
-        )
-        .collect()
+            frame.names.short(ENVIRONMENT, &light)
+        };
+        panels.push(ChartPanel { title, marks });
+    }
+    panels
 }
 
 /// Dots of one series, joined by a line.
 pub fn joined(dots: Vec<Mark>) -> Vec<Mark> {
-    let place = |mark: &Mark| {
-        if let Form::Dot(at) = mark.shape {
-            Some(at)
-        } else {
-            None
-        }
-    };
+    let points = dots.iter().filter_map(|mark| match mark.shape {
+        Form::Dot(point) => Some(point),
+        _ => None,
+    });
     let line = Mark {
         series: dots.first().and_then(|dot| dot.series),
-        ..Mark::neutral(Form::Line(Vec::new()))
+        ..Mark::neutral(Form::Line(points.collect()))
     };
-    let points = dots.iter().filter_map(place).collect();
-    std::iter::once(Mark {
-        shape: Form::Line(points),
-        ..line
-    })
-    .chain(dots)
-    .collect()
+    std::iter::once(line).chain(dots).collect()
 }
 
 /// The index of a value; NaN, which is not drawn, if it is missing.
@@ -170,5 +203,5 @@ pub fn step<T: PartialEq>(steps: &[T], value: &T) -> f64 {
     steps
         .iter()
         .position(|step| step == value)
-        .map_or(f64::NAN, |place| place as f64)
+        .map_or(f64::NAN, |index| index as f64)
 }

@@ -44,25 +44,25 @@ pub const QUESTION: Question = Question {
 const GAIN_MIN: f64 = 0.1;
 
 fn lacks(shape: &Shape) -> Option<&'static str> {
-    match () {
-        () if !shape.methods().any(|method| method.uses_samples) => {
-            Some("axes.method has no sampling method")
-        }
-        () if shape.values[SAMPLES].len() < POINTS_MIN => {
-            Some("axes.samples has fewer than three counts")
-        }
-        () => None,
+    if !shape.methods().any(|method| method.uses_samples) {
+        Some("axes.method has no sampling method")
+    } else if shape.values[SAMPLES].len() < POINTS_MIN {
+        Some("axes.samples has fewer than three counts")
+    } else {
+        None
     }
 }
 
+/// How the error of a method in a case falls with the sample count.
 struct Fall<'r, 'f> {
     curve: Curve<'r, 'f>,
+    /// `None` with too few resolved counts.
     line: Option<Line>,
     stops_at: Option<u32>,
 }
 
-impl Fall<'_, '_> {
-    fn of<'r, 'f>(curve: Curve<'r, 'f>) -> Fall<'r, 'f> {
+impl<'r, 'f> Fall<'r, 'f> {
+    fn new(curve: Curve<'r, 'f>) -> Self {
         let resolved: Vec<&CurvePoint> = curve
             .points
             .iter()
@@ -72,364 +72,421 @@ impl Fall<'_, '_> {
             .iter()
             .map(|point| [f64::from(point.count).ln(), point.error.ln()])
             .collect();
-        let is_flat = |ends: &[[f64; 2]]| {
-            (ends[1][1] - ends[0][1]) / (ends[1][0] - ends[0][0]) > (1.0 - GAIN_MIN).log2()
-        };
-        let flat = logs
+        let flat_count = logs
             .windows(2)
             .rev()
-            .take_while(|ends| is_flat(ends))
+            .take_while(|ends| is_flat(ends[0], ends[1]))
             .count();
-        let stops_at = (flat > 0).then(|| resolved[resolved.len() - 1 - flat].count);
-        Fall {
+        Self {
             line: Line::of(&logs),
-            stops_at,
+            stops_at: (flat_count > 0).then(|| resolved[resolved.len() - 1 - flat_count].count),
             curve,
         }
     }
+
+    fn row(&self) -> &'r Row<'f> {
+        self.curve.first()
+    }
+}
+
+/// Whether doubling the samples between two points removes less than [`GAIN_MIN`] of the error;
+/// coordinates are logarithms.
+fn is_flat([x0, y0]: [f64; 2], [x1, y1]: [f64; 2]) -> bool {
+    (y1 - y0) / (x1 - x0) > (1.0 - GAIN_MIN).log2()
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
-    let (axes, images) = (frame.case_axes(), frame.images());
+    let axes = frame.case_axes();
+    let images = frame.images();
     let fixed = without_samples(&images);
     let falls: Vec<Fall> = curves(frame, &images, &axes)
         .into_iter()
-        .map(Fall::of)
+        .map(Fall::new)
         .collect();
-    let columns = frame.table_axes();
-    let of_row = [&columns[..], &[METHOD, SAMPLES]].concat();
-    let mut table = Table::new(&of_row, QUESTION.columns);
-    for (fall, point) in falls
-        .iter()
-        .flat_map(|fall| fall.curve.points.iter().map(move |point| (fall, point)))
-    {
-        let mut row = fall.curve.first().cells(&columns);
-        row.extend(cells![
-            &fall.curve.method,
-            point.count,
-            point.error,
-            frame.noise_floor(point.rows[0]),
-            point.is_resolved
-        ]);
-        let [slope, standard_error] = [
-            fall.line.map(|line| line.slope),
-            fall.line.map(|line| line.standard_error),
-        ];
-        row.extend(cells![slope, standard_error, fall.stops_at]);
-        table.row(row);
-    }
-    for row in &fixed {
-        let own = cells![
-            frame.error(row),
-            frame.noise_floor(row),
-            frame.is_resolved(row)
-        ];
-        table.row([row.cells(&of_row), own, vec![Cell::Missing; 3]].concat());
-    }
     let fitted: Vec<&Fall> = falls.iter().filter(|fall| fall.line.is_some()).collect();
     let by_method = grouped(fitted, |fall| fall.curve.method.clone());
     Some(Finding {
-        sentence: sentence(frame, &by_method.first()?.1)?,
-        table,
+        sentences: sentences(frame, &by_method.first()?.1)?,
+        table: table(frame, &falls, &fixed),
         digest: Some(digest(frame, &by_method).without_empty()),
         figure: figure(frame, &axes, &falls, &fixed),
     })
+}
+
+fn table(frame: &Frame, falls: &[Fall], fixed: &[&Row]) -> Table {
+    let case_axes = frame.table_axes();
+    let axes = [&case_axes[..], &[METHOD, SAMPLES]].concat();
+    let mut table = Table::new(&axes, QUESTION.columns);
+    for fall in falls {
+        for point in &fall.curve.points {
+            let mut row = fall.row().cells(&case_axes);
+            row.extend(cells![
+                &fall.curve.method,
+                point.count,
+                point.error,
+                frame.noise_floor(point.rows[0]),
+                point.is_resolved,
+                fall.line.map(|line| line.slope),
+                fall.line.map(|line| line.standard_error),
+                fall.stops_at
+            ]);
+            table.row(row);
+        }
+    }
+    for image in fixed {
+        let mut row = image.cells(&axes);
+        row.extend(cells![
+            frame.error(image),
+            frame.noise_floor(image),
+            frame.is_resolved(image),
+            Cell::Missing,
+            Cell::Missing,
+            Cell::Missing
+        ]);
+        table.row(row);
+    }
+    table
 }
 
 /// The factor by which doubling the samples divides the error of each curve.
 fn doublings<'r, 'f>(falls: &[&Fall<'r, 'f>]) -> Numbers<'r, 'f> {
     let factors = falls
         .iter()
-        .filter_map(|fall| Some((fall.curve.first(), (-fall.line?.slope).exp2())));
+        .filter_map(|fall| Some((fall.row(), (-fall.line?.slope).exp2())));
     Numbers::new(factors, Middle::Median)
 }
 
-fn lights(falls: &[&Fall], all: &Numbers) -> usize {
-    values(
-        falls
-            .iter()
-            .map(|fall| fall.curve.first())
-            .filter(|row| all.weighs(row)),
-        ENVIRONMENT,
-    )
-    .len()
+/// The number of environments of these curves that count.
+fn light_count(falls: &[&Fall], all: &Numbers) -> usize {
+    let rows = falls.iter().map(|fall| fall.row());
+    values(rows.filter(|row| all.counts(row)), ENVIRONMENT).len()
 }
 
 /// Smaller ratios of factors are not mentioned.
 const CHANGE_MIN: f64 = 1.1;
 
-fn sentence(frame: &Frame, falls: &[&Fall]) -> Option<String> {
+fn sentences(frame: &Frame, falls: &[&Fall]) -> Option<Sentences> {
     let doublings = doublings(falls);
-    let middle = doublings.estimate()?;
-    let text = format!(
-        "Doubling the samples divides the `{}` of `{}` by **{}**{}{} (slope {}).{}",
-        frame.metric_name(),
-        falls.first()?.curve.method,
-        number(middle.value),
-        interval_words(&middle, number),
-        doublings.place(frame, ", in the median environment"),
-        number(-middle.value.log2()),
-        doublings.extremes(frame, "the factor", CHANGE_MIN, number)
-    );
-    let stops = |fall: &&Fall| fall.stops_at.is_some() && doublings.weighs(fall.curve.first());
-    let stopping: Vec<&Fall> = falls.iter().copied().filter(stops).collect();
-    let from = stopping.iter().filter_map(|fall| fall.stops_at).min();
-    let end = match (from, lights(falls, &doublings)) {
-        (None, _) => doublings.scope(frame),
-        (Some(least), 1) => {
-            let samples = count(least as usize, "sample", "samples");
-            let of = frame.row_axis();
-            let at = values(stopping.iter().map(|fall| fall.curve.first()), of);
-            let at: Vec<String> = at
-                .iter()
-                .map(|value| frame.names.short(of, value))
-                .collect();
-            let at = match frame.shape.is_swept(of) {
-                true => format!(" at {} {}", frame.names.name(of), listed(&at)),
-                false => String::new(),
-            };
-            format!(" It stops falling{at}, from {samples}.")
-        }
-        (Some(least), n) => {
-            let (stopping, plural) = (lights(&stopping, &doublings), AXES[ENVIRONMENT].plural);
-            let samples = count(least as usize, "sample", "samples");
-            format!(
-                " Under {stopping} of {n} {plural} the error stops falling in some case, first at \
-                 {samples}."
-            )
-        }
-    };
-    Some(text + &end)
+    let median = doublings.estimate()?;
+    let headline = statement![
+        "Doubling the samples divides the ",
+        Phrase::Metric(frame.metric_name()),
+        " of ",
+        Phrase::Method(falls.first()?.curve.method.to_string()),
+        " by ",
+        estimated(&median).strong(),
+        doublings.light(frame, ", in the median environment"),
+        " (slope ",
+        Number::rounded(-median.value.log2()),
+        ")."
+    ];
+    let extremes = doublings.extremes(frame, "the factor", CHANGE_MIN, |factor| {
+        Number::rounded(factor).into()
+    });
+    let sentences = Sentences::new(headline);
+    match stop_statement(frame, falls, &doublings) {
+        Some(stop) => Some(sentences.with_details(extremes.into_iter().chain([stop]))),
+        None => Some(
+            sentences
+                .with_details(extremes)
+                .with_scope(doublings.scope(frame)),
+        ),
+    }
+}
+
+/// Where the error stops falling; `None` if it falls to the end.
+fn stop_statement(frame: &Frame, falls: &[&Fall], doublings: &Numbers) -> Option<Statement> {
+    let stopping: Vec<&Fall> = falls
+        .iter()
+        .copied()
+        .filter(|fall| fall.stops_at.is_some() && doublings.counts(fall.row()))
+        .collect();
+    let least = stopping.iter().filter_map(|fall| fall.stops_at).min()?;
+    let samples = counted(least as usize, "sample", "samples");
+    let light_count = self::light_count(falls, doublings);
+    if light_count == 1 {
+        let row_axis = frame.row_axis();
+        let stopping = values(stopping.iter().map(|fall| fall.row()), row_axis);
+        let stopping = stopping
+            .iter()
+            .map(|value| frame.names.short_phrase(row_axis, value).into());
+        let places = frame.shape.is_swept(row_axis).then(|| {
+            let name = frame.names.name(row_axis);
+            statement![
+                format!(" at {name} "),
+                Statement::listed(stopping.collect())
+            ]
+        });
+        return Some(statement![
+            "It stops falling",
+            places,
+            ", from ",
+            samples,
+            "."
+        ]);
+    }
+    Some(statement![
+        "Under ",
+        Number::Count(self::light_count(&stopping, doublings) as u64),
+        " of ",
+        Number::Count(light_count as u64),
+        format!(
+            " {} the error stops falling in some case, first at ",
+            AXES[ENVIRONMENT].plural
+        ),
+        samples,
+        "."
+    ])
 }
 
 /// By method and [`Frame::row_axis`]: slope, factor of a doubling, where it stops.
 fn digest(frame: &Frame, by_method: &[(Value, Vec<&Fall>)]) -> Table {
-    let of = frame.row_axis();
-    let heads = if frame.shape.is_swept(of) {
-        frame.names.heads(&[of])
+    let row_axis = frame.row_axis();
+    let is_swept = frame.shape.is_swept(row_axis);
+    let row_heads = if is_swept {
+        frame.names.heads(&[row_axis])
     } else {
         Vec::new()
     };
-    let names = [
+    let mut heads = vec![AXES[METHOD].name];
+    heads.extend(&row_heads);
+    heads.extend([
         "slope",
         "a doubling divides by",
         AXES[ENVIRONMENT].plural,
         "of which it stops under",
         "stops at, median",
-    ];
-    let mut table = Table::with_names(
-        [AXES[METHOD].name]
-            .into_iter()
-            .chain(heads.iter().copied())
-            .chain(names),
-    );
-    for (method, own) in by_method {
-        let widths = values(own.iter().map(|fall| fall.curve.first()), of);
-        for width in widths
-            .iter()
-            .map(Some)
-            .filter(|_| !heads.is_empty())
-            .chain([None])
-        {
-            let is_own =
-                |fall: &&&Fall| width.is_none_or(|width| fall.curve.first().point[of] == *width);
-            let group: Vec<&Fall> = own.iter().filter(is_own).copied().collect();
-            let Some(factor) = doublings(&group).estimate() else {
-                continue;
-            };
-            let mut row = cells![method];
-            if !heads.is_empty() {
-                row.extend(
-                    width.map_or_else(|| all_head(&heads), |value| frame.names.head_of(of, value)),
-                );
+    ]);
+    let mut table = Table::with_names(heads);
+    for (method, falls) in by_method {
+        if is_swept {
+            for value in values(falls.iter().map(|fall| fall.row()), row_axis) {
+                let falls: Vec<&Fall> = falls
+                    .iter()
+                    .copied()
+                    .filter(|fall| fall.row().point[row_axis] == value)
+                    .collect();
+                let head = frame.names.head_of(row_axis, &value);
+                digest_row(&mut table, method, head, &falls);
             }
-            let stops = group
-                .iter()
-                .filter_map(|fall| Some((fall.curve.first(), fall.stops_at?.into())));
-            let stops = Numbers::new(stops, Middle::Median).estimate();
-            row.extend(cells![
-                number(-factor.value.log2()),
-                with_interval(&factor),
-                factor.n
-            ]);
-            row.extend(cells![
-                stops.map_or(0, |stops| stops.n),
-                stops.map(|stops| number(stops.value))
-            ]);
-            table.row(row);
+            digest_row(&mut table, method, all_head(&row_heads), falls);
+        } else {
+            digest_row(&mut table, method, Vec::new(), falls);
         }
     }
     table
+}
+
+/// Adds the row of a group of curves, if some have a slope.
+fn digest_row(table: &mut Table, method: &Value, head: Vec<Cell>, falls: &[&Fall]) {
+    let Some(factor) = doublings(falls).estimate() else {
+        return;
+    };
+    let stops = falls
+        .iter()
+        .filter_map(|fall| Some((fall.row(), f64::from(fall.stops_at?))));
+    let stops = Numbers::new(stops, Middle::Median).estimate();
+    let mut row = cells![method];
+    row.extend(head);
+    row.extend(cells![
+        number(-factor.value.log2()),
+        with_interval(&factor),
+        factor.n,
+        stops.map_or(0, |stops| stops.n),
+        stops.map(|stops| number(stops.value))
+    ]);
+    table.row(row);
 }
 
 /// The noise floor is drawn if it is at most this factor below the smallest error.
 const FLOOR_WITHIN: f64 = 100.0;
 const FLOOR: &str = "noise floor";
 
+/// What the panels of the figure share.
+struct Drawing<'a, 'r, 'f> {
+    frame: &'a Frame<'f>,
+    /// The axes of cases.
+    axes: &'a [AxisId],
+    /// The axes that distinguish panels.
+    panel_axes: Vec<AxisId>,
+    /// The images of methods without samples.
+    fixed: &'a [&'r Row<'f>],
+    /// The smallest positive error.
+    least_error: f64,
+    /// Names of sampling methods, then of rules.
+    series: Vec<String>,
+}
+
 /// One panel per value of [`Frame::row_axis`] and environment; lines of one panel and method differ
 /// in the other axes of cases. If environments are averaged: one panel per value of
 /// [`Frame::row_axis`], one line per method.
 fn figure(frame: &Frame, axes: &[AxisId], falls: &[Fall], fixed: &[&Row]) -> Option<Figure> {
-    let errors = falls.iter().flat_map(|fall| {
-        fall.curve
-            .points
-            .iter()
-            .map(|point| (fall.curve.first(), point.error))
-    });
-    let is_summed = Numbers::new(errors, Middle::GeometricMean).is_summed();
-    let is_panel = |of: &AxisId| *of == frame.row_axis() || (*of == ENVIRONMENT && !is_summed);
-    let of_panel: Vec<AxisId> = axes.iter().copied().filter(is_panel).collect();
-    let sampled = distinct_in_order(falls.iter().map(|fall| fall.curve.method.to_string()));
-    let errors = falls
-        .iter()
-        .flat_map(|fall| &fall.curve.points)
-        .map(|point| point.error);
-    let least = errors
-        .filter(|error| *error > 0.0)
-        .fold(f64::INFINITY, f64::min);
-    let floor = |fall: &Fall| {
-        frame
-            .noise_floor(fall.curve.first())
-            .filter(|floor| *floor > least / FLOOR_WITHIN)
-    };
-    let has_floor = falls.iter().any(|fall| floor(fall).is_some());
-    let dashed = fixed
-        .iter()
-        .map(|row| row.text(METHOD))
-        .chain(has_floor.then(|| FLOOR.to_owned()));
-    let dashed = distinct_in_order(dashed);
-    let series = [&sampled[..], &dashed[..]].concat();
-    let index = |name: &str| series.iter().position(|known| known == name).unwrap_or(0);
-    let panel = |(key, own): (Key, Vec<&Fall>)| {
-        let mut marks: Vec<Mark> = Vec::new();
-        if is_summed {
-            marks = summed(&own, &|name| index(name));
-            let fixed = fixed.iter().filter(|row| fits(&row.key(&of_panel), &key));
-            for (name, rows) in grouped(fixed, |row| row.text(METHOD)) {
-                let errors = rows
-                    .iter()
-                    .filter_map(|row| Some((**row, frame.error(row)?)));
-                marks.extend(rule(
-                    &name,
-                    Numbers::new(errors, Middle::GeometricMean),
-                    index(&name),
-                ));
-            }
-            let floors = own
-                .iter()
-                .filter_map(|fall| Some((fall.curve.first(), floor(fall)?)));
-            marks.extend(rule(
-                FLOOR,
-                Numbers::new(floors, Middle::GeometricMean),
-                index(FLOOR),
-            ));
-            return (frame.names.label(&of_panel, &key), marks);
-        }
-        for fall in &own {
-            let dots = fall
-                .curve
+    let points = || {
+        falls.iter().flat_map(|fall| {
+            fall.curve
                 .points
                 .iter()
-                .filter(|point| point.error > 0.0)
-                .map(|point| {
-                    let row = point.rows[0];
-                    let label = frame.names.label(axes, &fall.curve.key);
-                    let tip = format!("{}: {} · {label}", frame.way(row), number(point.error));
-                    dot(
-                        [f64::from(point.count), point.error],
-                        index(&row.text(METHOD)),
-                        tip,
-                        row,
-                    )
-                });
+                .map(move |point| (fall.row(), point))
+        })
+    };
+    let errors = points().map(|(row, point)| (row, point.error));
+    let is_averaged = Numbers::new(errors, Middle::GeometricMean).has_interval();
+    let mut panel_axes = axes.to_vec();
+    panel_axes.retain(|axis| *axis == frame.row_axis() || (*axis == ENVIRONMENT && !is_averaged));
+    let sampled = distinct_in_order(falls.iter().map(|fall| fall.curve.method.to_string()));
+    let mut drawing = Drawing {
+        frame,
+        axes,
+        panel_axes,
+        fixed,
+        least_error: points()
+            .map(|(_, point)| point.error)
+            .filter(|error| *error > 0.0)
+            .fold(f64::INFINITY, f64::min),
+        series: sampled.clone(),
+    };
+    let has_floor = falls.iter().any(|fall| drawing.floor(fall).is_some());
+    let rules = fixed.iter().map(|row| row.text(METHOD));
+    let rules = distinct_in_order(rules.chain(has_floor.then(|| FLOOR.to_owned())));
+    drawing.series.extend(rules.iter().cloned());
+
+    let by_panel = grouped(falls, |fall| fall.row().key(&drawing.panel_axes));
+    let panels = by_panel.into_iter().map(|(key, falls)| ChartPanel {
+        title: frame.names.label(&drawing.panel_axes, &key),
+        marks: if is_averaged {
+            drawing.averages(&key, &falls)
+        } else {
+            drawing.images(&key, &falls)
+        },
+    });
+    let mut note = frame.metric_name().to_owned();
+    if is_averaged {
+        note += &format!(", geometric mean{INTERVAL}");
+    }
+    if !rules.is_empty() {
+        note += &format!("; dashed: {}", rules.join(", "));
+    }
+    Chart {
+        title: "Error over sample count",
+        note,
+        x: ChartAxis::Log("samples per pixel"),
+        y: ChartAxis::Log(frame.metric_name()),
+        panels: panels.collect(),
+        series: sampled
+            .iter()
+            .map(|method| method_series(method, method, false))
+            .chain(
+                rules
+                    .iter()
+                    .map(|method| method_series(method, method, true)),
+            )
+            .collect(),
+    }
+    .figure()
+}
+
+impl<'r, 'f> Drawing<'_, 'r, 'f> {
+    fn index(&self, name: &str) -> usize {
+        self.series
+            .iter()
+            .position(|known| known == name)
+            .unwrap_or(0)
+    }
+
+    /// The noise floor of a curve, if it is near the errors.
+    fn floor(&self, fall: &Fall) -> Option<f64> {
+        self.frame
+            .noise_floor(fall.row())
+            .filter(|floor| *floor > self.least_error / FLOOR_WITHIN)
+    }
+
+    /// The images without samples of a panel.
+    fn fixed(&self, key: &[Value]) -> impl Iterator<Item = &'r Row<'f>> {
+        self.fixed
+            .iter()
+            .copied()
+            .filter(move |row| agree(&row.key(&self.panel_axes), key))
+    }
+
+    /// The means over environments: lines by method, then rules.
+    fn averages(&self, key: &[Value], falls: &[&Fall<'r, 'f>]) -> Vec<Mark> {
+        let mut marks = Vec::new();
+        for (method, falls) in grouped(falls.iter().copied(), |fall| fall.curve.method.clone()) {
+            marks.extend(self.average_line(&method, &falls));
+        }
+        for (name, rows) in grouped(self.fixed(key), |row| row.text(METHOD)) {
+            let errors = rows
+                .into_iter()
+                .filter_map(|row| Some((row, self.frame.error(row)?)));
+            marks.extend(self.average_rule(&name, errors));
+        }
+        let floors = falls
+            .iter()
+            .filter_map(|fall| Some((fall.row(), self.floor(fall)?)));
+        marks.extend(self.average_rule(FLOOR, floors));
+        marks
+    }
+
+    /// The mean error of a method by count.
+    fn average_line(&self, method: &Value, falls: &[&Fall<'r, 'f>]) -> Vec<Mark> {
+        let points = falls
+            .iter()
+            .flat_map(|fall| fall.curve.points.iter().map(|point| (fall.row(), point)));
+        let mut dots = Vec::new();
+        for (samples, points) in grouped(points, |(_, point)| point.count) {
+            let errors = points
+                .into_iter()
+                .map(|(row, point)| (row, point.error))
+                .filter(|(_, error)| *error > 0.0);
+            dots.extend(Numbers::new(errors, Middle::GeometricMean).marks(
+                self.index(&method.to_string()),
+                &format!("{method} {samples}"),
+                |error| [f64::from(samples), error],
+                &with_interval,
+            ));
+        }
+        joined(dots)
+    }
+
+    fn average_rule(
+        &self,
+        name: &str,
+        numbers: impl IntoIterator<Item = (&'r Row<'f>, f64)>,
+    ) -> Option<Mark> {
+        let mean = Numbers::new(numbers, Middle::GeometricMean).estimate()?;
+        let rule = Mark::new(Form::HorizontalRule(mean.value), self.index(name));
+        Some(rule.tip(format!("{name}: {}", with_interval(&mean))))
+    }
+
+    /// The images under one environment: a line for each curve, a rule for each image without
+    /// samples, and the noise floor.
+    fn images(&self, key: &[Value], falls: &[&Fall]) -> Vec<Mark> {
+        let frame = self.frame;
+        let mut marks = Vec::new();
+        for fall in falls {
+            let label = frame.names.label(self.axes, &fall.curve.key);
+            let points = fall.curve.points.iter().filter(|point| point.error > 0.0);
+            let dots = points.map(|point| {
+                let row = point.rows[0];
+                let series = self.index(&row.text(METHOD));
+                let tip = format!("{}: {} · {label}", frame.variant(row), number(point.error));
+                dot([f64::from(point.count), point.error], series, tip, row)
+            });
             marks.extend(joined(dots.collect()));
         }
-        for row in fixed.iter().filter(|row| fits(&row.key(&of_panel), &key)) {
+        for row in self.fixed(key) {
             let Some(error) = frame.error(row).filter(|error| *error > 0.0) else {
                 continue;
             };
-            let rule = Mark::new(Form::HorizontalRule(error), index(&row.text(METHOD)));
-            marks.push(
-                rule.tip(format!("{}: {}", frame.way(row), number(error)))
-                    .cell(&row.cell.id),
-            );
+            let series = self.index(&row.text(METHOD));
+            let tip = format!("{}: {}", frame.variant(row), number(error));
+            let rule = Mark::new(Form::HorizontalRule(error), series);
+            marks.push(rule.tip(tip).cell(&row.cell.id));
         }
-        if let Some(floor) = own.first().and_then(|fall| floor(fall)) {
-            let rule = Mark::new(Form::HorizontalRule(floor), index(FLOOR));
+        if let Some(floor) = falls.first().and_then(|fall| self.floor(fall)) {
+            let rule = Mark::new(Form::HorizontalRule(floor), self.index(FLOOR));
             marks.push(rule.tip(format!("{FLOOR}: {}", number(floor))));
         }
-        (frame.names.label(&of_panel, &key), marks)
-    };
-    let panels = grouped(falls, |fall| fall.curve.first().key(&of_panel))
-        .into_iter()
-        .map(panel)
-        .collect();
-    let figure = Chart {
-        title: "Error over sample count",
-        note: {
-            let mean = if is_summed {
-                format!(", geometric mean{INTERVAL}")
-            } else {
-                String::new()
-            };
-            let dashes = if dashed.is_empty() {
-                String::new()
-            } else {
-                format!("; dashed: {}", dashed.join(", "))
-            };
-            format!("{}{mean}{dashes}", frame.metric_name())
-        },
-        x: Along::Log("samples per pixel"),
-        y: Along::Log(frame.metric_name()),
-        panels,
-        series: series.clone(),
-    };
-    let mut figure = figure.figure()?;
-    figure
-        .series
-        .iter_mut()
-        .skip(sampled.len())
-        .for_each(|series| series.is_dashed = true);
-    Some(figure)
-}
-
-/// The mean error over environments by method and count.
-fn summed(own: &[&Fall], index: &dyn Fn(&str) -> usize) -> Vec<Mark> {
-    let of_method = |(method, falls): (Value, Vec<&&Fall>)| {
-        let points = || {
-            falls.iter().flat_map(|fall| {
-                fall.curve
-                    .points
-                    .iter()
-                    .map(|point| (fall.curve.first(), point))
-            })
-        };
-        let by_count = grouped(points(), |(_, point)| point.count);
-        let dots = by_count.into_iter().flat_map(|(samples, own)| {
-            let errors = own
-                .iter()
-                .map(|(row, point)| (*row, point.error))
-                .filter(|(_, error)| *error > 0.0);
-            let name = format!("{method} {samples}");
-            let at = |error: f64| [f64::from(samples), error];
-            Numbers::new(errors, Middle::GeometricMean).marks(
-                index(&method.to_string()),
-                at,
-                (&name, &with_interval),
-            )
-        });
-        joined(dots.collect())
-    };
-    grouped(own, |fall| fall.curve.method.clone())
-        .into_iter()
-        .flat_map(of_method)
-        .collect()
-}
-
-fn rule(name: &str, own: Numbers, series: usize) -> Option<Mark> {
-    let mean = own.estimate()?;
-    Some(
-        Mark::new(Form::HorizontalRule(mean.value), series)
-            .tip(format!("{name}: {}", with_interval(&mean))),
-    )
+        marks
+    }
 }

@@ -30,27 +30,26 @@ pub const QUESTION: Question = Question {
     ..Question::PLAIN
 };
 
-const WAYS: [Part; 3] = [Part::Method, Part::Parameter, Part::Table];
+/// The parts of axes whose values are compared.
+const COMPARED: [Part; 3] = [Part::Method, Part::Parameter, Part::Table];
 const SENTENCES_MAX: usize = 2;
 
 fn lacks(shape: &Shape) -> Option<&'static str> {
     // A sampling method has no partner without samples.
-    let has_two = |draws: bool| {
-        shape
-            .methods()
-            .filter(|method| method.uses_samples == draws)
-            .count()
-            > 1
-    };
-    let is_way =
-        |axis: AxisId| WAYS.contains(&AXES[axis].part) && axis != METHOD && shape.is_swept(axis);
-    match AXES.ids().any(is_way) || has_two(true) || has_two(false) {
-        true => None,
-        false if shape.methods().count() > 1 => Some(
+    let count_sampling = shape.methods().filter(|method| method.uses_samples).count();
+    let count_fixed = shape.methods().count() - count_sampling;
+    let has_parameter = AXES
+        .ids()
+        .any(|axis| COMPARED.contains(&AXES[axis].part) && axis != METHOD && shape.is_swept(axis));
+    if has_parameter || count_sampling > 1 || count_fixed > 1 {
+        None
+    } else if shape.methods().count() > 1 {
+        Some(
             "one method samples and the other does not, so that no two images share their samples: \
              ask break-even",
-        ),
-        false => Some("no axis of methods, their parameters or their tables has two values"),
+        )
+    } else {
+        Some("no axis of methods, their parameters or their tables has two values")
     }
 }
 
@@ -62,29 +61,45 @@ struct Effect<'r, 'f> {
     is_resolved: bool,
 }
 
-struct OfAxis<'r, 'f> {
+/// The effects of the values of an axis.
+struct AxisEffects<'r, 'f> {
     axis: AxisId,
     base: Value,
     effects: Vec<Effect<'r, 'f>>,
 }
 
-impl<'r, 'f> OfAxis<'r, 'f> {
+/// The resolved ratios of a value.
+struct ValueRatios<'r, 'f> {
+    value: Value,
+    ratios: Numbers<'r, 'f>,
+}
+
+/// The value with the least mean ratio.
+struct Best<'r, 'f> {
+    value: Value,
+    ratios: Numbers<'r, 'f>,
+    mean: Estimate,
+}
+
+impl<'r, 'f> AxisEffects<'r, 'f> {
+    /// `None` without a pair.
     fn new(frame: &Frame, images: &[&'r Row<'f>], axis: AxisId) -> Option<Self> {
         let base = frame.shape.values[axis].first()?.clone();
-        let effect = |(row, base): (&'r Row<'f>, &'r Row<'f>)| {
-            let ratio = frame.error(row)? / frame.error(base)?;
-            let is_resolved = frame.is_resolved(row) || frame.is_resolved(base);
-            ratio.is_finite().then_some(Effect {
-                value: row.point[axis].clone(),
-                row,
-                ratio,
-                is_resolved,
-            })
-        };
-        let effects: Vec<Effect> = pair(images, axis, &base)
-            .into_iter()
-            .filter_map(effect)
-            .collect();
+        let mut effects = Vec::new();
+        for (row, base) in pair(images, axis, &base) {
+            let (Some(error), Some(base_error)) = (frame.error(row), frame.error(base)) else {
+                continue;
+            };
+            let ratio = error / base_error;
+            if ratio.is_finite() {
+                effects.push(Effect {
+                    value: row.point[axis].clone(),
+                    row,
+                    ratio,
+                    is_resolved: frame.is_resolved(row) || frame.is_resolved(base),
+                });
+            }
+        }
         (!effects.is_empty()).then_some(Self {
             axis,
             base,
@@ -92,281 +107,369 @@ impl<'r, 'f> OfAxis<'r, 'f> {
         })
     }
 
-    fn resolved(&self) -> Vec<(Value, Numbers<'r, 'f>)> {
+    fn resolved(&self) -> Vec<ValueRatios<'r, 'f>> {
         let resolved = self.effects.iter().filter(|effect| effect.is_resolved);
-        let numbers = |(value, own): (Value, Vec<&Effect<'r, 'f>>)| {
-            (
-                value,
-                Numbers::ratios(own.iter().map(|effect| (effect.row, effect.ratio))),
-            )
-        };
         grouped(resolved, |effect| effect.value.clone())
             .into_iter()
-            .map(numbers)
+            .map(|(value, effects)| ValueRatios {
+                value,
+                ratios: Numbers::ratios(effects.iter().map(|effect| (effect.row, effect.ratio))),
+            })
             .collect()
     }
 
     /// ", 2 within the noise": environments beyond the n with a resolved ratio.
-    fn unresolved(&self, n: usize) -> String {
-        let [_, all] =
-            Numbers::ratios(self.effects.iter().map(|effect| (effect.row, effect.ratio))).wins();
-        if all > n {
-            format!(", {} within the noise", all - n)
-        } else {
-            String::new()
-        }
+    fn unresolved(&self, n: usize) -> Option<Statement> {
+        let ratios = self.effects.iter();
+        let ratios = Numbers::ratios(ratios.map(|effect| (effect.row, effect.ratio)));
+        let all = ratios.winning_environments().all;
+        (all > n).then(|| {
+            let unresolved = Number::Count((all - n) as u64);
+            statement![", ", unresolved, " within the noise"]
+        })
     }
 
     fn best(&self) -> Option<Best<'r, 'f>> {
-        let rivals = self
-            .resolved()
+        self.resolved()
             .into_iter()
-            .filter_map(|(value, own)| Some((value, own.estimate()?, own)));
-        let best = rivals.reduce(|a, b| if b.1.value < a.1.value { b } else { a });
-        best.map(|(value, ratio, own)| (value, own, ratio))
+            .filter_map(|ValueRatios { value, ratios }| {
+                let mean = ratios.estimate()?;
+                Some(Best {
+                    value,
+                    ratios,
+                    mean,
+                })
+            })
+            .reduce(|a, b| if b.mean.value < a.mean.value { b } else { a })
+    }
+
+    /// A value in code.
+    fn phrase(&self, frame: &Frame, value: &Value) -> Phrase {
+        let text = frame.names.in_sentence(self.axis, value);
+        if self.axis == METHOD {
+            Phrase::Method(text)
+        } else {
+            Phrase::Code(text)
+        }
     }
 }
 
-/// A value, its ratios, and their mean.
-type Best<'r, 'f> = (Value, Numbers<'r, 'f>, Estimate);
-
 fn answer(frame: &Frame) -> Option<Finding> {
     let images = frame.images();
-    let all: Vec<OfAxis> = frame
-        .swept(&WAYS)
+    let all: Vec<AxisEffects> = frame
+        .swept(&COMPARED)
         .into_iter()
-        .filter_map(|axis| OfAxis::new(frame, &images, axis))
+        .filter_map(|axis| AxisEffects::new(frame, &images, axis))
         .collect();
-    let mut axes = frame.table_axes();
-    axes.extend(
-        [METHOD, SAMPLES, POINT_SET]
-            .iter()
-            .filter(|known| !axes.contains(known))
-            .collect::<Vec<_>>(),
-    );
+    let first = all.first()?;
+    Some(Finding {
+        sentences: sentences(frame, &images, &all)?,
+        table: table(frame, &all),
+        digest: Some(digest(frame, &all)),
+        figure: figure(frame, first),
+    })
+}
+
+fn table(frame: &Frame, all: &[AxisEffects]) -> Table {
+    let axes = frame.table_axes().into_iter();
+    let axes = distinct_in_order(axes.chain([METHOD, SAMPLES, POINT_SET]));
     let mut table = Table::new(&axes, QUESTION.columns);
-    for (of, effect) in all
-        .iter()
-        .flat_map(|of| of.effects.iter().map(move |effect| (of, effect)))
-    {
-        let own = cells![
-            AXES[of.axis].name,
-            &effect.value,
-            &of.base,
-            effect.ratio,
-            effect.is_resolved
-        ];
-        table.row([effect.row.cells(&axes), own].concat());
+    for one in all {
+        for effect in &one.effects {
+            let mut row = effect.row.cells(&axes);
+            row.extend(cells![
+                AXES[one.axis].name,
+                &effect.value,
+                &one.base,
+                effect.ratio,
+                effect.is_resolved
+            ]);
+            table.row(row);
+        }
     }
-    let lead = all.first()?;
-    let resolved = lead
+    table
+}
+
+/// One sentence for each of the first axes. A sentence names values of two axes only if some image
+/// has both.
+fn sentences(frame: &Frame, images: &[&Row], all: &[AxisEffects]) -> Option<Sentences> {
+    let mut named: Vec<(AxisId, Value)> = Vec::new();
+    let mut statements = Vec::new();
+    for one in all {
+        let best = one.best();
+        let winner = match &best {
+            Some(best) if best.mean.value < 1.0 => &best.value,
+            _ => &one.base,
+        };
+        let has_all = |row: &&Row| {
+            row.point[one.axis] == *winner
+                && named.iter().all(|(axis, value)| {
+                    row.point[*axis] == *value || row.point[*axis] == Value::Unset
+                })
+        };
+        if statements.len() < SENTENCES_MAX && images.iter().any(has_all) {
+            statements.push(statement_of_axis(frame, one, best.as_ref()));
+            named.push((one.axis, winner.clone()));
+        }
+    }
+    let resolved = all
+        .first()?
         .effects
         .iter()
         .filter(|effect| effect.is_resolved)
         .map(|effect| (effect.row, effect.ratio));
     let scope = Numbers::ratios(resolved).scope(frame);
-    let (mut named, mut sentences): (Vec<(AxisId, Value)>, Vec<String>) = (Vec::new(), Vec::new());
-    for of in &all {
-        let best = of.best();
-        let winner = best
-            .as_ref()
-            .filter(|(.., ratio)| ratio.value < 1.0)
-            .map_or(&of.base, |(value, ..)| value);
-        let goes = |row: &Row| {
-            named
-                .iter()
-                .all(|(axis, value)| [value, &Value::Unset].contains(&&row.point[*axis]))
-        };
-        if sentences.len() < SENTENCES_MAX
-            && images
-                .iter()
-                .any(|row| row.point[of.axis] == *winner && goes(row))
-        {
-            sentences.push(sentence(frame, of, best.as_ref()));
-            named.push((of.axis, winner.clone()));
-        }
-    }
-    Some(Finding {
-        sentence: sentences.join(" ") + &scope,
-        table,
-        digest: Some(digest(frame, &all)),
-        figure: figure(frame, lead),
-    })
+    let mut statements = statements.into_iter();
+    let headline = statements.next()?;
+    Some(
+        Sentences::new(headline)
+            .with_details(statements)
+            .with_scope(scope),
+    )
 }
 
-fn sentence(frame: &Frame, of: &OfAxis, best: Option<&Best>) -> String {
-    let Some((value, numbers, ratio)) = best else {
-        return format!(
-            "`{}` has no effect above the reference's noise.",
-            AXES[of.axis].name
-        );
+fn statement_of_axis(frame: &Frame, one: &AxisEffects, best: Option<&Best>) -> Statement {
+    let Some(best) = best else {
+        let axis = Phrase::Code(AXES[one.axis].name.to_owned());
+        return statement![axis, " has no effect above the reference's noise."];
     };
-    let [name, base] =
-        [value, &of.base].map(|value| format!("`{}`", frame.names.said(of.axis, value)));
-    let metric = frame.metric_name();
-    if let Some((along, groups)) = numbers.change_of_sign(frame) {
-        let ([better, worse], along) = (sides(frame, along, &groups), frame.names.name(along));
-        return format!(
-            "{name} has less `{metric}` than {base} at {along} {better}, and more at {worse}."
-        );
+    let name = one.phrase(frame, &best.value);
+    let base = one.phrase(frame, &one.base);
+    let metric = Phrase::Metric(frame.metric_name());
+    if let Some(change) = best.ratios.change_of_sign(frame) {
+        let [better, worse] = sides(frame, &change);
+        return statement![
+            name,
+            " has less ",
+            metric,
+            " than ",
+            base,
+            format!(" at {} ", frame.names.name(change.axis)),
+            better,
+            ", and more at ",
+            worse,
+            "."
+        ];
     }
-    let (times, interval) = (number(ratio.value), interval_words(ratio, number));
-    let wins = match numbers.wins() {
-        [_, 1] => match numbers.less() {
-            [less, n] if less > 0 && less < n => {
-                format!("{}; less in {less} of {n} images", numbers.place(frame, ""))
-            }
-            _ => numbers.place(frame, ""),
-        },
-        [0, n] => format!(
-            "; more under each of {n} {}{}",
-            AXES[ENVIRONMENT].plural,
-            of.unresolved(n)
-        ),
-        [wins, n] => format!(
-            "; less under {wins} of {n} {}{}",
-            AXES[ENVIRONMENT].plural,
-            of.unresolved(n)
-        ),
+    let times = estimated(&best.mean).unit(" times");
+    let among = format!("Of the {}, ", frame.names.plural(one.axis));
+    if one.resolved().len() == 1 {
+        statement![
+            name,
+            " has ",
+            times.strong(),
+            " the ",
+            metric,
+            " of ",
+            base,
+            wins(frame, one, &best.ratios),
+            "."
+        ]
+    } else if best.mean.value < 1.0 {
+        statement![
+            among,
+            name,
+            " errs least: it has ",
+            times,
+            " the ",
+            metric,
+            " of ",
+            base,
+            wins(frame, one, &best.ratios),
+            "."
+        ]
+    } else {
+        statement![
+            among,
+            "the base ",
+            base,
+            " errs least; the next, ",
+            name,
+            ", has ",
+            times,
+            " its ",
+            metric,
+            "."
+        ]
+    }
+}
+
+/// "; less under 7 of 10 environments": where a value is better.
+fn wins(frame: &Frame, one: &AxisEffects, ratios: &Numbers) -> Statement {
+    let Wins { below, all } = ratios.winning_environments();
+    let environments = AXES[ENVIRONMENT].plural;
+    if all == 1 {
+        let light = ratios.light(frame, "");
+        let Wins { below, all } = ratios.winning_images();
+        if below == 0 || below == all {
+            return light;
+        }
+        return statement![
+            light,
+            "; less in ",
+            Number::Count(below as u64),
+            " of ",
+            Number::Count(all as u64),
+            " images"
+        ];
+    }
+    let all_number = Number::Count(all as u64);
+    let count = if below == 0 {
+        statement!["; more under each of ", all_number]
+    } else {
+        let below = Number::Count(below as u64);
+        statement!["; less under ", below, " of ", all_number]
     };
-    let tried = of.resolved().len();
-    let among = format!("Of the {}", frame.names.plural(of.axis));
-    match tried {
-        1 => format!("{name} has **{times} times**{interval} the `{metric}` of {base}{wins}."),
-        _ if ratio.value < 1.0 => {
-            format!(
-                "{among}, {name} errs least: it has {times} times{interval} the `{metric}` of \
-                 {base}{wins}."
-            )
-        }
-        _ => {
-            format!(
-                "{among}, the base {base} errs least; the next, {name}, has {times} \
-                 times{interval} its `{metric}`."
-            )
-        }
-    }
+    statement![count, format!(" {environments}"), one.unresolved(all)]
 }
 
 /// By [`Frame::row_axis`] and environment for a single value; else one row per value.
-fn digest(frame: &Frame, all: &[OfAxis]) -> Table {
-    let words = &with_interval;
-    let resolved: Vec<_> = all.iter().map(|of| (of, of.resolved())).collect();
-    if let [(_, only)] = &resolved[..]
-        && let [(_, numbers)] = &only[..]
+fn digest(frame: &Frame, all: &[AxisEffects]) -> Table {
+    let resolved: Vec<Vec<ValueRatios>> = all.iter().map(AxisEffects::resolved).collect();
+    if let [only] = &resolved[..]
+        && let [value] = &only[..]
     {
-        return numbers.digest(frame, words);
+        return value.ratios.digest(frame, &with_interval);
     }
-    let (along, names) = (frame.row_axis(), &frame.names);
-    let mut widths = values(
-        all.iter()
-            .flat_map(|of| &of.effects)
-            .map(|effect| effect.row),
-        along,
-    );
-    widths.retain(|width| *width != Value::Unset);
-    let heads = widths.iter().map(|width| names.heading(along, width));
-    let first = ["axis", "value", "base"]
-        .map(str::to_owned)
-        .into_iter()
-        .chain(heads);
-    let mut table = Table::with_names(first.chain([ALL, "wins under"].map(str::to_owned)));
-    for (of, value, numbers) in resolved
-        .iter()
-        .flat_map(|(of, own)| own.iter().map(move |(value, n)| (of, value, n)))
-    {
-        let mut row = cells![
-            AXES[of.axis].name,
-            names.short(of.axis, value),
-            names.short(of.axis, &of.base)
-        ];
-        row.extend(widths.iter().map(|width| {
-            numbers
-                .at(along, width)
-                .cell(frame, &|all| number(all.value))
-        }));
-        row.push(numbers.pooled(frame).map(|all| words(&all)).into());
-        let [wins, n] = numbers.wins();
-        row.push(format!("{wins} of {n}").into());
-        table.row(row);
+    let names = &frame.names;
+    let row_axis = frame.row_axis();
+    let rows = all.iter().flat_map(|one| &one.effects);
+    let mut steps = values(rows.map(|effect| effect.row), row_axis);
+    steps.retain(|value| *value != Value::Unset);
+    let mut heads = ["axis", "value", "base"].map(str::to_owned).to_vec();
+    heads.extend(steps.iter().map(|value| names.heading(row_axis, value)));
+    heads.extend([ALL, "wins under"].map(str::to_owned));
+    let mut table = Table::with_names(heads);
+    for (one, values) in all.iter().zip(&resolved) {
+        for ValueRatios { value, ratios } in values {
+            let mut row = cells![
+                AXES[one.axis].name,
+                names.short(one.axis, value),
+                names.short(one.axis, &one.base)
+            ];
+            for step in &steps {
+                let ratios = ratios.with_value(row_axis, step);
+                row.push(ratios.cell(frame, &|all| number(all.value)));
+            }
+            row.push(ratios.pooled(frame).as_ref().map(with_interval).into());
+            let Wins { below, all } = ratios.winning_environments();
+            row.push(format!("{below} of {all}").into());
+            table.row(row);
+        }
     }
     table.without_empty()
 }
 
+/// What the panels of the figure share.
+struct Drawing<'a, 'f> {
+    frame: &'a Frame<'f>,
+    axis: AxisId,
+    /// The compared values: a series each.
+    compared: Vec<Value>,
+    /// The values of the row axis.
+    steps: Vec<Value>,
+}
+
 /// One panel per environment, after their mean: the ratio by [`Frame::row_axis`], one colour per
 /// value.
-fn figure(frame: &Frame, of: &OfAxis) -> Option<Figure> {
-    let judged = distinct_in_order(of.effects.iter().map(|effect| effect.value.clone()));
-    let (along, names) = (frame.row_axis(), &frame.names);
-    let widths = values(of.effects.iter().map(|effect| effect.row), along);
-    let panel = |(light, own): (Value, Vec<&Effect>)| {
-        let mut marks = vec![Mark::neutral(Form::HorizontalRule(1.0))];
-        for (value, own) in grouped(own, |effect| effect.value.clone()) {
-            let mut by_width = grouped(own, |effect| effect.row.point[along].clone());
-            by_width.sort_by(|(a, _), (b, _)| step(&widths, a).total_cmp(&step(&widths, b)));
-            let dots = by_width.iter().map(|(width, own)| {
-                let ratio =
-                    geometric_mean(&own.iter().map(|effect| effect.ratio).collect::<Vec<_>>());
-                let tip = format!(
-                    "{}, {}: {} times",
-                    names.said(of.axis, &value),
-                    names.said(along, width),
-                    number(ratio)
-                );
-                dot(
-                    [step(&widths, width), ratio],
-                    step(&judged, &value) as usize,
-                    tip,
-                    own[0].row,
-                )
-            });
-            marks.extend(joined(dots.collect()));
-        }
-        (light, marks)
+fn figure(frame: &Frame, one: &AxisEffects) -> Option<Figure> {
+    let row_axis = frame.row_axis();
+    let drawing = Drawing {
+        frame,
+        axis: one.axis,
+        compared: distinct_in_order(one.effects.iter().map(|effect| effect.value.clone())),
+        steps: values(one.effects.iter().map(|effect| effect.row), row_axis),
     };
-    let resolved = of.resolved();
-    let summed = || {
-        let line = |(value, own): &(Value, Numbers)| {
-            let dots = widths.iter().flat_map(|width| {
-                let name = format!(
-                    "{}, {}",
-                    names.said(of.axis, value),
-                    names.said(along, width)
-                );
-                let at = |ratio: f64| [step(&widths, width), ratio];
-                own.at(along, width).marks(
-                    step(&judged, value) as usize,
-                    at,
-                    (&name, &with_interval),
-                )
-            });
-            joined(dots.collect())
-        };
-        std::iter::once(Mark::neutral(Form::HorizontalRule(1.0)))
-            .chain(resolved.iter().flat_map(line))
-            .collect()
+    let resolved = one.resolved();
+    let first = match resolved.first() {
+        Some(first) => first.ratios.clone(),
+        None => Numbers::ratios([]),
     };
-    let lead = resolved
-        .first()
-        .map_or_else(|| Numbers::ratios([]), |(_, own)| own.clone());
-    let lights = grouped(&of.effects, |effect| effect.row.point[ENVIRONMENT].clone())
-        .into_iter()
-        .map(panel)
-        .collect();
+    let mut lights = Vec::new();
+    for (light, effects) in grouped(&one.effects, |effect| effect.row.point[ENVIRONMENT].clone()) {
+        let marks = drawing.images(effects);
+        lights.push(LightMarks { light, marks });
+    }
     Chart {
-        title: &format!("Effect of {}", AXES[of.axis].name),
+        title: &format!("Effect of {}", AXES[one.axis].name),
         note: format!(
             "Error over the error of {}; below 1 is better{}",
-            names.short(of.axis, &of.base),
-            if lead.is_summed() { INTERVAL } else { "" }
+            frame.names.short(one.axis, &one.base),
+            if first.has_interval() { INTERVAL } else { "" }
         ),
-        x: Along::values(frame, along, &widths),
-        y: Along::Log(&format!("{} over the base", frame.metric_name())),
-        panels: light_panels(frame, &lead, summed, lights),
-        series: judged
+        x: ChartAxis::values(frame, row_axis, &drawing.steps),
+        y: ChartAxis::Log(&format!("{} over the base", frame.metric_name())),
+        panels: light_panels(frame, &first, || drawing.averages(&resolved), lights),
+        series: drawing
+            .compared
             .iter()
-            .map(|value| names.said(of.axis, value))
+            .map(|value| {
+                let name = frame.names.in_sentence(one.axis, value);
+                if one.axis == METHOD {
+                    method_series(name, value.text(), false)
+                } else {
+                    solid(name)
+                }
+            })
             .collect(),
     }
     .figure()
+}
+
+impl Drawing<'_, '_> {
+    fn series(&self, value: &Value) -> usize {
+        step(&self.compared, value) as usize
+    }
+
+    /// "sampled, alpha 0.1".
+    fn name(&self, value: &Value, row_value: &Value) -> String {
+        let names = &self.frame.names;
+        format!(
+            "{}, {}",
+            names.in_sentence(self.axis, value),
+            names.in_sentence(self.frame.row_axis(), row_value)
+        )
+    }
+
+    /// The mean over environments of each value.
+    fn averages(&self, resolved: &[ValueRatios]) -> Vec<Mark> {
+        let row_axis = self.frame.row_axis();
+        let mut marks = vec![Mark::neutral(Form::HorizontalRule(1.0))];
+        for ValueRatios { value, ratios } in resolved {
+            let mut dots = Vec::new();
+            for (index, row_value) in self.steps.iter().enumerate() {
+                dots.extend(ratios.with_value(row_axis, row_value).marks(
+                    self.series(value),
+                    &self.name(value, row_value),
+                    |ratio| [index as f64, ratio],
+                    &with_interval,
+                ));
+            }
+            marks.extend(joined(dots));
+        }
+        marks
+    }
+
+    /// The images under one environment.
+    fn images(&self, effects: Vec<&Effect>) -> Vec<Mark> {
+        let row_axis = self.frame.row_axis();
+        let mut marks = vec![Mark::neutral(Form::HorizontalRule(1.0))];
+        for (value, effects) in grouped(effects, |effect| effect.value.clone()) {
+            let mut by_step = grouped(effects, |effect| {
+                step(&self.steps, &effect.row.point[row_axis]) as usize
+            });
+            by_step.sort_by_key(|(index, _)| *index);
+            let mut dots = Vec::new();
+            for (index, effects) in by_step {
+                let ratios: Vec<f64> = effects.iter().map(|effect| effect.ratio).collect();
+                let ratio = geometric_mean(&ratios);
+                let name = self.name(&value, &self.steps[index]);
+                let tip = format!("{name}: {} times", number(ratio));
+                let position = [index as f64, ratio];
+                dots.push(dot(position, self.series(&value), tip, effects[0].row));
+            }
+            marks.extend(joined(dots));
+        }
+        marks
+    }
 }

@@ -33,93 +33,97 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
         .then_some("reference.method is none: the difference is the missing term")
 }
 
-/// One way in one case, over all point sets.
+/// One method, at one sample count, in one case, over all point sets.
 struct Case<'r, 'f> {
     row: &'r Row<'f>,
-    way: String,
+    /// As [`Frame::variant`].
+    variant: String,
     error: f64,
     is_resolved: bool,
 }
 
 fn cases<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>]) -> Vec<Case<'r, 'f>> {
     let luck = frame.swept(&[Part::Luck, Part::Display]);
-    let axes: Vec<AxisId> = AXES.ids().filter(|of| !luck.contains(of)).collect();
-    let rows: Vec<&'r Row<'f>> = images
-        .iter()
-        .copied()
-        .filter(|row| frame.error(row).is_some())
-        .collect();
-    let case = |(_, rows): (_, Vec<&'r Row<'f>>)| Case {
-        row: rows[0],
-        way: frame.way(rows[0]),
-        error: geometric_mean(
-            &rows
-                .iter()
-                .filter_map(|row| frame.error(row))
-                .collect::<Vec<_>>(),
-        ),
-        is_resolved: rows.iter().all(|row| frame.is_resolved(row)),
-    };
-    by(&rows, &axes).into_iter().map(case).collect()
+    let axes: Vec<AxisId> = AXES.ids().filter(|axis| !luck.contains(axis)).collect();
+    let mut rows = images.to_vec();
+    rows.retain(|row| frame.error(row).is_some());
+    let mut cases = Vec::new();
+    for (_, rows) in group_by_axes(&rows, &axes) {
+        let errors: Vec<f64> = rows.iter().filter_map(|row| frame.error(row)).collect();
+        cases.push(Case {
+            row: rows[0],
+            variant: frame.variant(rows[0]),
+            error: geometric_mean(&errors),
+            is_resolved: rows.iter().all(|row| frame.is_resolved(row)),
+        });
+    }
+    cases
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
     let images = frame.images();
     let all = cases(frame, &images);
-    let has_methods = images.iter().any(|row| !row.has_no_method());
-    let is_fixed =
-        |case: &&Case| case.row.samples().is_none() && !(has_methods && case.row.has_no_method());
-    let largest = || {
-        all.iter().reduce(|a, b| {
-            if b.row.samples() > a.row.samples() {
-                b
-            } else {
-                a
-            }
-        })
-    };
-    let lead = &all.iter().find(is_fixed).or_else(largest)?.way;
-    let columns = [&frame.table_axes()[..], &[METHOD, SAMPLES]].concat();
-    let mut table = Table::new(&columns, QUESTION.columns);
+    let leading = leading(&images, &all)?;
+    let axes = [&frame.table_axes()[..], &[METHOD, SAMPLES]].concat();
+    let mut table = Table::new(&axes, QUESTION.columns);
     for case in &all {
-        let floor = frame.noise_floor(case.row);
-        let own = cells![
+        let mut row = case.row.cells(&axes);
+        row.extend(cells![
             case.error,
-            floor,
+            frame.noise_floor(case.row),
             case.is_resolved,
             rms_percent(frame, case.error)
-        ];
-        table.row([case.row.cells(&columns), own].concat());
+        ]);
+        table.row(row);
     }
     Some(Finding {
-        sentence: sentence(frame, lead, &all)?,
-        digest: Some(digest(frame, lead, &all)),
+        sentences: sentences(frame, leading, &all)?,
+        digest: Some(digest(frame, &leading.variant, &all)),
         table,
         figure: figure(frame, &all),
     })
 }
 
-fn numbers<'r, 'f>(cases: &[Case<'r, 'f>], way: &str) -> Numbers<'r, 'f> {
+/// The first case of the leading method.
+fn leading<'c, 'r, 'f>(images: &[&Row], all: &'c [Case<'r, 'f>]) -> Option<&'c Case<'r, 'f>> {
+    let has_methods = images.iter().any(|row| !row.has_no_method());
+    let is_fixed =
+        |case: &Case| case.row.samples().is_none() && !(has_methods && case.row.has_no_method());
+    let fixed = all.iter().find(|case| is_fixed(case));
+    fixed.or_else(|| {
+        let largest = all.iter().reduce(|a, b| {
+            if b.row.samples() > a.row.samples() {
+                b
+            } else {
+                a
+            }
+        })?;
+        all.iter().find(|case| case.variant == largest.variant)
+    })
+}
+
+fn numbers<'r, 'f>(cases: &[Case<'r, 'f>], variant: &str) -> Numbers<'r, 'f> {
+    let cases = cases.iter().filter(|case| case.variant == variant);
     Numbers::new(
-        cases
-            .iter()
-            .filter(|case| case.way == way)
-            .map(|case| (case.row, case.error)),
+        cases.map(|case| (case.row, case.error)),
         Middle::GeometricMean,
     )
 }
 
 /// The leading method by [`Frame::row_axis`] and environment; if the axis has one value, every
 /// method by environment.
-fn digest(frame: &Frame, lead: &str, all: &[Case]) -> Table {
-    let words = |mean: &Estimate| with_rms(frame, mean.value) + &interval_words(mean, number);
+fn digest(frame: &Frame, leading: &str, all: &[Case]) -> Table {
+    let words = |mean: &Estimate| error_with_interval(frame, mean);
     if frame.shape.is_swept(frame.row_axis()) {
-        return numbers(all, lead).digest(frame, &words);
+        return numbers(all, leading).digest(frame, &words);
     }
-    let ways = distinct_in_order(all.iter().map(|case| case.way.clone()));
-    let rows: Vec<_> = ways
-        .iter()
-        .map(|way| (cells![way.as_str()], numbers(all, way)))
+    let variants = distinct_in_order(all.iter().map(|case| &case.variant));
+    let rows: Vec<DigestRow> = variants
+        .into_iter()
+        .map(|variant| DigestRow {
+            head: cells![variant.as_str()],
+            numbers: numbers(all, variant),
+        })
         .collect();
     by_light(frame, &[AXES[METHOD].name], &rows, &words)
 }
@@ -127,146 +131,189 @@ fn digest(frame: &Frame, lead: &str, all: &[Case]) -> Table {
 /// Smaller ratios of errors are not mentioned.
 const CHANGE_MIN: f64 = 2.0;
 
-fn sentence(frame: &Frame, lead: &str, all: &[Case]) -> Option<String> {
-    let errors = numbers(all, lead);
-    let (mean, first) = (
-        errors.estimate()?,
-        all.iter().find(|case| case.way == lead)?.row,
-    );
-    let scope = match mean.n {
-        1 => {
-            let [scene, light] =
-                [SCENE, ENVIRONMENT].map(|of| frame.names.short(of, &first.point[of]));
-            format!(" on {scene} under {light}")
-        }
-        n => format!(" (geometric mean of {n} {})", AXES[ENVIRONMENT].plural),
-    };
-    let (value, percent) = (number(mean.value), rms_percent(frame, mean.value));
-    let rms = percent.map_or_else(String::new, |percent| {
-        format!(", about **{} % rms**", number(percent))
-    });
-    let value = if percent.is_some() {
-        value
+fn sentences(frame: &Frame, leading: &Case, all: &[Case]) -> Option<Sentences> {
+    let errors = numbers(all, &leading.variant);
+    let mean = errors.estimate()?;
+    let cases = if mean.n == 1 {
+        let short = |axis: AxisId| frame.names.short_phrase(axis, &leading.row.point[axis]);
+        statement![" on ", short(SCENE), " under ", short(ENVIRONMENT)]
     } else {
-        format!("**{value}**")
+        let n = Number::Count(mean.n as u64);
+        let plural = AXES[ENVIRONMENT].plural;
+        statement![" (geometric mean of ", n, format!(" {plural})")]
     };
-    let interval = interval_words(&mean, number);
-    let text = format!(
-        "The `{}` of `{lead}` is {value}{interval}{rms}{scope}.",
-        frame.metric_name()
-    );
-    let extremes = errors.extremes(frame, "it", CHANGE_MIN, |error| with_rms(frame, error));
-    let end = match all.iter().any(|case| case.way == lead && case.is_resolved) {
-        false => " This is within the reference's noise: the true error may be smaller.".to_owned(),
-        true => errors.scope(frame),
+    let error = estimated(&mean);
+    let error = match rms_percent(frame, mean.value) {
+        Some(percent) => {
+            let rms = Quantity::rounded(percent).unit(" % rms").strong();
+            statement![error, ", about ", rms]
+        }
+        None => error.strong().into(),
     };
-    Some(text + &extremes + &end)
+    let headline = statement![
+        "The ",
+        Phrase::Metric(frame.metric_name()),
+        " of ",
+        Phrase::Method(leading.variant.clone()),
+        " is ",
+        error,
+        cases,
+        "."
+    ];
+    let extremes = errors.extremes(frame, "it", CHANGE_MIN, |error| {
+        error_statement(frame, error)
+    });
+    let sentences = Sentences::new(headline);
+    let is_resolved = all
+        .iter()
+        .any(|case| case.variant == leading.variant && case.is_resolved);
+    if is_resolved {
+        let sentences = sentences.with_details(extremes);
+        Some(sentences.with_scope(errors.scope(frame)))
+    } else {
+        let noise = "This is within the reference's noise: the true error may be smaller.".into();
+        Some(sentences.with_details(extremes.into_iter().chain([noise])))
+    }
 }
 
 /// Most sample counts of a method in the figure: the fewest, the middle one and the most.
 const COUNTS_SHOWN: usize = 3;
 
-/// Dots by [`Frame::row_axis`] if its values are numbers, else by way; one panel per environment,
-/// after their mean.
+/// The figure's variants and its horizontal axis.
+struct Drawing<'a, 'f> {
+    frame: &'a Frame<'f>,
+    variants: Vec<String>,
+    /// Whether the values of the row axis are positive numbers, which then are the axis of the
+    /// figure.
+    is_by_size: bool,
+}
+
+/// Dots by [`Frame::row_axis`] if its values are numbers, else by variant; one panel per
+/// environment, after their mean.
 fn figure(frame: &Frame, all: &[Case]) -> Option<Figure> {
-    let ways = shown_ways(all);
-    let shown = all.iter().filter(|case| ways.contains(&case.way));
-    let (of, axes) = (frame.row_axis(), frame.case_axes());
-    let size = |value: &Value| {
-        frame
-            .names
-            .shown(of, value)
-            .size()
-            .filter(|size| *size > 0.0)
+    let row_axis = frame.row_axis();
+    let row_values = &frame.shape.values[row_axis];
+    let drawing = Drawing {
+        frame,
+        variants: shown_variants(all),
+        is_by_size: frame.shape.is_swept(row_axis)
+            && row_values.iter().all(|value| size(frame, value).is_some()),
     };
-    let is_by_size = frame.shape.is_swept(of)
-        && frame.shape.values[of]
-            .iter()
-            .all(|value| size(value).is_some());
-    let mark = |case: &Case| {
-        let series = ways.iter().position(|way| *way == case.way)?;
-        let x = size(&case.row.point[of])
-            .filter(|_| is_by_size)
-            .unwrap_or(step(&ways, &case.way));
-        let label = frame.names.label(&axes, &case.row.key(&axes));
-        let tip = format!("{}: {} · {label}", case.way, with_rms(frame, case.error));
-        Some(dot([x, case.error], series, tip, case.row))
-    };
-    let panel = |(light, own): (Value, Vec<&Case>)| {
-        let light = if frame.shape.is_swept(ENVIRONMENT) {
-            light
-        } else {
-            Value::Unset
-        };
-        (light, own.into_iter().filter_map(mark).collect())
-    };
-    let words = |mean: &Estimate| with_rms(frame, mean.value) + &interval_words(mean, number);
-    let summed = || {
-        let of_way = |(series, way): (usize, &String)| {
-            let own = numbers(all, way);
-            if !is_by_size {
-                return own.marks(series, |error| [series as f64, error], (way, &words));
-            }
-            let marks = own.values(of).into_iter().flat_map(|value| {
-                let (x, name) = (
-                    size(&value).unwrap_or(f64::NAN),
-                    format!("{way}, {}", frame.names.one(of, &value)),
-                );
-                own.at(of, &value)
-                    .marks(series, |error| [x, error], (&name, &words))
-            });
-            joined(marks.collect())
-        };
-        ways.iter().enumerate().flat_map(of_way).collect()
-    };
-    let is_shown = |case: &Case| ways.contains(&case.way);
-    let left_out = if all.iter().all(is_shown) {
+    let variants = &drawing.variants;
+    let shown = all.iter().filter(|case| variants.contains(&case.variant));
+    let mut lights = Vec::new();
+    for (light, cases) in grouped(shown, |case| case.row.point[ENVIRONMENT].clone()) {
+        lights.push(LightMarks {
+            light: if frame.shape.is_swept(ENVIRONMENT) {
+                light
+            } else {
+                Value::Unset
+            },
+            marks: cases
+                .into_iter()
+                .filter_map(|case| drawing.image(case))
+                .collect(),
+        });
+    }
+    let left_out = if all.iter().all(|case| variants.contains(&case.variant)) {
         ""
     } else {
         "; smallest, middle and largest sample count"
     };
-    let lead = numbers(all, &ways[0]);
-    let lights = grouped(shown, |case| case.row.point[ENVIRONMENT].clone())
-        .into_iter()
-        .map(panel)
-        .collect();
+    let first = numbers(all, &variants[0]);
+    let metric = frame.metric_name();
     Chart {
         title: "How wrong each method is",
-        note: match lead.is_summed() {
-            true => {
-                format!(
-                    "{}; first the geometric mean{INTERVAL}; other dots are images{left_out}",
-                    frame.metric_name()
-                )
-            }
-            false => format!("{}; each dot is an image{left_out}", frame.metric_name()),
-        },
-        x: if is_by_size {
-            Along::Log(frame.names.name(of))
+        note: if first.has_interval() {
+            format!("{metric}; first the geometric mean{INTERVAL}; other dots are images{left_out}")
         } else {
-            Along::Steps("", ways.clone())
+            format!("{metric}; each dot is an image{left_out}")
         },
-        y: Along::Log(frame.metric_name()),
-        panels: light_panels(frame, &lead, summed, lights),
-        series: ways.clone(),
+        x: if drawing.is_by_size {
+            ChartAxis::Log(frame.names.name(row_axis))
+        } else {
+            ChartAxis::Steps("", variants.clone())
+        },
+        y: ChartAxis::Log(metric),
+        panels: light_panels(frame, &first, || drawing.averages(all), lights),
+        series: variants
+            .iter()
+            .map(|variant| {
+                let case = all.iter().find(|case| case.variant == *variant);
+                let method = case.map_or_else(String::new, |case| case.row.text(METHOD));
+                method_series(variant, &method, false)
+            })
+            .collect(),
     }
     .figure()
 }
 
+/// A value of the row axis under the name that the experiment uses, if it is a positive number.
+fn size(frame: &Frame, value: &Value) -> Option<f64> {
+    let value = frame.names.shown(frame.row_axis(), value);
+    value.size().filter(|size| *size > 0.0)
+}
+
+impl Drawing<'_, '_> {
+    /// The dot of a case, which links to its image.
+    fn image(&self, case: &Case) -> Option<Mark> {
+        let frame = self.frame;
+        let series = self
+            .variants
+            .iter()
+            .position(|variant| *variant == case.variant)?;
+        let x = size(frame, &case.row.point[frame.row_axis()])
+            .filter(|_| self.is_by_size)
+            .unwrap_or(series as f64);
+        let axes = frame.case_axes();
+        let label = frame.names.label(&axes, &case.row.key(&axes));
+        let error = with_rms(frame, case.error);
+        let tip = format!("{}: {error} · {label}", case.variant);
+        Some(dot([x, case.error], series, tip, case.row))
+    }
+
+    /// The mean over environments of each variant.
+    fn averages(&self, all: &[Case]) -> Vec<Mark> {
+        let frame = self.frame;
+        let row_axis = frame.row_axis();
+        let words = |mean: &Estimate| error_with_interval(frame, mean);
+        let mut marks = Vec::new();
+        for (series, variant) in self.variants.iter().enumerate() {
+            let errors = numbers(all, variant);
+            if !self.is_by_size {
+                marks.extend(errors.marks(series, variant, |error| [series as f64, error], &words));
+                continue;
+            }
+            let mut dots = Vec::new();
+            for value in errors.values(row_axis) {
+                let x = size(frame, &value).unwrap_or(f64::NAN);
+                let label = frame.names.value_label(row_axis, &value);
+                dots.extend(errors.with_value(row_axis, &value).marks(
+                    series,
+                    &format!("{variant}, {label}"),
+                    |error| [x, error],
+                    &words,
+                ));
+            }
+            marks.extend(joined(dots));
+        }
+        marks
+    }
+}
+
 /// Methods without samples, and a few counts of each other method.
-fn shown_ways(all: &[Case]) -> Vec<String> {
-    let of_method = |(_, own): (Value, Vec<&Case>)| {
-        let mut counts = distinct_in_order(own.iter().filter_map(|case| case.row.samples()));
+fn shown_variants(all: &[Case]) -> Vec<String> {
+    let mut shown = Vec::new();
+    for (_, cases) in grouped(all, |case| case.row.point[METHOD].clone()) {
+        let mut counts = distinct_in_order(cases.iter().filter_map(|case| case.row.samples()));
         counts.sort_unstable();
         let last = counts.len().saturating_sub(1);
         if counts.len() > COUNTS_SHOWN {
-            counts = [0, last / 2, last].map(|place| counts[place]).to_vec();
+            counts = [0, last / 2, last].map(|index| counts[index]).to_vec();
         }
-        let is_kept = |case: &&Case| case.row.samples().is_none_or(|n| counts.contains(&n));
-        distinct_in_order(own.into_iter().filter(is_kept).map(|case| case.way.clone()))
-    };
-    grouped(all, |case| case.row.point[METHOD].clone())
-        .into_iter()
-        .flat_map(of_method)
-        .collect()
+        let is_shown = |case: &Case| case.row.samples().is_none_or(|n| counts.contains(&n));
+        let variants = cases.into_iter().filter(|case| is_shown(case));
+        shown.extend(distinct_in_order(variants.map(|case| case.variant.clone())));
+    }
+    shown
 }

@@ -5,10 +5,10 @@
 //! the error has the lag of the frames before.
 
 use super::break_even::{
-    HI, LO, METRIC, N, Pair, conditions, counted, digest, ends, lacks_counts, pairs, table,
+    Ends, HI, LO, METRIC, N, Pair, conditions, digest, lacks_counts, pairs, table,
 };
-use super::by_lookups::ratios;
-use super::numbers::middle_marks;
+use super::by_lookups::Ratios;
+use super::numbers::middle_dot;
 use super::prelude::*;
 use super::{FIXED, SAMPLED};
 
@@ -53,189 +53,263 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
 
 fn answer(frame: &Frame) -> Option<Finding> {
     let frame = &Frame {
-        along: FRAMES,
+        curve_axis: FRAMES,
         ..frame.like(frame.run, frame.metric_name())
     };
-    let (all, axes) = (pairs(frame), conditions(frame));
-    let finite = |x: f64| Cell::from(Some(x).filter(|x| x.is_finite()));
+    let all = pairs(frame);
+    let axes = conditions(frame);
     Some(Finding {
-        sentence: sentence(frame, &axes, &all)?,
-        table: table(frame, &axes, QUESTION.columns, &all, |own| {
-            own.last.map(finite).into()
-        }),
+        sentences: sentences(frame, &axes, &all)?,
+        table: table(frame, &axes, QUESTION.columns, &all, last_cells),
         digest: Some(digest(frame, &axes, &all, "frames")),
         figure: figure(frame),
     })
 }
 
-/// The words of a way to sample: "1 sample a frame, light".
-fn way(frame: &Frame, axes: &[AxisId], key: &[Value], is_shown: impl Fn(AxisId) -> bool) -> String {
-    let samples = axes
-        .iter()
-        .position(|axis| *axis == SAMPLES)
-        .map(|place| match &key[place] {
-            Value::Count(1) => "1 sample a frame".to_owned(),
-            count => format!("{count} samples a frame"),
-        });
-    let others = frame
-        .names
-        .label_where(axes, key, |axis| axis != SAMPLES && is_shown(axis));
-    commas([
-        samples.as_deref().unwrap_or(""),
-        &others.replace(" · ", ", "),
-    ])
+/// Error over the other method's, lag bias and flicker at the largest count.
+fn last_cells(pair: &Pair) -> Vec<Cell> {
+    let last = &pair.at_largest;
+    [last.ratio, last.lag_bias, last.flicker]
+        .map(|x| Cell::from(Some(x).filter(|x| x.is_finite())))
+        .into()
 }
 
-/// The range of the first pair, for its first way with its errors at the end, and then for the way
-/// with the most frames.
-fn sentence(frame: &Frame, axes: &[AxisId], all: &[Pair]) -> Option<String> {
-    let first = all.first()?;
-    let own = all
-        .iter()
-        .filter(|own| (&own.sampled, &own.fixed) == (&first.sampled, &first.fixed));
-    let ways = grouped(own, |own| {
-        way(frame, axes, &own.key, |axis| axis != frame.row_axis())
-    });
-    let counts = |own: &[&Pair]| {
-        let [least, most] = ends(own)?;
-        let count = |own: &Pair| counted(own.crossing.value, &own.tried);
-        let (least, most) = (count(least), count(most));
-        Some(if least == most {
-            least
-        } else {
-            format!("{least} to {most}")
-        })
-    };
-    let most = |own: &[&Pair]| own.iter().map(|own| own.crossing.value).fold(0.0, f64::max);
-    let (name, lead) = ways.first()?;
-    let slowest = ways
-        .iter()
-        .reduce(|a, b| if most(&b.1) > most(&a.1) { b } else { a })?;
-    let at = |name: &str| {
-        if name.is_empty() {
-            String::new()
-        } else {
-            format!(" with {name}")
+/// How a method samples: "1 sample a frame, light", by the axes with `is_shown`.
+fn sampling(
+    frame: &Frame,
+    axes: &[AxisId],
+    key: &[Value],
+    is_shown: impl Fn(AxisId) -> bool,
+) -> String {
+    let mut samples = String::new();
+    let mut other_axes = Vec::new();
+    let mut other_values = Vec::new();
+    for (&axis, value) in axes.iter().zip(key) {
+        if axis == SAMPLES {
+            samples = match value {
+                Value::Count(1) => "1 sample a frame".to_owned(),
+                count => format!("{count} samples a frame"),
+            };
+        } else if is_shown(axis) {
+            other_axes.push(axis);
+            other_values.push(value.clone());
         }
-    };
-    let slow = if slowest.0 == *name {
-        String::new()
+    }
+    let others = frame.names.comma_label(&other_axes, &other_values);
+    commas([&samples, &others])
+}
+
+/// " with 1 sample a frame"; empty without words.
+fn with(sampling: &str) -> Statement {
+    if sampling.is_empty() {
+        Statement::default()
     } else {
-        format!(" It needs {}{}.", counts(&slowest.1)?, at(&slowest.0))
+        statement![" with ", sampling]
+    }
+}
+
+/// The range of the first pair of methods, for its first sampling with its errors at the end, and
+/// then for the sampling with the most frames.
+fn sentences(frame: &Frame, axes: &[AxisId], all: &[Pair]) -> Option<Sentences> {
+    let first = all.first()?;
+    let same = all.iter().filter(|pair| pair.methods == first.methods);
+    let by_sampling = grouped(same, |pair| {
+        sampling(frame, axes, &pair.key, |axis| axis != frame.row_axis())
+    });
+    let (name, pairs) = by_sampling.first()?;
+    let extent = Ends::of(pairs)?.extent();
+    let (beats, end) = match extent.least {
+        Number::MoreThan(most) => (" does not beat ", {
+            let frames = Quantity::new(Number::Count(most)).unit(" frames").strong();
+            statement![" within ", frames]
+        }),
+        _ => (" beats ", {
+            let frames = Quantity::new(extent).unit(" frames").strong();
+            statement![" from ", frames, " on"]
+        }),
     };
-    let [most, end] = [
-        lead[0].tried.last()?.to_string(),
-        range(lead.iter().map(|own| own.last[0])),
+    let headline = statement![
+        Phrase::Method(first.methods.sampled.clone()),
+        beats,
+        Phrase::Method(first.methods.fixed.clone()),
+        " in ",
+        Phrase::Metric(first.metric),
+        end,
+        with(name),
+        "."
     ];
-    let count = counts(lead)?;
-    let beats = match count.strip_prefix("more than ") {
-        Some(most) => format!(
-            "does not beat `{}` in `{}` within **{most} frames**",
-            first.fixed, first.metric
-        ),
-        None => format!(
-            "beats `{}` in `{}` from **{count} frames** on",
-            first.fixed, first.metric
-        ),
-    };
-    let end = format!("After {most} frames it has {end} times the error.");
-    Some(format!(
-        "`{}` {beats}{}. {end}{slow}",
-        first.sampled,
-        at(name)
-    ))
+    let ratios = pairs.iter().map(|pair| pair.at_largest.ratio);
+    let mut details = vec![statement![
+        "After ",
+        Number::Count(pairs[0].tried.largest()?.into()),
+        " frames it has ",
+        Quantity::new(Extent::of(ratios)),
+        " times the error."
+    ]];
+    let (slowest, pairs) = by_sampling.iter().reduce(|a, b| {
+        if most_frames(&b.1) > most_frames(&a.1) {
+            b
+        } else {
+            a
+        }
+    })?;
+    if slowest != name {
+        details.push(statement![
+            "It needs ",
+            Quantity::new(Ends::of(pairs)?.extent()),
+            with(slowest),
+            "."
+        ]);
+    }
+    Some(Sentences::new(headline).with_details(details))
+}
+
+fn most_frames(pairs: &[&Pair]) -> f64 {
+    let crossings = pairs.iter().map(|pair| pair.crossing.value);
+    crossings.fold(0.0, f64::max)
+}
+
+/// The images of one method or of one sampling, in all panels.
+struct Curve<'r, 'f> {
+    name: String,
+    /// Whether the method has no samples.
+    is_fixed: bool,
+    rows: Vec<(&'r Row<'f>, f64)>,
+}
+
+impl Curve<'_, '_> {
+    /// The median ratio without samples, as a line across the panel.
+    fn rule(&self, series: usize, panel: &PanelKey) -> Option<Mark> {
+        let rows = self.rows.iter().copied();
+        let rows = rows.filter(|(row, _)| panel.contains(row));
+        let median = Numbers::new(rows, Middle::Median).estimate()?;
+        let rule = Mark::new(Form::HorizontalRule(median.value), series);
+        Some(rule.tip(format!("{}: {}", self.name, with_interval(&median))))
+    }
+
+    /// The median ratio by frames.
+    fn line(&self, series: usize, panel: &PanelKey) -> Vec<Mark> {
+        let rows = self.rows.iter().copied();
+        let rows = rows.filter(|(row, _)| panel.contains(row));
+        let mut dots = Vec::new();
+        for (count, rows) in grouped_ascending(rows, FRAMES, |(row, _)| row) {
+            let Some(median) = Numbers::new(rows, Middle::Median).estimate() else {
+                continue;
+            };
+            let name = format!("{}, {count} frames", self.name);
+            let position = [f64::from(count.count()), median.value];
+            dots.push(middle_dot(&median, series, &name, position, &with_interval));
+        }
+        joined(dots)
+    }
+
+    fn values(&self, axis: AxisId) -> Vec<Value> {
+        distinct_in_order(self.rows.iter().map(|(row, _)| row.point[axis].clone()))
+    }
+}
+
+/// What a panel shows.
+struct PanelKey {
+    row_axis: AxisId,
+    value: Value,
+    motion: Value,
+}
+
+impl PanelKey {
+    /// Images of one frame belong to every motion.
+    fn contains(&self, row: &Row) -> bool {
+        row.point[self.row_axis] == self.value
+            && agree(&row.key(&[MOTION]), std::slice::from_ref(&self.motion))
+    }
+}
+
+/// The methods without samples, then each sampling with several counts.
+fn curves<'r, 'f>(frame: &Frame, rows: Vec<(&'r Row<'f>, f64)>) -> Vec<Curve<'r, 'f>> {
+    let (fixed, sampled): (Vec<_>, Vec<_>) = rows
+        .into_iter()
+        .partition(|(row, _)| row.samples().is_none());
+    let mut axes = frame.swept(&[Part::Method, Part::Count, Part::Parameter]);
+    axes.retain(|axis| ![FRAMES, MOTION].contains(axis));
+    let mut by_key = grouped(sampled, |(row, _)| row.key(&axes));
+    by_key.retain(|(_, rows)| {
+        distinct_in_order(rows.iter().map(|(row, _)| &row.point[FRAMES])).len() > 2
+    });
+    // Axes on which the samplings differ.
+    let mut shown = Vec::new();
+    for (index, axis) in axes.iter().enumerate() {
+        if by_key
+            .iter()
+            .any(|(key, _)| key[index] != by_key[0].0[index])
+        {
+            shown.push(*axis);
+        }
+    }
+    let fixed = grouped(fixed, |(row, _)| row.text(METHOD))
+        .into_iter()
+        .map(|(name, rows)| Curve {
+            name,
+            is_fixed: true,
+            rows,
+        });
+    let sampled = by_key.into_iter().map(|(key, rows)| Curve {
+        name: sampling(frame, &axes, &key, |axis| shown.contains(&axis)),
+        is_fixed: false,
+        rows,
+    });
+    fixed.chain(sampled).collect()
 }
 
 /// Error over the first split sum's, against the frames: one panel per value of [`Frame::row_axis`]
-/// and motion, one line per way to sample with several counts. Methods without samples are dashed.
+/// and motion, one line per sampling with several counts. Methods without samples are dashed.
 fn figure(frame: &Frame) -> Option<Figure> {
-    let (images, names, of) = (frame.images(), &frame.names, frame.row_axis());
-    let (all, base) = ratios(frame, &images)?;
-    let (fixed, sampled): (Vec<_>, Vec<_>) = all
-        .into_iter()
-        .partition(|(row, _)| row.samples().is_none());
-    let axes = frame
-        .swept(&[Part::Method, Part::Count, Part::Parameter])
-        .into_iter();
-    let axes: Vec<AxisId> = axes
-        .filter(|axis| ![FRAMES, MOTION].contains(axis))
-        .collect();
-    let rows = |own: &[(&'_ Row, f64)], axis| {
-        distinct_in_order(own.iter().map(|(row, _)| row.point[axis].clone()))
-    };
-    let mut ways = grouped(sampled, |(row, _)| row.key(&axes));
-    ways.retain(|(_, own)| rows(own, FRAMES).len() > 2);
-    let differs = |place: usize| ways.iter().any(|(key, _)| key[place] != ways[0].0[place]);
-    let shown: Vec<AxisId> = (0..axes.len())
-        .filter(|place| differs(*place))
-        .map(|place| axes[place])
-        .collect();
-    let fixed = grouped(fixed, |(row, _)| row.text(METHOD));
-    let way = |key: &Key| way(frame, &axes, key, |axis| shown.contains(&axis));
-    let series = fixed
-        .iter()
-        .map(|(name, _)| name.clone())
-        .chain(ways.iter().map(|(key, _)| way(key)));
-    let series: Vec<String> = series.collect();
+    let images = frame.images();
+    let row_axis = frame.row_axis();
+    let Ratios { base, rows } = Ratios::new(frame, &images)?;
+    let curves = curves(frame, rows);
+    let fixed = curves.first().filter(|curve| curve.is_fixed)?;
+    let sampled = curves.iter().filter(|curve| !curve.is_fixed);
+    let motions = distinct_in_order(sampled.flat_map(|curve| curve.values(MOTION)));
     let mut panels = Vec::new();
-    for value in ascending(fixed.first().map(|(_, own)| rows(own, of))?) {
-        let motions = distinct_in_order(ways.iter().flat_map(|(_, own)| rows(own, MOTION)));
-        for motion in motions {
-            let is_own = |row: &Row| {
-                row.point[of] == value && fits(&row.key(&[MOTION]), std::slice::from_ref(&motion))
+    for value in ascending(fixed.values(row_axis)) {
+        for motion in &motions {
+            let key = PanelKey {
+                row_axis,
+                value: value.clone(),
+                motion: motion.clone(),
             };
-            let mut marks: Vec<Mark> = Vec::new();
-            for (place, (name, all)) in fixed.iter().enumerate() {
-                let Some(middle) = Numbers::new(
-                    all.iter().copied().filter(|(row, _)| is_own(row)),
-                    Middle::Median,
-                )
-                .estimate() else {
-                    continue;
-                };
-                let rule = Mark::new(Form::HorizontalRule(middle.value), place);
-                marks.push(rule.tip(format!("{name}: {}", with_interval(&middle))));
+            let mut marks = Vec::new();
+            for (series, curve) in curves.iter().enumerate() {
+                if curve.is_fixed {
+                    marks.extend(curve.rule(series, &key));
+                } else {
+                    marks.extend(curve.line(series, &key));
+                }
             }
-            for (place, (key, all)) in ways.iter().enumerate() {
-                let dot = |(count, own): (Value, Vec<(&Row, f64)>)| {
-                    let middle = Numbers::new(own, Middle::Median).estimate()?;
-                    let tip = format!("{}, {count} frames", way(key));
-                    let at = |y| [f64::from(count.count()), y];
-                    Some(
-                        middle_marks(&middle, fixed.len() + place, at, (&tip, &with_interval))
-                            .swap_remove(0),
-                    )
-                };
-                let counts = grouped_ascending(
-                    all.iter().copied().filter(|(row, _)| is_own(row)),
-                    FRAMES,
-                    |(row, _)| row,
-                );
-                marks.extend(joined(counts.into_iter().filter_map(dot).collect()));
-            }
-            panels.push((
-                commas([&names.heading(of, &value), &names.one(MOTION, &motion)]),
-                marks,
-            ));
+            let title = commas([
+                &frame.names.heading(row_axis, &value),
+                &frame.names.value_label(MOTION, motion),
+            ]);
+            panels.push(ChartPanel { title, marks });
         }
     }
-    let mut figure = Chart {
+    let metric = frame.metric_name();
+    Chart {
         title: "Error against frames",
-        note: commas([
-            frame.metric_name(),
-            &format!("relative to {base}"),
-            "median environment",
-        ]) + "; dashed: without samples; sampling wins where its line is below",
-        x: Along::Log("frames"),
-        y: Along::Log(&format!("relative {}", frame.metric_name())),
+        note: commas([metric, &format!("relative to {base}"), "median environment"])
+            + "; dashed: without samples; sampling wins where its line is below",
+        x: ChartAxis::Log("frames"),
+        y: ChartAxis::Log(&format!("relative {metric}")),
         panels,
-        series,
+        series: curves
+            .iter()
+            .map(|curve| {
+                if curve.is_fixed {
+                    method_series(&curve.name, &curve.name, true)
+                } else {
+                    solid(&curve.name)
+                }
+            })
+            .collect(),
     }
-    .figure()?;
-    figure
-        .series
-        .iter_mut()
-        .take(fixed.len())
-        .for_each(|own| own.is_dashed = true);
-    Some(figure)
+    .figure()
 }

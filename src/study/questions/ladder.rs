@@ -20,8 +20,8 @@ pub const QUESTION: Question = Question {
     name: "ladder",
     asks: "At which step does the error of the split sum arise?",
     columns: &[
-        SEEN_FROM,
-        SEEN_TO,
+        N_DOT_V_FROM,
+        N_DOT_V_TO,
         column(
             "rung",
             "The approximation: see docs/estimators.md, \"The ladder\".",
@@ -66,24 +66,22 @@ pub const QUESTION: Question = Question {
 };
 
 fn lacks(shape: &Shape) -> Option<&'static str> {
-    match () {
-        () if !shape.has_ladder => Some("the experiment has no section [ladder]"),
-        () if !shape.methods().any(|method| method.has_ladder) => {
-            Some("axes.method has no split-sum: only this method has steps")
-        }
-        () if !shape.values[SCENE]
-            .iter()
-            .any(|scene| is_design(&scene.to_string())) =>
-        {
-            Some(
-                "no scene is design, where every view sees the whole map; add it beside pictures: \
-                 design,my.obj",
-            )
-        }
-        () if shape.reference_method != REFERENCE => {
-            Some("reference.method is not reference: steps lead from the integral")
-        }
-        () => None,
+    let has_design = shape.values[SCENE]
+        .iter()
+        .any(|scene| is_design(&scene.to_string()));
+    if !shape.has_ladder {
+        Some("the experiment has no section [ladder]")
+    } else if !shape.methods().any(|method| method.has_ladder) {
+        Some("axes.method has no split-sum: only this method has steps")
+    } else if !has_design {
+        Some(
+            "no scene is design, where every view sees the whole map; add it beside pictures: \
+             design,my.obj",
+        )
+    } else if shape.reference_method != REFERENCE {
+        Some("reference.method is not reference: steps lead from the integral")
+    } else {
+        None
     }
 }
 
@@ -96,6 +94,9 @@ const RESOLVED: f64 = 10.0;
 
 const NOTHING: &str = "No error is above the reference's noise: there is nothing to attribute.";
 
+/// The step that ignores the view: n = v = r.
+const VIEW_STEP: &str = "view";
+
 /// One step of one image over a band of n·v.
 #[derive(Clone, Copy)]
 struct Resolved<'r, 'f> {
@@ -104,42 +105,41 @@ struct Resolved<'r, 'f> {
     error: f64,
 }
 
+/// The steps of each band whose error is far above the noise of all its steps.
 fn resolved<'r, 'f>(images: &[&'r Row<'f>]) -> Vec<Resolved<'r, 'f>> {
-    let of_image = |row: &'r Row<'f>| {
-        let bands = grouped(&row.cell.steps, |step| step.seen.map(f64::to_bits));
-        let of_band = |(_, steps): (_, Vec<&'f StepRow>)| {
+    let mut resolved = Vec::new();
+    for row in images.iter().copied() {
+        for (_, steps) in grouped(&row.cell.steps, |step| step.seen.map(f64::to_bits)) {
             let error = steps.last().map_or(0.0, |last| last.rung_error);
-            let is_resolved = steps.iter().all(|step| error > RESOLVED * step.noise);
-            steps
-                .into_iter()
-                .filter(|_| is_resolved)
-                .map(|step| Resolved { row, step, error })
-                .collect::<Vec<_>>()
-        };
-        bands.into_iter().flat_map(of_band).collect::<Vec<_>>()
-    };
-    images.iter().flat_map(|row| of_image(row)).collect()
+            if steps.iter().all(|step| error > RESOLVED * step.noise) {
+                resolved.extend(steps.into_iter().map(|step| Resolved { row, step, error }));
+            }
+        }
+    }
+    resolved
 }
 
 /// The images of one surface, at one value of [`Frame::row_axis`] and in one band of n·v.
 struct Group<'r, 'f> {
     /// "ggx · F0 1".
-    name: String,
-    width: Value,
+    surface: String,
+    /// "ggx, F0 1".
+    surface_with_commas: String,
+    row_value: Value,
     /// "alpha 0.25 (roughness 0.5)".
     heading: String,
-    seen: [f64; 2],
-    own: Vec<Resolved<'r, 'f>>,
+    n_dot_v: [f64; 2],
+    steps: Vec<Resolved<'r, 'f>>,
 }
 
 impl<'r, 'f> Group<'r, 'f> {
-    fn numbers(&self, step: &str, of: fn(&Resolved) -> f64) -> Numbers<'r, 'f> {
-        let own = self
-            .own
+    fn numbers(&self, step: &str, number: fn(&Resolved) -> f64) -> Numbers<'r, 'f> {
+        let steps = self
+            .steps
             .iter()
             .filter(|resolved| resolved.step.step == step);
         Numbers::new(
-            own.map(|resolved| (resolved.row, of(resolved))),
+            steps.map(|resolved| (resolved.row, number(resolved))),
             Middle::Mean,
         )
     }
@@ -153,367 +153,414 @@ impl<'r, 'f> Group<'r, 'f> {
         self.share(step).map_or(0.0, |share| share.value)
     }
 
+    /// The mean of a number over environments, with the digits of `steps.csv`.
+    fn rounded_mean(&self, step: &str, number: fn(&Resolved) -> f64) -> Option<f64> {
+        let mean = self.numbers(step, number).estimate()?;
+        Some(round_to_significant(mean.value, DIGITS))
+    }
+
     /// Whether environments are enough for an interval.
     fn is_pooled(&self, step: &str) -> bool {
         self.share(step)
             .is_some_and(|share| share.interval.is_some())
     }
 
-    fn place(&self) -> String {
-        [&self.name, &self.heading]
-            .into_iter()
-            .filter(|word| !word.is_empty())
-            .cloned()
-            .collect::<Vec<_>>()
-            .join(", ")
+    fn is_over_all_views(&self) -> bool {
+        self.n_dot_v == ALL_VIEWS
+    }
+
+    /// "ggx · F0 1, alpha 0.25 (roughness 0.5)".
+    fn condition(&self) -> String {
+        commas([&self.surface, &self.heading])
+    }
+
+    /// Of a panel of the figure.
+    fn title(&self) -> String {
+        if self.is_over_all_views() {
+            self.surface.clone()
+        } else {
+            commas([&self.surface_with_commas, &n_dot_v_words(self.n_dot_v)])
+        }
     }
 }
 
 fn groups<'r, 'f>(frame: &Frame, resolved: &[Resolved<'r, 'f>]) -> Vec<Group<'r, 'f>> {
-    let of = frame.row_axis();
-    let others: Vec<AxisId> = frame
-        .case_axes()
-        .into_iter()
-        .filter(|other| ![of, ENVIRONMENT, SCENE].contains(other))
-        .collect();
-    let of_name = |(key, own): (Key, Vec<Resolved<'r, 'f>>)| {
-        let name = frame.names.label(&others, &key);
-        let by_width = grouped_ascending(own, of, |resolved| resolved.row).into_iter();
-        by_width.flat_map(move |(width, own)| {
-            let group = |seen: [f64; 2]| {
-                let own: Vec<_> = own
-                    .iter()
-                    .filter(|resolved| resolved.step.seen == seen)
-                    .copied()
-                    .collect();
-                let heading = frame.names.heading(of, &width);
-                Group {
-                    name: name.clone(),
-                    width: width.clone(),
-                    heading,
-                    seen,
-                    own,
+    let row_axis = frame.row_axis();
+    let mut surface_axes = frame.case_axes();
+    surface_axes.retain(|axis| ![row_axis, ENVIRONMENT, SCENE].contains(axis));
+    let mut groups = Vec::new();
+    let by_surface = grouped(resolved.iter().copied(), |one| one.row.key(&surface_axes));
+    for (surface, steps) in by_surface {
+        for (row_value, steps) in grouped_ascending(steps, row_axis, |one| one.row) {
+            for n_dot_v in std::iter::once(ALL_VIEWS).chain(BANDS) {
+                let mut steps = steps.clone();
+                steps.retain(|resolved| resolved.step.seen == n_dot_v);
+                if steps.is_empty() {
+                    continue;
                 }
-            };
-            let all = std::iter::once(ALL_VIEWS).chain(BANDS).map(group);
-            all.filter(|group| !group.own.is_empty())
-                .collect::<Vec<_>>()
-        })
-    };
-    grouped(resolved.iter().copied(), |resolved| {
-        resolved.row.key(&others)
-    })
-    .into_iter()
-    .flat_map(of_name)
-    .collect()
+                groups.push(Group {
+                    surface: frame.names.label(&surface_axes, &surface),
+                    surface_with_commas: frame.names.comma_label(&surface_axes, &surface),
+                    row_value: row_value.clone(),
+                    heading: frame.names.heading(row_axis, &row_value),
+                    n_dot_v,
+                    steps,
+                });
+            }
+        }
+    }
+    groups
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
     let images = frame.images();
     let resolved = resolved(&images);
     if resolved.is_empty() && images.iter().any(|row| !row.cell.steps.is_empty()) {
-        let table = Table::new(&frame.table_axes(), QUESTION.columns);
         return Some(Finding {
-            sentence: NOTHING.to_owned(),
-            table,
+            sentences: Sentences::new(NOTHING.into()),
+            table: Table::new(&frame.table_axes(), QUESTION.columns),
             digest: None,
             figure: None,
         });
     }
     let groups = groups(frame, &resolved);
-    let steps: Vec<&str> =
-        distinct_in_order(resolved.iter().map(|resolved| resolved.step.step.as_str()));
+    let steps = resolved.iter().map(|one| one.step.step.as_str());
+    let steps: Vec<&str> = distinct_in_order(steps);
+    Some(Finding {
+        sentences: sentences(frame, &groups, &steps, &resolved)?,
+        table: table(frame, &groups, &steps),
+        digest: Some(digest(frame, &groups, &steps)),
+        figure: figure(&groups, &steps),
+    })
+}
+
+fn table(frame: &Frame, groups: &[Group], steps: &[&str]) -> Table {
     let axes = frame.table_axes();
     let mut table = Table::new(&axes, QUESTION.columns);
     // Each environment over all views; by view only without an average.
-    for group in &groups {
-        let own =
-            |resolved: &&Resolved| group.seen == ALL_VIEWS || !group.is_pooled(&resolved.step.step);
-        for Resolved { row, step, error } in group.own.iter().filter(own) {
-            let interval = [Cell::Missing, Cell::Missing];
-            let own = cells![step.seen[0], step.seen[1], step.step.as_str(), step.share];
-            let rest = cells![
+    for group in groups {
+        for Resolved { row, step, error } in &group.steps {
+            if !group.is_over_all_views() && group.is_pooled(&step.step) {
+                continue;
+            }
+            let mut cells = row.cells(&axes);
+            cells.extend(cells![
+                step.seen[0],
+                step.seen[1],
+                step.step.as_str(),
+                step.share,
+                Cell::Missing,
+                Cell::Missing,
                 step.first_in,
                 step.last_out,
                 step.shapley,
                 *error,
                 step.step_error
-            ];
-            table.row([row.cells(&axes), own, interval.to_vec(), rest].concat());
+            ]);
+            table.row(cells);
         }
     }
     // Averages over environments.
-    for group in &groups {
-        for step in &steps {
-            let Some(Estimate {
-                value,
-                interval: Some([lo, hi]),
-                ..
-            }) = group.share(step)
+    for group in groups {
+        for step in steps {
+            let Some((value, [lo, hi])) = group
+                .share(step)
+                .and_then(|share| Some((share.value, share.interval?)))
             else {
                 continue;
             };
-            let mean = |of| {
-                group
-                    .numbers(step, of)
-                    .estimate()
-                    .map(|all| round_to_significant(all.value, DIGITS))
-            };
-            let [value, lo, hi] = [value, lo, hi].map(|share| round_to_significant(share, DIGITS));
-            let mut key = group.own[0].row.key(&axes);
-            axes.iter()
-                .zip(&mut key)
-                .filter(|(of, _)| **of == ENVIRONMENT)
-                .for_each(|(_, value)| *value = ALL.into());
-            let own = cells![group.seen[0], group.seen[1], *step, value, lo, hi];
-            let rest = cells![
-                mean(|resolved| resolved.step.first_in),
-                mean(|resolved| resolved.step.last_out),
-                mean(|resolved| resolved.step.shapley),
-                mean(|resolved| resolved.error),
-                mean(|resolved| resolved.step.step_error)
-            ];
-            table.row([axis_cells(&axes, &key), own, rest].concat());
+            let mut key = group.steps[0].row.key(&axes);
+            for (axis, value) in axes.iter().zip(&mut key) {
+                if *axis == ENVIRONMENT {
+                    *value = ALL.into();
+                }
+            }
+            let mut cells = axis_cells(&axes, &key);
+            cells.extend(cells![
+                group.n_dot_v[0],
+                group.n_dot_v[1],
+                *step,
+                round_to_significant(value, DIGITS),
+                round_to_significant(lo, DIGITS),
+                round_to_significant(hi, DIGITS),
+                group.rounded_mean(step, |resolved| resolved.step.first_in),
+                group.rounded_mean(step, |resolved| resolved.step.last_out),
+                group.rounded_mean(step, |resolved| resolved.step.shapley),
+                group.rounded_mean(step, |resolved| resolved.error),
+                group.rounded_mean(step, |resolved| resolved.step.step_error)
+            ]);
+            table.row(cells);
         }
     }
-    Some(Finding {
-        sentence: sentence(frame, &groups, &steps, &resolved)?,
-        digest: Some(digest(frame, &groups, &steps)),
-        figure: figure(&groups, &steps),
-        table,
-    })
+    table
 }
 
-fn sentence(
+/// The groups in a band of n·v in which a step has its least and its largest mean share.
+struct Ends<'g, 'r, 'f> {
+    least: &'g Group<'r, 'f>,
+    most: &'g Group<'r, 'f>,
+}
+
+impl<'g, 'r, 'f> Ends<'g, 'r, 'f> {
+    fn of(groups: &'g [Group<'r, 'f>], n_dot_v: [f64; 2], step: &str) -> Option<Self> {
+        let band = || groups.iter().filter(|group| group.n_dot_v == n_dot_v);
+        let by_mean = |a: &&Group, b: &&Group| a.mean(step).total_cmp(&b.mean(step));
+        Some(Self {
+            least: band().min_by(by_mean)?,
+            most: band().max_by(by_mean)?,
+        })
+    }
+}
+
+fn sentences(
     frame: &Frame,
     groups: &[Group],
     steps: &[&str],
     resolved: &[Resolved],
-) -> Option<String> {
-    let at = |seen: [f64; 2]| groups.iter().filter(move |group| group.seen == seen);
-    let total = |step: &str| at(ALL_VIEWS).map(|group| group.mean(step)).sum::<f64>();
-    let lead = *steps.iter().max_by(|a, b| total(a).total_cmp(&total(b)))?;
-    let ends = |seen: [f64; 2], step: &str| {
-        let least = at(seen).min_by(|a, b| a.mean(step).total_cmp(&b.mean(step)))?;
-        let most = at(seen).max_by(|a, b| a.mean(step).total_cmp(&b.mean(step)))?;
-        Some([least, most].map(|group| (percent(group.mean(step)), group)))
+) -> Option<Sentences> {
+    let over_all_views = || groups.iter().filter(|group| group.is_over_all_views());
+    let total = |step: &str| over_all_views().map(|group| group.mean(step)).sum::<f64>();
+    let largest = *steps.iter().max_by(|a, b| total(a).total_cmp(&total(b)))?;
+    let ends = Ends::of(groups, ALL_VIEWS, largest)?;
+    let share = Extent {
+        least: Number::share(ends.least.mean(largest)),
+        most: Number::share(ends.most.mean(largest)),
     };
-    let [(least, place), (most, _)] = ends(ALL_VIEWS, lead)?;
-    let share = if least == most {
-        least
+    let name = if largest == VIEW_STEP {
+        "step n = v = r".to_owned()
     } else {
-        format!("{least} to {most}")
+        format!("step of {largest}")
     };
-    let at_least = if at(ALL_VIEWS).count() > 1 {
+    let at_least = if over_all_views().count() > 1 {
         ", least at "
     } else {
         " at "
     };
-    let mut text = format!(
-        "**The {} causes {share}** of the split sum's `relmse` on scene `design`{at_least}{}.",
-        says(lead),
-        place.place()
-    );
-    // The views at which it causes least of the error.
-    let by_view = BANDS
+    let headline = statement![
+        statement![format!("The {name} causes "), Quantity::new(share)].strong(),
+        " of the split sum's ",
+        Phrase::Metric("relmse"),
+        " on scene ",
+        Phrase::Code("design".to_owned()),
+        at_least,
+        ends.least.condition(),
+        "."
+    ];
+    let details = weakest_view(groups, steps, largest)
         .into_iter()
-        .filter_map(|seen| Some((seen, ends(seen, lead)?)));
-    let weakest =
-        by_view.min_by(|(_, [a, _]), (_, [b, _])| a.1.mean(lead).total_cmp(&b.1.mean(lead)));
-    if let Some((seen, [(least, group), _])) = weakest {
-        let other = steps.iter().filter(|step| **step != lead);
-        let next = other.max_by(|a, b| group.mean(a).total_cmp(&group.mean(b)));
-        let next = next.map_or(String::new(), |step| {
-            format!(", {} {}", step, percent(group.mean(step)))
-        });
-        text += &format!(
-            " At {} and {} it causes {least}{next}.",
-            view(seen),
-            group.place()
-        );
-    }
-    let drawn = resolved
-        .iter()
-        .filter(|resolved| resolved.step.seen == ALL_VIEWS)
-        .map(|resolved| resolved.step.share_error);
-    let noise = 2.0 * drawn.fold(0.0, f64::max);
-    if noise > 0.0 {
-        text += &format!(
-            " Sampling noise changes no share over all views by more than {}.",
-            percent(noise)
-        );
-    }
+        .chain(noise(resolved));
     let lights = Numbers::new(
         resolved.iter().map(|resolved| (resolved.row, 1.0)),
         Middle::GeometricMean,
     );
-    Some(text + &lights.scope(frame))
+    Some(
+        Sentences::new(headline)
+            .with_details(details)
+            .with_scope(lights.scope(frame)),
+    )
 }
 
-fn says(step: &str) -> String {
-    if step == "view" {
-        "step n = v = r".to_owned()
-    } else {
-        format!("step of {step}")
-    }
+/// The band of n·v in which a step causes least of the error, with the largest other step there.
+fn weakest_view(groups: &[Group], steps: &[&str], largest: &str) -> Option<Statement> {
+    let weakest = BANDS
+        .into_iter()
+        .filter_map(|n_dot_v| Some(Ends::of(groups, n_dot_v, largest)?.least))
+        .min_by(|a, b| a.mean(largest).total_cmp(&b.mean(largest)))?;
+    let next = steps
+        .iter()
+        .filter(|step| **step != largest)
+        .max_by(|a, b| weakest.mean(a).total_cmp(&weakest.mean(b)));
+    let next = next.map(|step| {
+        let share = Number::share(weakest.mean(step));
+        statement![format!(", {step} "), share]
+    });
+    Some(statement![
+        format!(
+            "At {} and {} it causes ",
+            n_dot_v_words(weakest.n_dot_v),
+            weakest.condition()
+        ),
+        Number::share(weakest.mean(largest)),
+        next,
+        "."
+    ])
+}
+
+/// How far sampling noise changes a share over all views.
+fn noise(resolved: &[Resolved]) -> Option<Statement> {
+    let errors = resolved
+        .iter()
+        .filter(|resolved| resolved.step.seen == ALL_VIEWS)
+        .map(|resolved| resolved.step.share_error);
+    let noise = 2.0 * errors.fold(0.0, f64::max);
+    (noise > 0.0).then(|| {
+        statement![
+            "Sampling noise changes no share over all views by more than ",
+            Number::share(noise),
+            "."
+        ]
+    })
 }
 
 /// Smaller shares are written as 0.
 const NOISE: f64 = 5e-4;
 
+fn without_noise(share: f64) -> f64 {
+    if share.abs() < NOISE { 0.0 } else { share }
+}
+
 /// "97 % ± 3", "-2.1 %"; if environments disagree about the sign, "-19 to 24 %".
 fn share_words(share: &Estimate) -> String {
-    let rounded = |share: f64| if share.abs() < NOISE { 0.0 } else { share };
-    let [lo, hi] = share.ends.map(rounded);
+    let [lo, hi] = share.ends.map(without_noise);
     if lo < 0.0 && hi > 0.0 && hi - lo > 2.0 * NOISE {
-        return range_words([lo, hi], |x| number(100.0 * x)) + " %";
+        return percent_extent([lo, hi]).to_string();
     }
+    let mean = percent(without_noise(share.value));
     let half = share
         .interval
-        .map(|[lo, hi]| rounded(0.5 * (hi - lo)))
+        .map(|[lo, hi]| without_noise(0.5 * (hi - lo)))
         .filter(|half| *half > 0.0);
-    let half = half.map_or(String::new(), |half| format!(" ± {}", number(100.0 * half)));
-    format!("{}{half}", percent(rounded(share.value)))
+    match half {
+        Some(half) => format!("{mean} ± {}", number(100.0 * half)),
+        None => mean,
+    }
 }
 
 /// One row per value of [`Frame::row_axis`] over all views, then one per end of n·v with the range
 /// over these values.
 fn digest(frame: &Frame, groups: &[Group], steps: &[&str]) -> Table {
-    let of = [frame.row_axis()];
-    let rows = frame.names.heads(&of);
-    let heads = std::iter::once("case")
-        .chain(rows.iter().copied())
-        .chain(["n·v"])
-        .map(str::to_owned);
-    let mut table = Table::with_names(heads.chain(steps.iter().map(|step| step.to_string())));
-    for (name, own) in grouped(groups, |group| group.name.clone()) {
-        for group in own.iter().filter(|group| group.seen == ALL_VIEWS) {
-            let row = frame.names.head_of(of[0], &group.width);
-            let head = [cells![name.as_str()], row, cells![ALL]].concat();
-            let shares = steps
-                .iter()
-                .map(|step| Cell::from(group.share(step).as_ref().map(share_words)));
-            table.row(head.into_iter().chain(shares).collect());
+    let row_axis = frame.row_axis();
+    let row_heads = frame.names.heads(&[row_axis]);
+    let mut heads = vec!["case"];
+    heads.extend(&row_heads);
+    heads.push("n·v");
+    heads.extend(steps);
+    let mut table = Table::with_names(heads);
+    for (surface, groups) in grouped(groups, |group| group.surface.clone()) {
+        for group in groups.iter().filter(|group| group.is_over_all_views()) {
+            let mut row = cells![surface.as_str()];
+            row.extend(frame.names.head_of(row_axis, &group.row_value));
+            row.push(ALL.into());
+            for step in steps {
+                row.push(group.share(step).as_ref().map(share_words).into());
+            }
+            table.row(row);
         }
-        for seen in [BANDS[0], BANDS[BANDS.len() - 1]] {
-            let band: Vec<_> = own.iter().filter(|group| group.seen == seen).collect();
-            let range = |step: &&str| {
-                let means = || {
-                    band.iter()
-                        .filter_map(|group| Some(group.share(step)?.value))
-                };
-                let ends = [
-                    means().fold(f64::INFINITY, f64::min),
-                    means().fold(f64::NEG_INFINITY, f64::max),
-                ];
-                let ends = ends.map(|share| if share.abs() < NOISE { 0.0 } else { share });
-                Cell::from(
-                    (means().next().is_some())
-                        .then(|| range_words(ends, |x| number(100.0 * x)) + " %"),
-                )
-            };
-            let seen = format!("{} to {}", seen[0], seen[1]);
-            let head = [cells![name.as_str()], all_head(&rows), cells![seen]].concat();
-            table.row(head.into_iter().chain(steps.iter().map(range)).collect());
+        for n_dot_v in [BANDS[0], BANDS[BANDS.len() - 1]] {
+            let band: Vec<&Group> = groups
+                .iter()
+                .copied()
+                .filter(|group| group.n_dot_v == n_dot_v)
+                .collect();
+            let mut row = cells![surface.as_str()];
+            row.extend(all_head(&row_heads));
+            row.push(format!("{} to {}", n_dot_v[0], n_dot_v[1]).into());
+            for step in steps {
+                row.push(mean_range(&band, step).into());
+            }
+            table.row(row);
         }
     }
     table.without_empty()
 }
 
+/// "12 to 24 %": the least and the largest mean share of a step.
+fn mean_range(groups: &[&Group], step: &str) -> Option<String> {
+    let mut least = f64::INFINITY;
+    let mut most = f64::NEG_INFINITY;
+    let mut is_known = false;
+    for share in groups.iter().filter_map(|group| group.share(step)) {
+        least = f64::min(least, share.value);
+        most = f64::max(most, share.value);
+        is_known = true;
+    }
+    is_known.then(|| percent_extent([least, most].map(without_noise)).to_string())
+}
+
 /// Bars of shares by [`Frame::row_axis`], one panel per surface: right of 0 steps add error, left
 /// of 0 they cancel it. Over all views, which grazing ones dominate, then facing the viewer.
 fn figure(groups: &[Group], steps: &[&str]) -> Option<Figure> {
-    let widths = ascending(distinct_in_order(
-        groups.iter().map(|group| group.width.clone()),
-    ));
-    let heading = |width: &Value| {
-        let own = groups.iter().find(|group| group.width == *width);
-        own.map_or_else(String::new, |group| group.heading.clone())
+    let row_values = groups.iter().map(|group| group.row_value.clone());
+    let row_values = ascending(distinct_in_order(row_values));
+    let heading = |value: &Value| {
+        let group = groups.iter().find(|group| group.row_value == *value);
+        group.map_or_else(String::new, |group| group.heading.clone())
     };
-    let marks = |group: &Group| {
-        let (y, mut ends) = (step(&widths, &group.width), [0.0, 0.0]);
-        let bar = |i: usize| {
-            let share = group.share(steps[i])?;
-            let end = &mut ends[usize::from(share.value < 0.0)];
-            let base = *end;
-            *end += share.value;
-            let tip = format!("{}: {} · {}", steps[i], share_words(&share), group.heading);
-            let bar = Mark::new(
-                Form::HorizontalBar {
-                    y,
-                    base,
-                    to: base + share.value,
-                },
-                i,
-            )
-            .tip(tip);
-            let whisker = share
-                .interval
-                .map(|ends| ends.map(|share| [base + share, y]));
-            Some((
-                share.value,
-                bar,
-                whisker.map(|[lo, hi]| Mark::neutral(Form::Whisker(lo, hi))),
-            ))
-        };
-        let bars: Vec<_> = (0..steps.len()).filter_map(bar).collect();
-        // Only the interval of the longest bar: others would overlap it.
-        let longest = bars
-            .iter()
-            .max_by(|a, b| a.0.total_cmp(&b.0))
-            .and_then(|(.., whisker)| whisker.clone());
-        bars.into_iter()
-            .map(|(_, bar, _)| bar)
-            .chain(longest)
-            .collect::<Vec<_>>()
-    };
-    let views = [ALL_VIEWS, BANDS[BANDS.len() - 1]];
-    let shown = views
+    let shown = [ALL_VIEWS, BANDS[BANDS.len() - 1]]
         .into_iter()
-        .flat_map(|seen| groups.iter().filter(move |group| group.seen == seen));
-    let title = |group: &Group| match group.seen == ALL_VIEWS {
-        true => group.name.clone(),
-        false => commas([&group.name, &view(group.seen)]),
-    };
-    let panel = |(name, own): (String, Vec<&Group>)| {
-        let rule = [
-            Mark::neutral(Form::VerticalRule(0.0)),
-            Mark::neutral(Form::VerticalRule(1.0)),
-        ];
-        (name, own.into_iter().flat_map(marks).chain(rule).collect())
-    };
+        .flat_map(|n_dot_v| groups.iter().filter(move |group| group.n_dot_v == n_dot_v));
+    let mut panels = Vec::new();
+    for (title, groups) in grouped(shown, |group| group.title()) {
+        let mut marks = Vec::new();
+        for group in groups {
+            marks.extend(bars(group, steps, step(&row_values, &group.row_value)));
+        }
+        marks.push(Mark::neutral(Form::VerticalRule(0.0)));
+        marks.push(Mark::neutral(Form::VerticalRule(1.0)));
+        panels.push(ChartPanel { title, marks });
+    }
     let is_pooled = groups
         .iter()
         .any(|group| steps.iter().any(|step| group.is_pooled(step)));
-    let [pooled, whiskers] = match is_pooled {
-        true => [
-            ", mean over environments",
-            "; whiskers: 95 % of the longest",
-        ],
-        false => ["", ""],
+    let note = if is_pooled {
+        "share of relmse by step, mean over environments; left of 0 a step cancels error; \
+         whiskers: 95 % of the longest"
+    } else {
+        "share of relmse by step; left of 0 a step cancels error"
     };
+    let series = steps.iter().map(|step| {
+        if *step == VIEW_STEP {
+            solid("view (n = v = r)")
+        } else {
+            solid(*step)
+        }
+    });
     Chart {
         title: "Where the split sum's error comes from",
-        note: "share of relmse by step".to_owned()
-            + pooled
-            + "; left of 0 a step cancels error"
-            + whiskers,
-        x: Along::Linear("share of the error"),
-        y: Along::Steps("", widths.iter().map(heading).collect()),
-        panels: grouped(shown, |group| title(group))
-            .into_iter()
-            .map(panel)
-            .collect(),
-        series: steps
-            .iter()
-            .map(|step| {
-                if *step == "view" {
-                    "view (n = v = r)".to_owned()
-                } else {
-                    step.to_string()
-                }
-            })
-            .collect(),
+        note: note.to_owned(),
+        x: ChartAxis::Linear("share of the error"),
+        y: ChartAxis::Steps("", row_values.iter().map(heading).collect()),
+        panels,
+        series: series.collect(),
     }
     .figure()
+}
+
+/// The bars of a group, stacked to both sides of 0, and the interval of the longest bar alone:
+/// others would overlap it.
+fn bars(group: &Group, steps: &[&str], y: f64) -> Vec<Mark> {
+    let mut marks = Vec::new();
+    let mut positive_end = 0.0;
+    let mut negative_end = 0.0;
+    let mut longest: Option<(f64, Option<Mark>)> = None;
+    for (series, step) in steps.iter().enumerate() {
+        let Some(share) = group.share(step) else {
+            continue;
+        };
+        let end = if share.value < 0.0 {
+            &mut negative_end
+        } else {
+            &mut positive_end
+        };
+        let base = *end;
+        *end += share.value;
+        let bar = Form::HorizontalBar {
+            y,
+            base,
+            to: base + share.value,
+        };
+        let tip = format!("{step}: {} · {}", share_words(&share), group.heading);
+        marks.push(Mark::new(bar, series).tip(tip));
+        let is_longest = longest
+            .as_ref()
+            .is_none_or(|(value, _)| share.value.total_cmp(value).is_ge());
+        if is_longest {
+            let whisker = share
+                .interval
+                .map(|[lo, hi]| Mark::neutral(Form::Whisker([base + lo, y], [base + hi, y])));
+            longest = Some((share.value, whisker));
+        }
+    }
+    marks.extend(longest.and_then(|(_, whisker)| whisker));
+    marks
 }

@@ -8,14 +8,15 @@ mod prelude;
 mod weights;
 pub mod words;
 
+pub use super::finding::{Finding, Sentences};
 use super::finished::{Finished, check_weight};
 use super::frame::{Frame, Shape};
-use super::table::{Column, Table, column};
+use super::table::{Column, column};
 use crate::base::names::not_listed;
-use crate::draw::figure::Figure;
 use crate::experiment::axis::{AXES, AxisId, ENVIRONMENT, METHOD, Part, SCENE};
-use crate::experiment::config::{Ask, Config};
+use crate::experiment::config::Config;
 use crate::experiment::fault::Faults;
+use crate::instrument::metrics::Weight;
 
 /// Where a user finds every question.
 const LISTED_QUESTIONS: &str = "a name of `splitsum list questions`";
@@ -34,8 +35,8 @@ const IS_RESOLVED: Column = column(
 );
 const SAMPLED: Column = column("sampled", "The sampling method.");
 const FIXED: Column = column("fixed", "The method without samples.");
-pub const SEEN_FROM: Column = column("n_dot_v_from", "Lower end of n·v.");
-pub const SEEN_TO: Column = column("n_dot_v_to", "Upper end of n·v.");
+pub const N_DOT_V_FROM: Column = column("n_dot_v_from", "Lower end of n·v.");
+pub const N_DOT_V_TO: Column = column("n_dot_v_to", "Upper end of n·v.");
 /// The first column of weighted answers.
 pub const WEIGHT: Column = column(
     "weight",
@@ -101,17 +102,6 @@ impl Question {
     }
 }
 
-#[derive(Clone, Debug)]
-pub struct Finding {
-    /// One to three sentences of at most 25 words. Each of their numbers is in the table or the
-    /// digest.
-    pub sentence: String,
-    pub table: Table,
-    /// A few rows for people; by default the table.
-    pub digest: Option<Table>,
-    pub figure: Option<Figure>,
-}
-
 pub struct Answer {
     pub question: &'static Question,
     pub finding: Finding,
@@ -127,42 +117,81 @@ pub fn question(name: &str) -> Option<&'static Question> {
 /// Answers the questions of the experiment, by default every question that its axes can answer.
 /// `metric` replaces the experiment's own.
 pub fn answers(run: &Finished, metric: Option<&str>) -> Vec<Answer> {
-    let asked = run.config.as_ref().map_or(&[][..], |config| &config.asks);
     let plain = Frame::new(run, metric);
-    let (own_weight, runs) = (weights::own(&plain), weights::runs(&plain));
+    let recorded_weight = weights::recorded_weight(&plain);
+    let weighted_runs = weights::weighted_runs(&plain);
     // The run as it is, then under each weight.
     let mut frames = vec![plain];
-    frames.extend(runs.iter().enumerate().map(|(place, run)| Frame {
-        leads: place == 0,
-        ..Frame::new(run, metric)
-    }));
-    let questions: Vec<(&'static Question, Option<AxisId>)> = match asked {
-        [] => QUESTIONS.iter().map(|question| (*question, None)).collect(),
-        asked => asked
-            .iter()
-            .filter_map(|ask| Some((question(&ask.question)?, ask.by.as_ref().map(|by| by.0))))
-            .collect(),
-    };
+    for (index, run) in weighted_runs.iter().enumerate() {
+        frames.push(Frame {
+            is_first: index == 0,
+            ..Frame::new(run, metric)
+        });
+    }
     let mut answers = Vec::new();
-    for (question, by) in questions {
-        frames.iter_mut().for_each(|frame| frame.by = by);
+    for AskedQuestion {
+        question,
+        digest_axis,
+    } in asked_questions(run)
+    {
+        for frame in &mut frames {
+            frame.digest_axis = digest_axis;
+        }
         if (question.lacks)(&frames[0].shape).is_some() {
             continue;
         }
-        let finding = match &frames[1..] {
-            _ if !question.is_weighted => (question.answer)(&frames[0]),
-            [] => (question.answer)(&frames[0]).map(|own| weights::marked(own, own_weight)),
-            weighted => weights::united(
-                weighted
-                    .iter()
-                    .filter_map(|frame| Some((&frame.run.weight, (question.answer)(frame)?)))
-                    .collect(),
-            ),
-        };
-        let Some(finding) = finding else { continue };
-        answers.push(Answer { question, finding });
+        if let Some(finding) = finding(question, &frames, recorded_weight) {
+            answers.push(Answer { question, finding });
+        }
     }
     answers
+}
+
+/// A question to answer.
+struct AskedQuestion {
+    question: &'static Question,
+    /// As [`Frame::digest_axis`].
+    digest_axis: Option<AxisId>,
+}
+
+/// The questions of the experiment; every question if it asks none.
+fn asked_questions(run: &Finished) -> Vec<AskedQuestion> {
+    let asks = run.config.as_ref().map_or(&[][..], |config| &config.asks);
+    if asks.is_empty() {
+        let questions = QUESTIONS.iter().map(|question| AskedQuestion {
+            question,
+            digest_axis: None,
+        });
+        return questions.collect();
+    }
+    asks.iter()
+        .filter_map(|ask| {
+            Some(AskedQuestion {
+                question: question(&ask.question)?,
+                digest_axis: ask.by.as_ref().map(|by| by.0),
+            })
+        })
+        .collect()
+}
+
+/// The finding of the run as it is, or, if views count, under each weight.
+fn finding(
+    question: &Question,
+    frames: &[Frame],
+    recorded_weight: &'static Weight,
+) -> Option<Finding> {
+    let (plain, weighted) = frames.split_first()?;
+    if !question.is_weighted {
+        return (question.answer)(plain);
+    }
+    if weighted.is_empty() {
+        let finding = (question.answer)(plain)?;
+        return Some(weights::with_weight(finding, recorded_weight));
+    }
+    let findings = weighted
+        .iter()
+        .filter_map(|frame| Some((&frame.run.weight, (question.answer)(frame)?)));
+    weights::united(findings.collect())
 }
 
 /// Reports asked names that are not questions, questions that the axes cannot answer, and each `by`
@@ -176,48 +205,55 @@ pub fn check(config: &Config, faults: &mut Faults) {
             faults.add(place, format!("weights: {fault}"));
         }
     }
-    for Ask {
-        question: name,
-        place,
-        by,
-    } in &config.asks
-    {
+    for ask in &config.asks {
+        let name = &ask.question;
         let Some(question) = question(name) else {
-            faults.add(
-                place,
-                format!(
-                    "asks: {}",
-                    not_listed("question", name, &names, "", Some(LISTED_QUESTIONS))
-                ),
-            );
+            let fault = not_listed("question", name, &names, "", Some(LISTED_QUESTIONS));
+            faults.add(&ask.place, format!("asks: {fault}"));
             continue;
         };
         if let Some(lack) = (question.lacks)(&shape) {
-            faults.add(place, format!("asks: {name:?} cannot be answered: {lack}"));
+            let fault = format!("asks: {name:?} cannot be answered: {lack}");
+            faults.add(&ask.place, fault);
         }
-        let Some((axis, place)) = by else { continue };
-        if !question.has_rows {
-            faults.add(
-                place,
-                format!("asks.by: the rows of {name} are not values of an axis; leave it out"),
-            );
-        } else if !is_row_axis(*axis) {
-            let name = config.named(*axis).name();
-            let fit = AXES
-                .ids()
-                .filter(|&axis| shape.is_swept(axis) && is_row_axis(axis));
-            let known: Vec<&str> = fit.map(|axis| config.named(axis).name()).collect();
-            let expected = if known.is_empty() {
-                "leave it out".to_owned()
-            } else {
-                format!("expected {}", known.join(", "))
-            };
-            faults.add(
-                place,
-                format!("asks.by: {name} does not distinguish cases; {expected}"),
-            );
+        if let Some((axis, place)) = &ask.by
+            && let Some(fault) = fault_of_by(config, &shape, question, *axis)
+        {
+            faults.add(place, fault);
         }
     }
+}
+
+/// Why an axis cannot be the rows of an answer.
+fn fault_of_by(
+    config: &Config,
+    shape: &Shape,
+    question: &Question,
+    axis: AxisId,
+) -> Option<String> {
+    if !question.has_rows {
+        let name = question.name;
+        return Some(format!(
+            "asks.by: the rows of {name} are not values of an axis; leave it out"
+        ));
+    }
+    if is_row_axis(axis) {
+        return None;
+    }
+    let candidates: Vec<&str> = AXES
+        .ids()
+        .filter(|&axis| shape.is_swept(axis) && is_row_axis(axis))
+        .map(|axis| config.named(axis).name())
+        .collect();
+    let expected = if candidates.is_empty() {
+        "leave it out".to_owned()
+    } else {
+        format!("expected {}", candidates.join(", "))
+    };
+    let name = config.named(axis).name();
+    Some(format!(
+        "asks.by: {name} does not distinguish cases; {expected}"
+    ))
 }
 
 /// Whether an axis can be the rows of an answer: it distinguishes cases, and is not the

@@ -40,83 +40,89 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
     (!shape.is_swept(ALPHA)).then_some("axes.alpha has fewer than two values")
 }
 
-struct Place<'r, 'f> {
+/// The error of a method in a bin of n·v, at one value of [`Frame::row_axis`].
+struct BinError<'r, 'f> {
+    /// As [`Frame::variant`].
     method: String,
-    width: Value,
+    row_value: Value,
     bin: [f64; 2],
     error: Estimate,
     rows: Vec<&'r Row<'f>>,
 }
 
-/// The images of each method at the tried count nearest to the default; methods without samples
-/// first.
-fn leading<'r, 'f>(frame: &'r Frame<'f>) -> Vec<(String, Vec<&'r Row<'f>>)> {
-    let distance = |row: &Row| row.samples().map_or(0.0, from_usual);
-    let is_asked = |row: &&Row| !row.cell.bins.is_empty() && !frame.is_nothing(row);
-    let rows = frame.images().into_iter().filter(is_asked);
-    let nearest = |(_, ways): (Value, Vec<&'r Row<'f>>)| {
-        let ways = grouped(ways, |row| frame.way(row));
-        ways.into_iter().reduce(|a, b| {
-            if distance(b.1[0]) < distance(a.1[0]) {
-                b
-            } else {
-                a
-            }
-        })
-    };
-    // Without any specular term diffuse methods are compared.
-    let method = frame.way_axes()[0];
-    let mut found: Vec<_> = grouped(rows, |row| row.point[method].clone())
-        .into_iter()
-        .filter_map(nearest)
-        .collect();
-    found.sort_by_key(|(_, rows)| rows[0].samples().is_some());
-    found
+/// The images of a method at one sample count.
+struct Variant<'r, 'f> {
+    name: String,
+    rows: Vec<&'r Row<'f>>,
 }
 
-fn places<'r, 'f>(frame: &Frame, method: &str, rows: &[&'r Row<'f>]) -> Vec<Place<'r, 'f>> {
-    let bins = bins(
-        rows.iter()
-            .flat_map(|row| row.cell.bins.iter())
-            .map(|bin| [bin.lo, bin.hi]),
-    );
+/// The images of each method at the tried count nearest to the default; methods without samples
+/// first.
+fn nearest_to_default<'r, 'f>(frame: &'r Frame<'f>) -> Vec<Variant<'r, 'f>> {
+    let mut rows = frame.images();
+    rows.retain(|row| !row.cell.bins.is_empty() && !frame.is_nothing(row));
+    // Without any specular term diffuse methods are compared.
+    let method = frame.variant_axes()[0];
+    let distance = |rows: &[&Row]| rows[0].samples().map_or(0.0, from_usual);
+    let mut variants = Vec::new();
+    for (_, rows) in grouped(rows, |row| row.point[method].clone()) {
+        let nearest = grouped(rows, |row| frame.variant(row))
+            .into_iter()
+            .reduce(|a, b| {
+                if distance(&b.1) < distance(&a.1) {
+                    b
+                } else {
+                    a
+                }
+            });
+        variants.extend(nearest.map(|(name, rows)| Variant { name, rows }));
+    }
+    variants.sort_by_key(|variant| variant.rows[0].samples().is_some());
+    variants
+}
+
+/// The errors of a method by [`Frame::row_axis`] and bin.
+fn bin_errors<'r, 'f>(frame: &Frame, variant: &Variant<'r, 'f>) -> Vec<BinError<'r, 'f>> {
+    let row_axis = frame.row_axis();
+    let bins = variant.rows.iter().flat_map(|row| row.cell.bins.iter());
+    let bins = distinct_bins(bins.map(|bin| [bin.lo, bin.hi]));
     let mut found = Vec::new();
-    let of = frame.row_axis();
-    for width in values(rows.iter().copied(), of)
-        .into_iter()
-        .filter(|width| *width != Value::Unset)
-    {
-        let own: Vec<&Row> = rows
-            .iter()
-            .copied()
-            .filter(|row| row.point[of] == width)
-            .collect();
+    for row_value in values(variant.rows.iter().copied(), row_axis) {
+        if row_value == Value::Unset {
+            continue;
+        }
+        let mut rows = variant.rows.clone();
+        rows.retain(|row| row.point[row_axis] == row_value);
         for &bin in &bins {
-            let error = |row: &&Row| {
-                let known = row.cell.bins.iter().find(|known| known.lo == bin[0])?;
-                let error = frame.metric.error(known.scores.get(frame.metric_name())?);
-                error
-                    .is_finite()
-                    .then(|| (row.point[ENVIRONMENT].clone(), error))
-            };
-            let error = estimate(
-                &own.iter().filter_map(error).collect::<Vec<_>>(),
-                Middle::Median,
-            );
-            let place = |error| Place {
-                method: method.to_owned(),
-                width: width.clone(),
-                bin,
-                error,
-                rows: own.clone(),
-            };
-            found.extend(error.map(place));
+            let by_light: Vec<(Value, f64)> = rows
+                .iter()
+                .filter_map(|row| {
+                    let light = row.point[ENVIRONMENT].clone();
+                    Some((light, bin_error(frame, row, bin)?))
+                })
+                .collect();
+            if let Some(error) = estimate(&by_light, Middle::Median) {
+                found.push(BinError {
+                    method: variant.name.clone(),
+                    row_value: row_value.clone(),
+                    bin,
+                    error,
+                    rows: rows.clone(),
+                });
+            }
         }
     }
     found
 }
 
-fn bins(all: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
+fn bin_error(frame: &Frame, row: &Row, bin: [f64; 2]) -> Option<f64> {
+    let known = row.cell.bins.iter().find(|known| known.lo == bin[0])?;
+    let score = known.scores.get(frame.metric_name())?;
+    Some(frame.metric.error(score)).filter(|error| error.is_finite())
+}
+
+/// Each bin once, ascending.
+fn distinct_bins(all: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
     let mut bins: Vec<[f64; 2]> = all.collect();
     bins.sort_by(|a, b| a[0].total_cmp(&b[0]));
     bins.dedup();
@@ -124,157 +130,188 @@ fn bins(all: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
-    let all: Vec<Place> = leading(frame)
-        .into_iter()
-        .flat_map(|(method, rows)| places(frame, &method, &rows))
+    let all: Vec<BinError> = nearest_to_default(frame)
+        .iter()
+        .flat_map(|variant| bin_errors(frame, variant))
         .collect();
-    let ways = frame.way_axes();
-    let of = frame.row_axis();
-    let mut table = Table::new(&[&ways[..], &[of]].concat(), QUESTION.columns);
-    for place in &all {
-        let [lo, hi] = place
-            .error
-            .interval
-            .map_or([None; 2], |ends| ends.map(Some));
-        let own = cells![
-            place.bin[0],
-            place.bin[1].min(1.0),
-            place.error.n,
-            place.error.value,
-            lo,
-            hi
-        ];
-        let key = axis_cells(&[of], std::slice::from_ref(&place.width));
-        table.row([place.rows[0].cells(&ways), key, own].concat());
-    }
-    let bins = bins(all.iter().map(|place| place.bin));
     Some(Finding {
-        sentence: sentence(frame, &all)?,
-        table,
-        digest: Some(digest(frame, &all, &bins)),
+        sentences: sentences(frame, &all)?,
+        table: table(frame, &all),
+        digest: Some(digest(frame, &all)),
         figure: figure(frame, &all),
     })
 }
 
-fn sentence(frame: &Frame, all: &[Place]) -> Option<String> {
-    let lead = &all.first()?.method;
-    let own = || all.iter().filter(|place| place.method == *lead);
-    let by_error = |a: &&Place, b: &&Place| a.error.value.total_cmp(&b.error.value);
-    let (most, least) = (own().max_by(by_error)?, own().min_by(by_error)?);
-    let place = |place: &Place| {
-        format!(
-            "{}, {}",
-            view(place.bin),
-            frame.names.one(frame.row_axis(), &place.width)
-        )
+fn table(frame: &Frame, all: &[BinError]) -> Table {
+    let variant_axes = frame.variant_axes();
+    let row_axis = frame.row_axis();
+    let axes = [&variant_axes[..], &[row_axis]].concat();
+    let mut table = Table::new(&axes, QUESTION.columns);
+    for one in all {
+        let [lo, hi] = match one.error.interval {
+            Some(ends) => ends.map(Some),
+            None => [None; 2],
+        };
+        let mut row = one.rows[0].cells(&variant_axes);
+        row.extend(axis_cells(
+            &[row_axis],
+            std::slice::from_ref(&one.row_value),
+        ));
+        row.extend(cells![
+            one.bin[0],
+            one.bin[1].min(1.0),
+            one.error.n,
+            one.error.value,
+            lo,
+            hi
+        ]);
+        table.row(row);
+    }
+    table
+}
+
+fn sentences(frame: &Frame, all: &[BinError]) -> Option<Sentences> {
+    let method = &all.first()?.method;
+    let of_method = || all.iter().filter(|one| one.method == *method);
+    let by_error = |a: &&BinError, b: &&BinError| a.error.value.total_cmp(&b.error.value);
+    let most = of_method().max_by(by_error)?;
+    let least = of_method().min_by(by_error)?;
+    let condition = |one: &BinError| {
+        let value = frame.names.phrase(frame.row_axis(), &one.row_value);
+        statement![n_dot_v_words(one.bin), ", ", value]
     };
-    let over = match most.error.n {
-        1 => String::new(),
-        n => format!(" (median of {n} {})", AXES[ENVIRONMENT].plural),
-    };
+    let environments = (most.error.n != 1).then(|| {
+        let n = Number::Count(most.error.n as u64);
+        let plural = AXES[ENVIRONMENT].plural;
+        statement![" (median of ", n, format!(" {plural})")]
+    });
     let is_design = most.rows.iter().all(|row| is_design(&row.text(SCENE)));
-    let turns = [ENVIRONMENT_ORIENTATION, ENVIRONMENT_ROTATION, SCENE]
+    let has_several_views = [ENVIRONMENT_ORIENTATION, ENVIRONMENT_ROTATION, SCENE]
         .iter()
-        .any(|of| frame.shape.is_swept(*of));
-    let (scope, end) = match () {
-        () if is_design => ("On the scene `design`", ""),
-        () if turns => ("In these views", ""),
-        () => (
-            "In this view",
-            " Each n·v sees one part of the map, so the places of lamps matter as much as the \
-             method.",
-        ),
+        .any(|axis| frame.shape.is_swept(*axis));
+    let views = if is_design {
+        statement!["On the scene ", Phrase::Code("design".to_owned())]
+    } else if has_several_views {
+        "In these views".into()
+    } else {
+        "In this view".into()
     };
-    Some(format!(
-        "{scope}, `{lead}` errs most at {}: {} {}{over}. It errs least at {}: {}.{end}",
-        place(most),
-        frame.metric_name(),
-        number(most.error.value),
-        place(least),
-        number(least.error.value)
-    ))
+    let headline = statement![
+        views,
+        ", ",
+        Phrase::Method(method.clone()),
+        " errs most at ",
+        condition(most),
+        format!(": {} ", frame.metric_name()),
+        Number::rounded(most.error.value),
+        environments,
+        "."
+    ];
+    let detail = statement![
+        "It errs least at ",
+        condition(least),
+        ": ",
+        Number::rounded(least.error.value),
+        "."
+    ];
+    let has_one_view = !is_design && !has_several_views;
+    let scope = has_one_view.then(|| {
+        "Each n·v sees one part of the map, so the places of lamps matter as much as the method."
+            .into()
+    });
+    Some(
+        Sentences::new(headline)
+            .with_details([detail])
+            .with_scope(scope),
+    )
+}
+
+/// A row of the digest.
+#[derive(PartialEq, Eq, Hash)]
+struct DigestKey {
+    method: String,
+    row_value: Value,
 }
 
 /// One row per method and value of [`Frame::row_axis`], one column per bin.
-fn digest(frame: &Frame, all: &[Place], bins: &[[f64; 2]]) -> Table {
-    let of = [frame.row_axis()];
-    let first = std::iter::once(AXES[METHOD].name)
-        .chain(frame.names.heads(&of))
-        .map(str::to_owned);
-    let mut table = Table::with_names(first.chain(bins.iter().map(|bin| view(*bin))));
-    for ((method, width), own) in grouped(all, |place| (place.method.clone(), place.width.clone()))
-    {
-        let place = |bin: &[f64; 2]| own.iter().find(|place| place.bin == *bin);
-        let cells = bins
-            .iter()
-            .map(|bin| Cell::from(place(bin).map(|place| with_interval(&place.error))));
-        table.row(
-            cells![method]
-                .into_iter()
-                .chain(frame.names.head(&of, &[width]))
-                .chain(cells)
-                .collect(),
-        );
+fn digest(frame: &Frame, all: &[BinError]) -> Table {
+    let row_axis = frame.row_axis();
+    let bins = distinct_bins(all.iter().map(|one| one.bin));
+    let mut heads = vec![AXES[METHOD].name.to_owned()];
+    heads.extend(
+        frame
+            .names
+            .heads(&[row_axis])
+            .into_iter()
+            .map(str::to_owned),
+    );
+    heads.extend(bins.iter().map(|bin| n_dot_v_words(*bin)));
+    let mut table = Table::with_names(heads);
+    let key = |one: &&BinError| DigestKey {
+        method: one.method.clone(),
+        row_value: one.row_value.clone(),
+    };
+    for (key, errors) in grouped(all, key) {
+        let mut row = cells![key.method];
+        row.extend(frame.names.head_of(row_axis, &key.row_value));
+        for bin in &bins {
+            let error = errors.iter().find(|one| one.bin == *bin);
+            row.push(error.map(|one| with_interval(&one.error)).into());
+        }
+        table.row(row);
     }
     table
 }
 
 /// One panel per method, one line per value of [`Frame::row_axis`]: the error over n·v.
-fn figure(frame: &Frame, all: &[Place]) -> Option<Figure> {
-    let (of, names) = (frame.row_axis(), &frame.names);
-    let widths = ascending(distinct_in_order(
-        all.iter().map(|place| place.width.clone()),
+fn figure(frame: &Frame, all: &[BinError]) -> Option<Figure> {
+    let row_axis = frame.row_axis();
+    let row_values = ascending(distinct_in_order(
+        all.iter().map(|one| one.row_value.clone()),
     ));
-    let mark = |place: &Place, series: usize| {
-        let Place {
-            method,
-            width,
-            bin,
-            error,
-            rows,
-        } = place;
-        let tip = format!(
-            "{method} · {} · {}: {}",
-            names.one(of, width),
-            view(*bin),
-            with_interval(error)
-        );
-        let dot = Mark::new(
-            Form::Dot([0.5 * (bin[0] + bin[1].min(1.0)), error.value]),
-            series,
-        )
-        .tip(tip);
-        Mark {
-            cell: only(rows),
-            ..dot
+    let mut panels = Vec::new();
+    for (method, errors) in grouped(all, |one| one.method.clone()) {
+        let mut marks = Vec::new();
+        for (series, row_value) in row_values.iter().enumerate() {
+            let line = errors.iter().filter(|one| one.row_value == *row_value);
+            marks.extend(joined(line.map(|one| mark(frame, one, series)).collect()));
         }
-    };
-    let panel = |(method, own): (String, Vec<&Place>)| {
-        let line = |(series, width): (usize, &Value)| {
-            joined(
-                own.iter()
-                    .filter(|place| place.width == *width)
-                    .map(|place| mark(place, series))
-                    .collect(),
-            )
-        };
-        (method, widths.iter().enumerate().flat_map(line).collect())
-    };
+        panels.push(ChartPanel {
+            title: method,
+            marks,
+        });
+    }
     let rest = if frame.swept(&[Part::Case]).len() > 1 {
         ", median over the rest"
     } else {
         ""
     };
-    let chart = Chart {
-        title: &format!("Error by n·v and {}", names.name(of)),
+    Chart {
+        title: &format!("Error by n·v and {}", frame.names.name(row_axis)),
         note: format!("{}{rest}", frame.metric_name()),
-        x: Along::Linear("n·v"),
-        y: Along::Log(frame.metric_name()),
-        panels: grouped(all, |place| place.method.clone())
-            .into_iter()
-            .map(panel)
+        x: ChartAxis::Linear("n·v"),
+        y: ChartAxis::Log(frame.metric_name()),
+        panels,
+        series: row_values
+            .iter()
+            .map(|value| solid(frame.names.value_label(row_axis, value)))
             .collect(),
-        series: widths.iter().map(|width| names.one(of, width)).collect(),
-    };
-    chart.figure()
+    }
+    .figure()
+}
+
+fn mark(frame: &Frame, one: &BinError, series: usize) -> Mark {
+    let tip = format!(
+        "{} · {} · {}: {}",
+        one.method,
+        frame.names.value_label(frame.row_axis(), &one.row_value),
+        n_dot_v_words(one.bin),
+        with_interval(&one.error)
+    );
+    let middle = 0.5 * (one.bin[0] + one.bin[1].min(1.0));
+    let dot = Mark::new(Form::Dot([middle, one.error.value]), series).tip(tip);
+    Mark {
+        cell: only(&one.rows),
+        ..dot
+    }
 }

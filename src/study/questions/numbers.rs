@@ -1,12 +1,14 @@
 //! A number of each image of a group, and how it depends on the axes: digests, extremes, changes of
 //! sign.
 
-use super::words::{count, listed, number, range, range_words, scope_sentence};
+use super::words::{count, number, range, scope_statement};
 use crate::base::csv::Cell;
 use crate::draw::figure::{Mark, Shape as Form};
+use crate::draw::words::Statement;
 use crate::experiment::axis::{AXES, AxisId, ENVIRONMENT, Part, SAMPLES};
 use crate::experiment::value::Value;
 use crate::instrument::environment::BUILTIN_PREFIX;
+use crate::statement;
 use crate::study::frame::estimate::{CLUSTERS_MIN, Estimate, Middle, estimate};
 use crate::study::frame::{Frame, Row, distinct_in_order, values};
 use crate::study::table::Table;
@@ -14,8 +16,38 @@ use crate::study::table::Table;
 /// Name of the last row and column.
 pub const ALL: &str = "all";
 
-/// Groups by their value on an axis, ascending, each with its number.
-pub type Along = Vec<(Value, f64)>;
+/// The number at a value of an axis.
+#[derive(Clone, Debug)]
+pub struct AtValue {
+    pub value: Value,
+    pub number: f64,
+}
+
+/// An axis along which ratios are on both sides of 1, and the ratio at each value, ascending.
+pub struct SignChange {
+    pub axis: AxisId,
+    pub ratios: Vec<AtValue>,
+}
+
+/// How many of some cases have a ratio below 1.
+#[derive(Clone, Copy)]
+pub struct Wins {
+    pub below: usize,
+    pub all: usize,
+}
+
+/// The least and the largest number along an axis.
+struct Spread {
+    axis: AxisId,
+    least: AtValue,
+    most: AtValue,
+}
+
+impl Spread {
+    fn factor(&self) -> f64 {
+        self.most.number / self.least.number
+    }
+}
 
 /// A number of each image, averaged over any group of them.
 #[derive(Clone)]
@@ -47,14 +79,14 @@ impl<'r, 'f> Numbers<'r, 'f> {
     }
 
     /// Whether the environment of a row counts; see [`Self::evidence`].
-    pub fn weighs(&self, row: &Row) -> bool {
+    pub fn counts(&self, row: &Row) -> bool {
         self.evidence()
             .values(ENVIRONMENT)
             .contains(&row.point[ENVIRONMENT])
     }
 
     /// Whether environments are enough for an interval.
-    pub fn is_summed(&self) -> bool {
+    pub fn has_interval(&self) -> bool {
         self.estimate().is_some_and(|all| all.interval.is_some())
     }
 
@@ -62,72 +94,61 @@ impl<'r, 'f> Numbers<'r, 'f> {
     pub fn marks(
         &self,
         series: usize,
-        at: impl Fn(f64) -> [f64; 2],
-        (name, words): (&str, &dyn Fn(&Estimate) -> String),
+        name: &str,
+        position: impl Fn(f64) -> [f64; 2],
+        words: &dyn Fn(&Estimate) -> String,
     ) -> Vec<Mark> {
         let Some(all) = self.estimate() else {
             return Vec::new();
         };
-        middle_marks(&all, series, at, (name, words))
+        middle_marks(&all, series, name, position, words)
     }
 
     /// The numbers under measured environments, if these are enough for an interval: formulas then
     /// do not count.
     pub fn evidence(&self) -> Self {
-        let measured = self.measured();
+        let measured = self.measured_count();
         let are_enough = measured >= CLUSTERS_MIN || (self.is_part && measured > 0);
-        let is_kept = |row: &Row| !are_enough || !is_formula(&row.point[ENVIRONMENT]);
+        let items = self.items.iter().copied();
         Self {
-            items: self
-                .items
-                .iter()
-                .copied()
-                .filter(|(row, _)| is_kept(row))
+            items: items
+                .filter(|(row, _)| !are_enough || !is_formula(&row.point[ENVIRONMENT]))
                 .collect(),
             ..*self
         }
     }
 
-    fn measured(&self) -> usize {
+    /// Number of environments that are measured and not formulas.
+    fn measured_count(&self) -> usize {
         self.values(ENVIRONMENT)
             .iter()
             .filter(|light| !is_formula(light))
             .count()
     }
 
-    /// Number of environments with a ratio below 1, and of all.
-    pub fn wins(&self) -> [usize; 2] {
-        let of_each = self.evidence().along(ENVIRONMENT);
-        [
-            of_each.iter().filter(|(_, ratio)| *ratio < 1.0).count(),
-            of_each.len(),
-        ]
+    /// Environments with a ratio below 1.
+    pub fn winning_environments(&self) -> Wins {
+        let by_light = self.evidence().by_value(ENVIRONMENT);
+        Wins {
+            below: by_light.iter().filter(|light| light.number < 1.0).count(),
+            all: by_light.len(),
+        }
     }
 
-    /// Number of images with a ratio below 1, and of all.
-    pub fn less(&self) -> [usize; 2] {
-        [
-            self.items.iter().filter(|(_, ratio)| *ratio < 1.0).count(),
-            self.items.len(),
-        ]
+    /// Images with a ratio below 1.
+    pub fn winning_images(&self) -> Wins {
+        Wins {
+            below: self.items.iter().filter(|(_, ratio)| *ratio < 1.0).count(),
+            all: self.items.len(),
+        }
     }
 
     /// The images with this value on an axis.
-    pub fn at(&self, of: AxisId, value: &Value) -> Self {
-        self.part(|place| self.items[place].0.point[of] == *value)
-    }
-
-    pub fn part(&self, is_own: impl Fn(usize) -> bool) -> Self {
-        let own = self
-            .items
-            .iter()
-            .copied()
-            .enumerate()
-            .filter(|(place, _)| is_own(*place))
-            .map(|(_, item)| item);
+    pub fn with_value(&self, axis: AxisId, value: &Value) -> Self {
+        let items = self.items.iter().copied();
         Self {
-            items: own.collect(),
-            is_part: self.is_part || self.measured() >= CLUSTERS_MIN,
+            items: items.filter(|(row, _)| row.point[axis] == *value).collect(),
+            is_part: self.is_part || self.measured_count() >= CLUSTERS_MIN,
             ..*self
         }
     }
@@ -140,18 +161,18 @@ impl<'r, 'f> Numbers<'r, 'f> {
         self.items.iter().map(|(row, _)| *row)
     }
 
-    pub fn values(&self, of: AxisId) -> Vec<Value> {
-        values(self.rows(), of)
+    pub fn values(&self, axis: AxisId) -> Vec<Value> {
+        values(self.rows(), axis)
     }
 
     /// The average with its interval over environments.
     pub fn estimate(&self) -> Option<Estimate> {
         let evidence = self.evidence();
-        let values = evidence
-            .items
-            .iter()
-            .map(|(row, number)| (row.point[ENVIRONMENT].clone(), *number));
-        estimate(&values.collect::<Vec<_>>(), self.middle)
+        let items = evidence.items.iter();
+        let by_light: Vec<_> = items
+            .map(|(row, number)| (row.point[ENVIRONMENT].clone(), *number))
+            .collect();
+        estimate(&by_light, self.middle)
     }
 
     /// The average, unless ratios are on both sides of 1.
@@ -160,118 +181,144 @@ impl<'r, 'f> Numbers<'r, 'f> {
             .filter(|_| !self.is_ratio || self.change_of_sign(frame).is_none())
     }
 
-    /// " Over 10 environments, 3 BRDF models, 5 alphas."
-    pub fn scope(&self, frame: &Frame) -> String {
-        scope_sentence(frame, &self.evidence().rows().collect::<Vec<_>>())
+    /// "Over 10 environments, 3 BRDF models, 5 alphas."
+    pub fn scope(&self, frame: &Frame) -> Option<Statement> {
+        scope_statement(frame, &self.evidence().rows().collect::<Vec<_>>())
     }
 
     /// ", under sky" for one environment, else `several`.
-    pub fn place(&self, frame: &Frame, several: &str) -> String {
+    pub fn light(&self, frame: &Frame, several: &str) -> Statement {
         match self.values(ENVIRONMENT).as_slice() {
-            [only] => format!(", under {}", frame.names.short(ENVIRONMENT, only)),
-            _ => several.to_owned(),
+            [only] => statement![", under ", frame.names.short_phrase(ENVIRONMENT, only)],
+            _ => several.into(),
         }
     }
 
-    /// The average at each value of an axis.
-    pub fn along(&self, of: AxisId) -> Along {
-        self.values(of)
-            .into_iter()
+    /// The average at each value of an axis, ascending.
+    pub fn by_value(&self, axis: AxisId) -> Vec<AtValue> {
+        let values = self.values(axis).into_iter();
+        values
             .map(|value| {
-                (
-                    value.clone(),
-                    self.at(of, &value)
-                        .estimate()
-                        .map_or(f64::NAN, |all| all.value),
-                )
+                let all = self.with_value(axis, &value).estimate();
+                AtValue {
+                    value,
+                    number: all.map_or(f64::NAN, |all| all.value),
+                }
             })
             .collect()
     }
 
-    /// " By alpha it ranges from 16 for alpha 0.5 to 64 for alpha 0.05.": the axis, of the rows or
-    /// the environment, along which the number changes most; empty if it changes by less than
+    /// "By alpha it ranges from 16 for alpha 0.5 to 64 for alpha 0.05.": the axis, of the rows or
+    /// the environment, along which the number changes most; `None` if it changes by less than
     /// `factor` along both.
     pub fn extremes(
         &self,
         frame: &Frame,
         subject: &str,
         factor: f64,
-        words: impl Fn(f64) -> String,
-    ) -> String {
-        let of_axis = |of: AxisId| {
-            let mut groups = self.evidence().along(of);
-            groups.retain(|(_, number)| !number.is_nan());
-            let least = groups
-                .iter()
-                .cloned()
-                .reduce(|a, b| if b.1 < a.1 { b } else { a })?;
-            let most = groups
-                .into_iter()
-                .reduce(|a, b| if b.1 > a.1 { b } else { a })?;
-            Some((most.1 / least.1, of, [least, most]))
-        };
-        let along = distinct_in_order([frame.row_axis(), ENVIRONMENT]);
-        let found = along
+        written: impl Fn(f64) -> Statement,
+    ) -> Option<Statement> {
+        let spread = distinct_in_order([frame.row_axis(), ENVIRONMENT])
             .into_iter()
-            .filter_map(of_axis)
-            .filter(|(change, ..)| *change >= factor);
-        let Some((_, of, ends)) = found.reduce(|a, b| if b.0 > a.0 { b } else { a }) else {
-            return String::new();
+            .filter_map(|axis| self.spread(axis))
+            .filter(|spread| spread.factor() >= factor)
+            .reduce(|a, b| if b.factor() > a.factor() { b } else { a })?;
+        let end = |end: &AtValue| {
+            let value = frame.names.phrase(spread.axis, &end.value);
+            statement![written(end.number), " for ", value]
         };
-        let [least, most] = ends.map(|(value, number)| {
-            format!("{} for {}", words(number), frame.names.one(of, &value))
-        });
-        format!(
-            " By {} {subject} ranges from {least} to {most}.",
-            frame.names.name(of)
-        )
+        Some(statement![
+            format!(
+                "By {} {subject} ranges from ",
+                frame.names.name(spread.axis)
+            ),
+            end(&spread.least),
+            " to ",
+            end(&spread.most),
+            "."
+        ])
     }
 
-    /// The first axis of cases with ratios on both sides of 1, and these ratios. Environments are a
-    /// sample: they agree if the interval of their mean is on one side of 1.
-    pub fn change_of_sign(&self, frame: &Frame) -> Option<(AxisId, Along)> {
-        let (below, above) = (1.0 / (1.0 + SAME), 1.0 + SAME);
-        let interval = self.estimate().and_then(|all| all.interval);
-        let agree = interval.is_some_and(|[lo, hi]| hi < 1.0 || lo > 1.0);
-        let first = distinct_in_order([frame.row_axis(), ENVIRONMENT]);
-        let others = frame
-            .swept(&[Part::Case])
-            .into_iter()
-            .filter(|of| !first.contains(of));
-        let along = first
+    fn spread(&self, axis: AxisId) -> Option<Spread> {
+        let mut groups = self.evidence().by_value(axis);
+        groups.retain(|group| !group.number.is_nan());
+        let least = groups
             .iter()
-            .copied()
-            .chain(others)
-            .filter(|of| *of != ENVIRONMENT || !agree);
-        along.map(|of| (of, self.along(of))).find(|(_, groups)| {
-            groups.iter().any(|(_, ratio)| *ratio < below)
-                && groups.iter().any(|(_, ratio)| *ratio > above)
+            .reduce(|a, b| if b.number < a.number { b } else { a })?;
+        let most = groups
+            .iter()
+            .reduce(|a, b| if b.number > a.number { b } else { a })?;
+        Some(Spread {
+            axis,
+            least: least.clone(),
+            most: most.clone(),
         })
+    }
+
+    /// The first axis of cases with ratios on both sides of 1. Environments are a sample: they
+    /// agree if the interval of their mean is on one side of 1.
+    pub fn change_of_sign(&self, frame: &Frame) -> Option<SignChange> {
+        let interval = self.estimate().and_then(|all| all.interval);
+        let lights_agree = interval.is_some_and(|[lo, hi]| hi < 1.0 || lo > 1.0);
+        let first = [frame.row_axis(), ENVIRONMENT];
+        distinct_in_order(first.into_iter().chain(frame.swept(&[Part::Case])))
+            .into_iter()
+            .filter(|axis| *axis != ENVIRONMENT || !lights_agree)
+            .map(|axis| SignChange {
+                axis,
+                ratios: self.by_value(axis),
+            })
+            .find(SignChange::has_both_sides)
     }
 
     /// The average in words; for ratios on both sides of 1 their range.
     pub fn cell(&self, frame: &Frame, words: &dyn Fn(&Estimate) -> String) -> Cell {
-        let is_pooled = self.pooled(frame).is_some();
-        let both = || range(self.items.iter().map(|(_, number)| *number));
-        self.estimate()
-            .map(|all| if is_pooled { words(&all) } else { both() })
-            .into()
+        let Some(all) = self.estimate() else {
+            return Cell::Missing;
+        };
+        if self.pooled(frame).is_some() {
+            words(&all).into()
+        } else {
+            range(self.items.iter().map(|(_, number)| *number)).into()
+        }
     }
 
     /// A digest with one row per value of [`Frame::row_axis`], else of the first swept axis of
     /// cases, and the columns of [`by_light`].
     pub fn digest(&self, frame: &Frame, words: &dyn Fn(&Estimate) -> String) -> Table {
         let mut swept = frame.swept(&[Part::Case]);
-        swept.retain(|of| *of != ENVIRONMENT);
+        swept.retain(|axis| *axis != ENVIRONMENT);
         let row_axis = Some(frame.row_axis()).filter(|axis| frame.shape.is_swept(*axis));
-        let Some(of) = row_axis.or(swept.first().copied()) else {
-            return by_light(frame, &[], &[(Vec::new(), self.clone())], words);
+        let Some(axis) = row_axis.or(swept.first().copied()) else {
+            let row = DigestRow {
+                head: Vec::new(),
+                numbers: self.clone(),
+            };
+            return by_light(frame, &[], &[row], words);
         };
-        let (values, heads) = (self.values(of), frame.names.heads(&[of]));
-        let row = |value: &Value| (frame.names.head_of(of, value), self.at(of, value));
-        let mut rows: Vec<(Vec<Cell>, Self)> = values.iter().map(row).collect();
-        rows.extend((values.len() > 1).then(|| (all_head(&heads), self.clone())));
+        let values = self.values(axis);
+        let heads = frame.names.heads(&[axis]);
+        let mut rows: Vec<DigestRow> = values
+            .iter()
+            .map(|value| DigestRow {
+                head: frame.names.head_of(axis, value),
+                numbers: self.with_value(axis, value),
+            })
+            .collect();
+        if values.len() > 1 {
+            rows.push(DigestRow {
+                head: all_head(&heads),
+                numbers: self.clone(),
+            });
+        }
         by_light(frame, &heads, &rows, words)
+    }
+}
+
+impl SignChange {
+    fn has_both_sides(&self) -> bool {
+        self.ratios.iter().any(|at| at.number < 1.0 / (1.0 + SAME))
+            && self.ratios.iter().any(|at| at.number > 1.0 + SAME)
     }
 }
 
@@ -281,29 +328,51 @@ pub fn all_head(heads: &[&str]) -> Vec<Cell> {
     std::iter::once(Cell::from(ALL)).chain(blanks).collect()
 }
 
-/// A dot at an average, with its name and words, and a whisker of its interval. `at` places a
-/// number.
+/// A dot at an average, with its name and words as a tip, and a whisker of its interval.
+/// `position` places a number.
 pub fn middle_marks(
     all: &Estimate,
     series: usize,
-    at: impl Fn(f64) -> [f64; 2],
-    (name, words): (&str, &dyn Fn(&Estimate) -> String),
+    name: &str,
+    position: impl Fn(f64) -> [f64; 2],
+    words: &dyn Fn(&Estimate) -> String,
 ) -> Vec<Mark> {
-    let lights = count(all.n, "environment", AXES[ENVIRONMENT].plural);
     let whisker = all
         .interval
-        .map(|[lo, hi]| Mark::new(Form::Whisker(at(lo), at(hi)), series));
-    let dot = Mark::new(Form::Dot(at(all.value)), series)
-        .tip(format!("{name}: {} · {lights}", words(all)));
+        .map(|[lo, hi]| Mark::new(Form::Whisker(position(lo), position(hi)), series));
+    let dot = middle_dot(all, series, name, position(all.value), words);
     std::iter::once(dot).chain(whisker).collect()
 }
 
+/// The dot of [`middle_marks`].
+pub fn middle_dot(
+    all: &Estimate,
+    series: usize,
+    name: &str,
+    position: [f64; 2],
+    words: &dyn Fn(&Estimate) -> String,
+) -> Mark {
+    let lights = count(all.n, "environment", AXES[ENVIRONMENT].plural);
+    Mark::new(Form::Dot(position), series).tip(format!("{name}: {} · {lights}", words(all)))
+}
+
 /// "0.25 (0.50) and 0.5 (0.25)": values with ratios below 1, and above.
-pub fn sides(frame: &Frame, of: AxisId, groups: &Along) -> [String; 2] {
-    let (less, more): (Vec<_>, Vec<_>) = groups.iter().partition(|(_, ratio)| *ratio < 1.0);
-    let words =
-        |(at, ratio): &(Value, f64)| format!("{} ({})", frame.names.short(of, at), number(*ratio));
-    [less, more].map(|own| listed(&own.into_iter().map(words).collect::<Vec<_>>()))
+pub fn sides(frame: &Frame, change: &SignChange) -> [Statement; 2] {
+    let (less, more): (Vec<&AtValue>, Vec<&AtValue>) =
+        change.ratios.iter().partition(|at| at.number < 1.0);
+    [less, more].map(|side| {
+        let items = side.into_iter().map(|at| {
+            let value = frame.names.short_phrase(change.axis, &at.value);
+            statement![value, format!(" ({})", number(at.number))]
+        });
+        Statement::listed(items.collect())
+    })
+}
+
+/// A row of [`by_light`]: its first cells, and its numbers.
+pub struct DigestRow<'r, 'f> {
+    pub head: Vec<Cell>,
+    pub numbers: Numbers<'r, 'f>,
 }
 
 /// A digest with one row per group, one column per environment and one over all. If environments
@@ -311,39 +380,63 @@ pub fn sides(frame: &Frame, of: AxisId, groups: &Along) -> [String; 2] {
 pub fn by_light(
     frame: &Frame,
     names: &[&str],
-    rows: &[(Vec<Cell>, Numbers)],
+    rows: &[DigestRow],
     words: &dyn Fn(&Estimate) -> String,
 ) -> Table {
-    let of = |groups: &[Numbers]| values(groups.iter().flat_map(|own| own.rows()), ENVIRONMENT);
-    let lights = of(&rows.iter().map(|(_, own)| own.clone()).collect::<Vec<_>>());
-    let evidence = of(&rows
+    let lights = values(rows.iter().flat_map(|row| row.numbers.rows()), ENVIRONMENT);
+    let evidence: Vec<Numbers> = rows.iter().map(|row| row.numbers.evidence()).collect();
+    let counted = values(evidence.iter().flat_map(Numbers::rows), ENVIRONMENT);
+    let uncounted: Vec<Value> = lights
         .iter()
-        .map(|(_, own)| own.evidence())
-        .collect::<Vec<_>>());
-    let beside: Vec<Value> = lights
-        .iter()
-        .filter(|light| !evidence.contains(light))
+        .filter(|light| !counted.contains(light))
         .cloned()
         .collect();
-    let is_summed = rows.iter().any(|(_, own)| own.is_summed());
-    let shown = if is_summed { &beside } else { &lights };
+    let is_summed = rows.iter().any(|row| row.numbers.has_interval());
     let has_all = lights.len() > 1;
-    let heads = shown.iter().map(|light| match beside.contains(light) {
-        true => format!("{} (formula)", frame.names.short(ENVIRONMENT, light)),
-        false => frame.names.short(ENVIRONMENT, light),
-    });
-    let all = if is_summed {
-        count(evidence.len(), "", AXES[ENVIRONMENT].plural)
-    } else {
-        ALL.to_owned()
-    };
-    let names = names
-        .iter()
-        .map(|name| name.to_string())
-        .chain(heads)
-        .chain(has_all.then_some(all));
-    let mut table = Table::with_names(names.chain(is_summed.then(|| "their range".to_owned())));
-    let plain = |end: f64| {
+    let shown = if is_summed { &uncounted } else { &lights };
+
+    let mut heads: Vec<String> = names.iter().map(|name| (*name).to_owned()).collect();
+    for light in shown {
+        let name = frame.names.short(ENVIRONMENT, light);
+        if uncounted.contains(light) {
+            heads.push(format!("{name} (formula)"));
+        } else {
+            heads.push(name);
+        }
+    }
+    if has_all && is_summed {
+        heads.push(count(counted.len(), "", AXES[ENVIRONMENT].plural));
+    } else if has_all {
+        heads.push(ALL.to_owned());
+    }
+    if is_summed {
+        heads.push("their range".to_owned());
+    }
+
+    let mut table = Table::with_names(heads);
+    for DigestRow { head, numbers } in rows {
+        let mut cells = head.clone();
+        for light in shown {
+            cells.push(numbers.with_value(ENVIRONMENT, light).cell(frame, words));
+        }
+        if has_all {
+            cells.push(match numbers.pooled(frame) {
+                None if is_summed && numbers.is_ratio => Cell::from("mixed"),
+                all => all.as_ref().map(words).into(),
+            });
+        }
+        if is_summed {
+            let ends = numbers.estimate().map(|all| all.ends);
+            cells.push(ends.map(|ends| range_in_words(ends, words)).into());
+        }
+        table.row(cells);
+    }
+    table.without_empty()
+}
+
+/// "8.1 to 17", or one number if both ends read alike.
+fn range_in_words(ends: [f64; 2], words: &dyn Fn(&Estimate) -> String) -> String {
+    let [least, most] = ends.map(|end| {
         words(&Estimate {
             value: end,
             interval: None,
@@ -351,30 +444,12 @@ pub fn by_light(
             n: 1,
             ends: [end; 2],
         })
-    };
-    for (head, own) in rows {
-        let cells = shown
-            .iter()
-            .map(|light| own.at(ENVIRONMENT, light).cell(frame, words));
-        let all = has_all.then(|| match own.pooled(frame) {
-            None if is_summed && own.is_ratio => Cell::from("mixed"),
-            all => all.as_ref().map(words).into(),
-        });
-        let range = is_summed.then(|| {
-            own.estimate()
-                .map(|all| range_words(all.ends, plain))
-                .into()
-        });
-        table.row(
-            head.iter()
-                .cloned()
-                .chain(cells)
-                .chain(all)
-                .chain(range)
-                .collect(),
-        );
+    });
+    if least == most {
+        least
+    } else {
+        format!("{least} to {most}")
     }
-    table.without_empty()
 }
 
 /// Whether a light is a built-in formula.

@@ -11,6 +11,7 @@
 //! environment first, and intervals are over environments. A prediction interval is for one new
 //! environment.
 
+use super::numbers::middle_dot;
 use super::prelude::*;
 use crate::instrument::metrics::{DISPLAY_HEADLINE, HEADLINE, PICTURE_SCORES};
 use std::collections::HashMap;
@@ -75,43 +76,97 @@ const BASE: &str = "split-sum";
 const BRIGHTNESS: &str = PICTURE_SCORES[3];
 
 fn lacks(shape: &Shape) -> Option<&'static str> {
-    let has_base = shape.methods().any(|method| method.name == BASE);
-    match () {
-        () if !has_base => {
-            Some("axes.method has no `split-sum`, with which the pictures are compared")
-        }
-        () if shape.methods().count() < 2 => Some("axes.method has only `split-sum`"),
-        () if shape.values[SCENE]
-            .iter()
-            .all(|scene| is_design(&scene.to_string())) =>
-        {
-            Some("axes.scene has no scene but `design`, which is not a picture")
-        }
-        () if !shape.is_swept(ENVIRONMENT_ORIENTATION) => {
-            Some("axes.environment_orientation has fewer than two orientations")
-        }
-        () => None,
+    let has_picture = shape.values[SCENE]
+        .iter()
+        .any(|scene| !is_design(&scene.to_string()));
+    if !shape.methods().any(|method| method.name == BASE) {
+        Some("axes.method has no `split-sum`, with which the pictures are compared")
+    } else if shape.methods().count() < 2 {
+        Some("axes.method has only `split-sum`")
+    } else if !has_picture {
+        Some("axes.scene has no scene but `design`, which is not a picture")
+    } else if !shape.is_swept(ENVIRONMENT_ORIENTATION) {
+        Some("axes.environment_orientation has fewer than two orientations")
+    } else {
+        None
     }
+}
+
+/// A picture of a method, and the same picture of the base.
+#[derive(Clone, Copy)]
+struct Compared<'r, 'f> {
+    row: &'r Row<'f>,
+    base: &'r Row<'f>,
+}
+
+impl Compared<'_, '_> {
+    /// The ratio of their scores; `None` if neither is resolved.
+    fn ratio(&self, frame: &Frame) -> Option<f64> {
+        let is_resolved = frame.is_resolved(self.row) || frame.is_resolved(self.base);
+        let ratio = frame.error(self.row)? / frame.error(self.base)?;
+        (is_resolved && ratio.is_finite() && ratio > 0.0).then_some(ratio)
+    }
+}
+
+/// A picture and its ratio.
+#[derive(Clone, Copy)]
+struct Worst<'r, 'f> {
+    row: &'r Row<'f>,
+    ratio: f64,
+}
+
+/// What distinguishes the groups of one scene and score.
+#[derive(Clone, PartialEq, Eq, Hash)]
+struct MethodCase {
+    /// On the swept axes of cases.
+    case: Key,
+    /// As [`Frame::variant`].
+    method: String,
 }
 
 /// The pictures of one method in one case and score.
 struct Group<'r, 'f> {
+    /// Or [`ALL`].
     scene: String,
-    /// On the swept axes of cases.
-    key: Key,
     metric: &'static str,
-    /// As [`Frame::way`].
-    name: String,
+    /// On the swept axes of cases.
+    case: Key,
+    /// As [`Frame::variant`].
+    method: String,
     ratios: Numbers<'r, 'f>,
     /// Least and largest score.
     scores: [f64; 2],
 }
 
 impl<'r, 'f> Group<'r, 'f> {
+    /// `None` without a resolved picture.
+    fn new(
+        frame: &Frame,
+        scene: &str,
+        key: &MethodCase,
+        pictures: &[&Compared<'r, 'f>],
+    ) -> Option<Self> {
+        let ratios = pictures
+            .iter()
+            .filter_map(|picture| Some((picture.row, picture.ratio(frame)?)));
+        let ratios = Numbers::new(ratios, Middle::Median).evidence();
+        let scores = || ratios.rows().filter_map(|row| frame.score(row));
+        let scores = [scores().reduce(f64::min)?, scores().reduce(f64::max)?];
+        Some(Self {
+            scene: scene.to_owned(),
+            metric: frame.metric_name(),
+            case: key.case.clone(),
+            method: key.method.clone(),
+            ratios,
+            scores,
+        })
+    }
+
     fn median(&self) -> Option<Estimate> {
         self.ratios.estimate()
     }
 
+    /// The share of the pictures with a ratio above 1.
     fn worse(&self) -> Option<Estimate> {
         let is_worse = self
             .ratios
@@ -127,29 +182,49 @@ impl<'r, 'f> Group<'r, 'f> {
         })
     }
 
-    fn worst(&self) -> Option<(&'r Row<'f>, f64)> {
-        worst(self.ratios.items().iter().copied())
+    fn worst(&self) -> Option<Worst<'r, 'f>> {
+        let items = self.ratios.items().iter();
+        worst(items.map(|&(row, ratio)| Worst { row, ratio }))
     }
 
+    /// The picture whose ratio is nearest.
     fn nearest(&self, to: f64) -> Option<&'r Row<'f>> {
         let distance = |ratio: f64| (ratio / to).ln().abs();
-        let items = self.ratios.items().iter().copied();
+        let items = self.ratios.items().iter();
         items
             .min_by(|a, b| distance(a.1).total_cmp(&distance(b.1)))
-            .map(|(row, _)| row)
+            .map(|(row, _)| *row)
+    }
+
+    /// What the digest shows of a group; `None` for ratios of the base to itself.
+    fn digest_text(&self) -> Option<String> {
+        if self.metric == BRIGHTNESS {
+            return Some(percent_extent(self.scores).to_string());
+        }
+        if self.method == BASE {
+            return None;
+        }
+        let median = with_interval(&self.median()?);
+        Some(format!("{median}, {} worse", percent(self.worse()?.value)))
     }
 }
 
 /// The picture with the largest ratio; of equal ones the one whose id comes first.
-fn worst<'r, 'f>(pictures: impl Iterator<Item = (&'r Row<'f>, f64)>) -> Option<(&'r Row<'f>, f64)> {
+fn worst<'r, 'f>(pictures: impl Iterator<Item = Worst<'r, 'f>>) -> Option<Worst<'r, 'f>> {
     pictures.max_by(|a, b| {
-        a.1.total_cmp(&b.1)
-            .then_with(|| b.0.cell.id.cmp(&a.0.cell.id))
+        a.ratio
+            .total_cmp(&b.ratio)
+            .then_with(|| b.row.cell.id.cmp(&a.row.cell.id))
     })
 }
 
+/// The worst picture of several groups.
+fn worst_of<'r, 'f>(groups: &[&Group<'r, 'f>]) -> Option<Worst<'r, 'f>> {
+    worst(groups.iter().filter_map(|group| group.worst()))
+}
+
 /// These axes without the axes that distinguish pictures.
-fn of_cases(mut axes: Vec<AxisId>) -> Vec<AxisId> {
+fn without_picture_axes(mut axes: Vec<AxisId>) -> Vec<AxisId> {
     axes.retain(|axis| {
         ![
             ENVIRONMENT,
@@ -163,319 +238,308 @@ fn of_cases(mut axes: Vec<AxisId>) -> Vec<AxisId> {
 }
 
 /// Each picture with the same picture of the base.
-fn pairs<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>]) -> Vec<[&'r Row<'f>; 2]> {
-    let bases: Vec<&Row> = images
-        .iter()
-        .copied()
-        .filter(|row| row.text(METHOD) == BASE)
-        .collect();
+fn compared<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>]) -> Vec<Compared<'r, 'f>> {
+    let mut bases = images.to_vec();
+    bases.retain(|row| row.text(METHOD) == BASE);
     let mut axes = frame.case_axes();
     axes.retain(|axis| bases.iter().all(|row| row.point[*axis] != Value::Unset));
-    let by_key: HashMap<Key, &Row> = bases.iter().map(|row| (row.key(&axes), *row)).collect();
+    let bases: HashMap<Key, &Row> = bases.iter().map(|row| (row.key(&axes), *row)).collect();
     images
         .iter()
-        .filter_map(|row| Some([*row, *by_key.get(&row.key(&axes))?]))
+        .filter_map(|row| {
+            let base = bases.get(&row.key(&axes))?;
+            Some(Compared { row, base })
+        })
         .collect()
 }
 
-fn groups<'r, 'f>(frame: &Frame, pairs: &[[&'r Row<'f>; 2]]) -> Vec<Group<'r, 'f>> {
-    let axes = of_cases(frame.case_axes());
-    let scenes = distinct_in_order(pairs.iter().map(|[row, _]| row.text(SCENE)));
-    let all = (scenes.len() > 1).then(|| ALL.to_owned());
-    let scored = PICTURE_SCORES.map(|metric| frame.like(frame.run, metric));
-    let mut found = Vec::new();
-    for scene in all.into_iter().chain(scenes) {
-        let own = pairs
+/// By scene, all scenes first if several are shown; then by case and method; then by score.
+fn groups<'r, 'f>(frame: &Frame, pictures: &[Compared<'r, 'f>]) -> Vec<Group<'r, 'f>> {
+    let axes = without_picture_axes(frame.case_axes());
+    let by_score = PICTURE_SCORES.map(|metric| frame.like(frame.run, metric));
+    let mut scenes = distinct_in_order(pictures.iter().map(|picture| picture.row.text(SCENE)));
+    if scenes.len() > 1 {
+        scenes.insert(0, ALL.to_owned());
+    }
+    let mut groups = Vec::new();
+    for scene in scenes {
+        let of_scene = pictures
             .iter()
-            .filter(|[row, _]| scene == ALL || row.text(SCENE) == scene);
-        for ((key, name), pairs) in grouped(own, |[row, _]| (row.key(&axes), frame.way(row))) {
-            found.extend(scored.iter().filter_map(|of| {
-                let ratio = |[row, base]: &&[&'r Row<'f>; 2]| {
-                    let is_resolved = of.is_resolved(row) || of.is_resolved(base);
-                    let ratio = of.error(row)? / of.error(base)?;
-                    (is_resolved && ratio.is_finite() && ratio > 0.0).then_some((*row, ratio))
-                };
-                let ratios =
-                    Numbers::new(pairs.iter().filter_map(ratio), Middle::Median).evidence();
-                let scores = || ratios.rows().filter_map(|row| of.score(row));
-                let scores = [scores().reduce(f64::min)?, scores().reduce(f64::max)?];
-                let (scene, key, name) = (scene.clone(), key.clone(), name.clone());
-                Some(Group {
-                    scene,
-                    key,
-                    metric: of.metric_name(),
-                    name,
-                    ratios,
-                    scores,
-                })
-            }));
+            .filter(|picture| scene == ALL || picture.row.text(SCENE) == scene);
+        let key = |picture: &&Compared| MethodCase {
+            case: picture.row.key(&axes),
+            method: frame.variant(picture.row),
+        };
+        for (key, pictures) in grouped(of_scene, key) {
+            for frame in &by_score {
+                groups.extend(Group::new(frame, &scene, &key, &pictures));
+            }
         }
     }
-    found
+    groups
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
     // Includes pictures for every metric: a metric of radiance leaves them out if there is a
     // design.
     let pictures = frame.like(frame.run, DISPLAY_HEADLINE);
-    let images: Vec<&Row> = pictures
-        .images()
-        .into_iter()
-        .filter(|row| !is_design(&row.text(SCENE)))
+    let mut images = pictures.images();
+    images.retain(|row| !is_design(&row.text(SCENE)));
+    let groups = groups(frame, &compared(frame, &images));
+    // The sentences, the digest and the figure are about all scenes.
+    let all_scenes = &groups.first()?.scene;
+    let all: Vec<&Group> = groups
+        .iter()
+        .filter(|group| group.scene == *all_scenes)
         .collect();
-    let groups = groups(frame, &pairs(frame, &images));
-    let axes = [
-        &[SCENE],
-        &of_cases(frame.table_axes())[..],
-        &[METHOD, SAMPLES],
-    ]
-    .concat();
+    Some(Finding {
+        table: table(frame, &groups)?,
+        sentences: sentences(frame, &all)?,
+        digest: Some(digest(frame, &all)),
+        figure: figure(frame, &all),
+    })
+}
+
+fn table(frame: &Frame, groups: &[Group]) -> Option<Table> {
+    let case_axes = without_picture_axes(frame.table_axes());
+    let axes = [&[SCENE], &case_axes[..], &[METHOD, SAMPLES]].concat();
     let mut table = Table::new(&axes, QUESTION.columns);
-    for group in &groups {
-        let ([median, worse], (row, worst)) = ([group.median()?, group.worse()?], group.worst()?);
-        let mut key = row.key(&axes);
+    for group in groups {
+        let median = group.median()?;
+        let worse = group.worse()?;
+        let worst = group.worst()?;
+        let mut key = worst.row.key(&axes);
         key[0] = group.scene.clone().into();
-        let images = group.ratios.items().len();
-        let head = cells![group.metric, BASE, images, median.value, worse.value, worst];
-        let ends = [
+        let mut row = axis_cells(&axes, &key);
+        row.extend(cells![
+            group.metric,
+            BASE,
+            group.ratios.items().len(),
+            median.value,
+            worse.value,
+            worst.ratio
+        ]);
+        let intervals = [
             median.interval,
             median.prediction,
             worse.interval,
             worse.prediction,
         ];
-        let ends = ends
-            .into_iter()
-            .flat_map(|ends| ends.map_or([None; 2], |ends| ends.map(Some)))
-            .map(Cell::from);
-        let scores = group.scores.map(Cell::from);
-        let [light, orientation, scene] =
-            [ENVIRONMENT, ENVIRONMENT_ORIENTATION, SCENE].map(|of| (&row.point[of]).into());
-        let place = [light, orientation, scene, row.cell.id.as_str().into()];
-        table.row(
-            [axis_cells(&axes, &key), head]
-                .concat()
-                .into_iter()
-                .chain(ends)
-                .chain(scores)
-                .chain(place)
-                .collect(),
-        );
+        for interval in intervals {
+            match interval {
+                Some([lo, hi]) => row.extend(cells![lo, hi]),
+                None => row.extend([Cell::Missing, Cell::Missing]),
+            }
+        }
+        row.extend(group.scores.map(Cell::from));
+        for axis in [ENVIRONMENT, ENVIRONMENT_ORIENTATION, SCENE] {
+            row.push((&worst.row.point[axis]).into());
+        }
+        row.push(worst.row.cell.id.as_str().into());
+        table.row(row);
     }
-    // The sentence, the digest and the figure are about all scenes.
-    let lead = groups.first()?.scene.clone();
-    let own: Vec<&Group> = groups.iter().filter(|group| group.scene == lead).collect();
-    Some(Finding {
-        sentence: sentence(frame, &own)?,
-        table,
-        digest: Some(digest(frame, &own)),
-        figure: figure(frame, &own),
-    })
+    Some(table)
 }
 
-/// The score of the sentence and the digest.
-fn leading(frame: &Frame) -> &'static str {
+/// The score of the sentences, the order of methods and the figure.
+fn leading_score(frame: &Frame) -> &'static str {
     PICTURE_SCORES
         .into_iter()
         .find(|metric| *metric == frame.metric_name())
         .unwrap_or(HEADLINE)
 }
 
+/// The groups of one method and score.
+struct MethodGroups<'g, 'r, 'f> {
+    /// As [`Frame::variant`].
+    method: String,
+    groups: Vec<&'g Group<'r, 'f>>,
+}
+
+impl MethodGroups<'_, '_, '_> {
+    fn mean_ratio(&self) -> f64 {
+        let medians = self.groups.iter();
+        let medians = medians.filter_map(|group| Some(group.median()?.value));
+        geometric_mean(&medians.collect::<Vec<_>>())
+    }
+}
+
 /// The groups of one score by method, without the base; the method with the least ratios first.
-fn by_method<'g, 'r, 'f>(
-    all: &[&'g Group<'r, 'f>],
-    metric: &str,
-) -> Vec<(String, Vec<&'g Group<'r, 'f>>)> {
-    let own = all
+fn by_method<'g, 'r, 'f>(all: &[&'g Group<'r, 'f>], metric: &str) -> Vec<MethodGroups<'g, 'r, 'f>> {
+    let groups = all
         .iter()
         .copied()
-        .filter(|group| group.metric == metric && group.name != BASE);
-    let mut methods = grouped(own, |group| group.name.clone());
-    let mean = |own: &[&Group]| {
-        geometric_mean(
-            &own.iter()
-                .filter_map(|group| Some(group.median()?.value))
-                .collect::<Vec<_>>(),
-        )
-    };
-    methods.sort_by(|a, b| mean(&a.1).total_cmp(&mean(&b.1)));
+        .filter(|group| group.metric == metric && group.method != BASE);
+    let mut methods: Vec<MethodGroups> = grouped(groups, |group| group.method.clone())
+        .into_iter()
+        .map(|(method, groups)| MethodGroups { method, groups })
+        .collect();
+    methods.sort_by(|a, b| a.mean_ratio().total_cmp(&b.mean_ratio()));
     methods
 }
 
-/// "-52 to 54 %".
-fn brightness(scores: [f64; 2]) -> String {
-    range_words(scores.map(|score| 100.0 * score), number) + " %"
+/// The axes that name a picture.
+fn picture_axes(frame: &Frame) -> Vec<AxisId> {
+    distinct_in_order(std::iter::once(ENVIRONMENT).chain(frame.swept(&[Part::Case])))
 }
 
 /// "shader-ball, venice_sunset, orientation 7, alpha 0.1".
 fn picture_name(frame: &Frame, row: &Row) -> String {
-    let swept = frame
-        .swept(&[Part::Case])
-        .into_iter()
-        .filter(|axis| *axis != ENVIRONMENT);
-    let axes: Vec<AxisId> = std::iter::once(ENVIRONMENT).chain(swept).collect();
-    frame
-        .names
-        .label(&axes, &row.key(&axes))
-        .replace(" · ", ", ")
+    let axes = picture_axes(frame);
+    frame.names.comma_label(&axes, &row.key(&axes))
 }
 
-fn sentence(frame: &Frame, all: &[&Group]) -> Option<String> {
-    let metric = leading(frame);
+fn sentences(frame: &Frame, all: &[&Group]) -> Option<Sentences> {
+    let metric = leading_score(frame);
     let methods = by_method(all, metric);
-    let (name, own) = methods.first()?;
-    let medians = own.iter().filter_map(|group| Some(group.median()?.value));
-    let worse = own
+    let MethodGroups { method, groups } = methods.first()?;
+    let medians = groups
+        .iter()
+        .filter_map(|group| Some(group.median()?.value));
+    let worse = groups
         .iter()
         .filter_map(|group| Some(100.0 * group.worse()?.value));
-    let (row, most) = worst(own.iter().filter_map(|group| group.worst()))?;
-    Some(format!(
-        "In the median picture `{name}` has **{} times** the `{metric}` of `{BASE}`, and it makes \
-         {} % of the pictures worse. \
-         The worst has {} times: {}.",
-        range(medians),
-        range(worse),
-        number(most),
-        picture_name(frame, row),
-    ))
+    let worst = worst_of(groups)?;
+    let axes = picture_axes(frame);
+    let headline = statement![
+        "In the median picture ",
+        Phrase::Method(method.clone()),
+        " has ",
+        Quantity::new(Extent::of(medians)).unit(" times").strong(),
+        " the ",
+        Phrase::Metric(metric),
+        " of ",
+        Phrase::Method(BASE.to_owned()),
+        ", and it makes ",
+        Quantity::new(Extent::of(worse)).unit(" %"),
+        " of the pictures worse."
+    ];
+    let detail = statement![
+        "The worst has ",
+        Quantity::rounded(worst.ratio).unit(" times"),
+        ": ",
+        frame.names.comma_phrases(&axes, &worst.row.key(&axes)),
+        "."
+    ];
+    Some(Sentences::new(headline).with_details([detail]))
 }
 
 /// One row per score and case, one column per method: the median ratio and the share of worse
 /// pictures; for [`BRIGHTNESS`] the range of the pictures. The last row has the worst pictures by
 /// the leading score.
 fn digest(frame: &Frame, all: &[&Group]) -> Table {
-    let axes = of_cases(frame.case_axes());
-    let methods = by_method(all, leading(frame));
-    let heads = frame.names.heads(&axes);
-    let names: Vec<&str> = methods
-        .iter()
-        .map(|(name, _)| name.as_str())
-        .chain([BASE])
-        .collect();
-    let mut table = Table::with_names(
-        ["score"]
-            .iter()
-            .chain(&heads)
-            .chain(&names)
-            .map(|name| (*name).to_owned()),
-    );
-    let words = |group: &Group| match group.metric {
-        BRIGHTNESS => Some(brightness(group.scores)),
-        _ if group.name == BASE => None,
-        _ => Some(format!(
-            "{}, {} worse",
-            with_interval(&group.median()?),
-            percent(group.worse()?.value)
-        )),
-    };
+    let axes = without_picture_axes(frame.case_axes());
+    let methods = by_method(all, leading_score(frame));
+    let case_heads = frame.names.heads(&axes);
+    let mut names: Vec<&str> = methods.iter().map(|one| one.method.as_str()).collect();
+    names.push(BASE);
+    let heads = [&["score"], &case_heads[..], &names[..]].concat();
+    let mut table = Table::with_names(heads);
     for metric in PICTURE_SCORES {
-        let own: Vec<&Group> = all
-            .iter()
-            .copied()
-            .filter(|group| group.metric == metric)
-            .collect();
-        for key in distinct_in_order(own.iter().map(|group| group.key.clone())) {
-            let cells = names.iter().map(|name| {
-                own.iter()
-                    .find(|group| group.name == *name && fits(&group.key, &key))
-                    .and_then(|group| words(group))
-            });
-            table.row(
-                [
-                    cells![metric],
-                    frame.names.head(&axes, &key),
-                    cells.map(Cell::from).collect(),
-                ]
-                .concat(),
-            );
+        let mut groups = all.to_vec();
+        groups.retain(|group| group.metric == metric);
+        for case in distinct_in_order(groups.iter().map(|group| group.case.clone())) {
+            let mut row = cells![metric];
+            row.extend(frame.names.head(&axes, &case));
+            for name in &names {
+                let group = groups
+                    .iter()
+                    .find(|group| group.method == *name && agree(&group.case, &case));
+                row.push(group.and_then(|group| group.digest_text()).into());
+            }
+            table.row(row);
         }
     }
-    let worst = methods.iter().map(|(_, own)| {
-        let worst = worst(own.iter().filter_map(|group| group.worst()));
-        Cell::from(
-            worst.map(|(row, ratio)| format!("{}: {}", number(ratio), picture_name(frame, row))),
-        )
-    });
-    let blanks = heads.iter().skip(1).map(|_| Cell::Missing);
-    let head = heads
-        .iter()
-        .take(1)
-        .map(|_| Cell::from("worst picture"))
-        .chain(blanks);
-    let first = std::iter::once(Cell::from(leading(frame)));
-    table.row(
-        first
-            .chain(head)
-            .chain(worst)
-            .chain([Cell::Missing])
-            .collect(),
-    );
+    let mut row = cells![leading_score(frame)];
+    for index in 0..case_heads.len() {
+        row.push(if index == 0 {
+            "worst picture".into()
+        } else {
+            Cell::Missing
+        });
+    }
+    for MethodGroups { groups, .. } in &methods {
+        let worst = worst_of(groups)
+            .map(|Worst { row, ratio }| format!("{}: {}", number(ratio), picture_name(frame, row)));
+        row.push(worst.into());
+    }
+    row.push(Cell::Missing);
+    table.row(row);
     table
 }
 
 /// The leading score of the median picture by [`Frame::row_axis`], one panel per other case, and a
 /// single dot for the worst picture of each method there. Dots link to their image.
 fn figure(frame: &Frame, all: &[&Group]) -> Option<Figure> {
-    let (axes, row_axis, metric) = (
-        of_cases(frame.case_axes()),
-        frame.row_axis(),
-        leading(frame),
-    );
-    let steps = values(all.iter().flat_map(|group| group.ratios.rows()), row_axis);
+    let row_axis = frame.row_axis();
+    let metric = leading_score(frame);
     let methods = by_method(all, metric);
-    let series: Vec<String> = methods.iter().map(|(name, _)| name.clone()).collect();
-    let title = |key: &Key| frame.names.label_where(&axes, key, |axis| axis != row_axis);
-    let titles = distinct_in_order(all.iter().map(|group| title(&group.key)));
-    let line = |line: usize, own: &[&Group]| {
-        let dot = |group: &&Group| {
-            let median = group.median()?;
-            let row = group.nearest(median.value)?;
-            let x = step(&steps, &row.point[row_axis]);
-            let words = |all: &Estimate| format!("median picture {}", with_interval(all));
-            let mut dot = group
-                .ratios
-                .marks(line, |y| [x, y], (&group.name, &words))
-                .into_iter()
-                .next()?;
-            dot.cell = Some(row.cell.id.clone());
-            Some(dot)
-        };
-        let worst = worst(own.iter().filter_map(|group| group.worst())).map(|(row, most)| {
-            let tip = format!(
-                "worst picture {}, {}",
-                number(most),
-                picture_name(frame, row)
-            );
-            self::dot([step(&steps, &row.point[row_axis]), most], line, tip, row)
-        });
-        joined(own.iter().filter_map(dot).collect())
-            .into_iter()
-            .chain(worst)
-            .collect::<Vec<_>>()
-    };
-    let panel = |name: String| {
-        let lines = methods.iter().enumerate().flat_map(|(index, (_, own))| {
-            let own: Vec<&Group> = own
+    let steps = values(all.iter().flat_map(|group| group.ratios.rows()), row_axis);
+    let title = |group: &Group| panel_title(frame, &group.case);
+    let mut panels = Vec::new();
+    for name in distinct_in_order(all.iter().map(|group| title(group))) {
+        let mut marks = vec![Mark::neutral(Form::HorizontalRule(1.0))];
+        for (series, method) in methods.iter().enumerate() {
+            let mut groups = method.groups.clone();
+            groups.retain(|group| title(group) == name);
+            let medians = groups
                 .iter()
-                .copied()
-                .filter(|group| title(&group.key) == name)
-                .collect();
-            line(index, &own)
-        });
-        let marks = std::iter::once(Mark::neutral(Form::HorizontalRule(1.0)))
-            .chain(lines)
-            .collect();
-        (name, marks)
-    };
+                .filter_map(|group| median_dot(frame, group, &steps, series));
+            marks.extend(joined(medians.collect()));
+            let worst = worst_of(&groups);
+            marks.extend(worst.map(|worst| worst_dot(frame, worst, &steps, series)));
+        }
+        panels.push(ChartPanel { title: name, marks });
+    }
     Chart {
         title: "Pictures against the textbook's split sum",
         note: format!(
             "{metric} over the {metric} of {BASE}; below 1 is better. Lines: the median picture; \
              single marks: the worst picture"
         ),
-        x: Along::values(frame, row_axis, &steps),
-        y: Along::Log("ratio"),
-        panels: titles.into_iter().map(panel).collect(),
-        series,
+        x: ChartAxis::values(frame, row_axis, &steps),
+        y: ChartAxis::Log("ratio"),
+        panels,
+        series: methods
+            .into_iter()
+            .map(|one| {
+                let row = one
+                    .groups
+                    .first()
+                    .and_then(|group| group.ratios.rows().next());
+                let method = row.map_or_else(String::new, |row| row.text(METHOD));
+                method_series(one.method, &method, false)
+            })
+            .collect(),
     }
     .figure()
+}
+
+/// The values of a case that are not steps of the figure.
+fn panel_title(frame: &Frame, case: &[Value]) -> String {
+    let mut axes = without_picture_axes(frame.case_axes());
+    let mut key = case.to_vec();
+    if let Some(index) = axes.iter().position(|axis| *axis == frame.row_axis()) {
+        axes.remove(index);
+        key.remove(index);
+    }
+    frame.names.label(&axes, &key)
+}
+
+/// The median picture of a group, with a link to the picture nearest to it.
+fn median_dot(frame: &Frame, group: &Group, steps: &[Value], series: usize) -> Option<Mark> {
+    let median = group.median()?;
+    let row = group.nearest(median.value)?;
+    let position = [step(steps, &row.point[frame.row_axis()]), median.value];
+    let words = |all: &Estimate| format!("median picture {}", with_interval(all));
+    let dot = middle_dot(&median, series, &group.method, position, &words);
+    Some(dot.cell(&row.cell.id))
+}
+
+fn worst_dot(frame: &Frame, worst: Worst, steps: &[Value], series: usize) -> Mark {
+    let Worst { row, ratio } = worst;
+    let name = picture_name(frame, row);
+    let tip = format!("worst picture {}, {name}", number(ratio));
+    let x = step(steps, &row.point[frame.row_axis()]);
+    dot([x, ratio], series, tip, row)
 }

@@ -17,7 +17,6 @@
 
 use super::prelude::*;
 use crate::bake::plain::SETTINGS;
-use crate::draw::markdown::significant;
 use crate::instrument::metrics::ALL_VIEWS;
 use crate::instrument::precompute::PrecomputeSettings;
 use crate::instrument::shade::{EXACT_SPLIT, REFERENCE};
@@ -27,8 +26,8 @@ pub const QUESTION: Question = Question {
     name: "tables",
     asks: "Which tables should a renderer ship, and from which roughness on are they good enough?",
     columns: &[
-        SEEN_FROM,
-        SEEN_TO,
+        N_DOT_V_FROM,
+        N_DOT_V_TO,
         column(
             "error",
             "Error against the split sum with exact factors; relative metrics divide by that \
@@ -69,30 +68,28 @@ fn enough(frame: &Frame) -> f64 {
 const TABLED: &str = "split-sum";
 
 fn lacks(shape: &Shape) -> Option<&'static str> {
-    let draws_truth = shape.methods().any(|method| method.name == REFERENCE);
-    match () {
-        () if shape.reference_method != EXACT_SPLIT => Some(
+    let has_method = |name: &str| shape.methods().any(|method| method.name == name);
+    let has_other_split = shape
+        .methods()
+        .any(|method| method.uses_prefiltered() && method.name != TABLED);
+    if shape.reference_method != EXACT_SPLIT {
+        Some(
             "reference.method is not ladder-view: tables are compared with the split sum with \
              exact factors",
-        ),
-        () if !draws_truth => {
-            Some("axes.method has no `reference`, which gives the cost of the split itself")
-        }
-        () if !shape.methods().any(|method| method.name == TABLED) => {
-            Some("axes.method has no `split-sum`")
-        }
-        () if shape
-            .methods()
-            .any(|method| method.uses_prefiltered() && method.name != TABLED) =>
-        {
-            Some(
-                "axes.method has a split sum other than `split-sum`, whose limit `ladder-view` is \
-                 not",
-            )
-        }
-        () => parameters(shape)
-            .is_empty()
-            .then_some("no setting of a table has two values"),
+        )
+    } else if !has_method(REFERENCE) {
+        Some("axes.method has no `reference`, which gives the cost of the split itself")
+    } else if !has_method(TABLED) {
+        Some("axes.method has no `split-sum`")
+    } else if has_other_split {
+        Some(
+            "axes.method has a split sum other than `split-sum`, whose limit `ladder-view` is \
+             not",
+        )
+    } else if parameters(shape).is_empty() {
+        Some("no setting of a table has two values")
+    } else {
+        None
     }
 }
 
@@ -102,19 +99,21 @@ fn parameters(shape: &Shape) -> Vec<AxisId> {
         .collect()
 }
 
-struct Tried<'r, 'f> {
+/// Tables in one condition.
+struct Measured<'r, 'f> {
     row: &'r Row<'f>,
-    seen: [f64; 2],
+    /// The band of n·v.
+    n_dot_v: [f64; 2],
     /// Values of the parameters.
     tables: Key,
     error: f64,
     is_resolved: bool,
-    split: f64,
+    split_error: f64,
 }
 
-impl Tried<'_, '_> {
+impl Measured<'_, '_> {
     fn share(&self) -> f64 {
-        self.error / self.split
+        self.error / self.split_error
     }
 
     fn texels(&self) -> f64 {
@@ -131,6 +130,16 @@ impl Tried<'_, '_> {
             .samples_of("prefilter")
             .unwrap_or(0.0)
     }
+
+    /// "qwantani, alpha 0.1, n·v 0.8 to 1".
+    fn condition(&self, frame: &Frame, axes: &[AxisId]) -> String {
+        let label = frame.names.label(axes, &self.row.key(axes));
+        if self.n_dot_v == ALL_VIEWS {
+            label
+        } else {
+            commas([&label, &n_dot_v_words(self.n_dot_v)])
+        }
+    }
 }
 
 /// Texels of all levels and faces of the prefiltered map and of the DFG table.
@@ -144,113 +153,125 @@ fn texels(settings: &PrecomputeSettings) -> f64 {
         + f64::from(settings.dfg_size).powi(2)
 }
 
-fn tried<'r, 'f>(
+/// Every table in every condition: over all views, then band by band.
+fn measured<'r, 'f>(
     frame: &Frame,
     images: &[&'r Row<'f>],
     parameters: &[AxisId],
-) -> Vec<Tried<'r, 'f>> {
-    let mut all = seen_at(frame, images, parameters, ALL_VIEWS);
-    for (seen, run) in frame.views(images) {
-        all.extend(seen_at(
-            &frame.like(&run, frame.metric_name()),
-            images,
-            parameters,
-            seen,
-        ));
+) -> Vec<Measured<'r, 'f>> {
+    let mut all = measured_in(frame, images, parameters, ALL_VIEWS);
+    for (n_dot_v, run) in frame.runs_by_n_dot_v(images) {
+        let frame = frame.like(&run, frame.metric_name());
+        all.extend(measured_in(&frame, images, parameters, n_dot_v));
     }
     all
 }
 
-fn seen_at<'r, 'f>(
+/// The tables in one band of n·v, of whose pixels `frame` has the scores, while `images` has the
+/// scores of all pixels.
+fn measured_in<'r, 'f>(
     frame: &Frame,
     images: &[&'r Row<'f>],
     parameters: &[AxisId],
-    seen: [f64; 2],
-) -> Vec<Tried<'r, 'f>> {
-    // Of these views, while `images` has the scores of all.
-    let own = |row: &Row| {
-        Some((
-            row.cell.id.clone(),
-            (frame.error(row)?, frame.is_resolved(row)),
-        ))
-    };
-    let errors: HashMap<String, (f64, bool)> = frame.rows.iter().filter_map(own).collect();
-    let error = |row: &Row| errors.get(&row.cell.id).copied();
-    let of_truth = |row: &Row, truth: &Row| {
-        let is_case = |axis: &AxisId| AXES[*axis].part == Part::Case;
-        AXES.ids()
-            .filter(is_case)
-            .all(|axis| fits(&row.key(&[axis]), &truth.key(&[axis])))
-    };
-    let truths: Vec<&&Row> = images
+    n_dot_v: [f64; 2],
+) -> Vec<Measured<'r, 'f>> {
+    let rows: HashMap<&str, &Row> = frame
+        .rows
         .iter()
+        .map(|row| (row.cell.id.as_str(), row))
+        .collect();
+    let error = |row: &Row| frame.error(rows.get(row.cell.id.as_str())?);
+    let truths: Vec<&Row> = images
+        .iter()
+        .copied()
         .filter(|row| row.text(METHOD) == REFERENCE)
         .collect();
-    let one = |&row: &&'r Row<'f>| {
+    let one = |row: &'r Row<'f>| {
         let tables = row.key(parameters);
-        let (split, _) = error(truths.iter().find(|truth| of_truth(row, truth))?)?;
-        let (error, is_resolved) = error(row)?;
-        let is_asked = tables.iter().any(|value| *value != Value::Unset);
-        is_asked.then_some(Tried {
+        if tables.iter().all(|value| *value == Value::Unset) {
+            return None;
+        }
+        let truth = truths.iter().find(|truth| is_same_case(row, truth))?;
+        Some(Measured {
             row,
-            seen,
+            n_dot_v,
             tables,
-            error,
-            is_resolved,
-            split,
+            error: error(row)?,
+            is_resolved: frame.is_resolved(rows.get(row.cell.id.as_str())?),
+            split_error: error(truth)?,
         })
     };
     images
         .iter()
-        .filter_map(one)
+        .filter_map(|row| one(row))
         .filter(|one| one.share().is_finite())
         .collect()
 }
 
+/// Whether two rows agree on all axes of cases.
+fn is_same_case(row: &Row, truth: &Row) -> bool {
+    let mut axes = AXES.ids().filter(|axis| AXES[*axis].part == Part::Case);
+    axes.all(|axis| agree(&row.key(&[axis]), &truth.key(&[axis])))
+}
+
+/// One value of each parameter.
 struct Combination<'t, 'r, 'f> {
     tables: Key,
-    own: Vec<&'t Tried<'r, 'f>>,
+    /// One for each condition; at least one.
+    measured: Vec<&'t Measured<'r, 'f>>,
 }
 
 impl Combination<'_, '_, '_> {
-    fn worst(&self) -> &Tried<'_, '_> {
-        self.own
+    fn worst(&self) -> &Measured<'_, '_> {
+        self.measured
             .iter()
             .max_by(|a, b| a.share().total_cmp(&b.share()))
             .expect("a group has a row")
     }
 
+    /// Whether its share is at most `enough` in every condition.
+    fn is_enough(&self, enough: f64) -> bool {
+        self.worst().share() <= enough
+    }
+
     /// Numbers over all views, at one value of an axis.
-    fn numbers(&self, at: &Value, axis: AxisId, of: fn(&Tried) -> f64) -> Numbers<'_, '_> {
-        let is_here = |one: &&&Tried| one.seen == ALL_VIEWS && one.row.point[axis] == *at;
-        let all_views = self.own.iter().filter(is_here);
+    fn numbers(
+        &self,
+        axis: AxisId,
+        value: &Value,
+        number: fn(&Measured) -> f64,
+    ) -> Numbers<'_, '_> {
+        let measured = self.measured.iter();
+        let measured =
+            measured.filter(|one| one.n_dot_v == ALL_VIEWS && one.row.point[axis] == *value);
         Numbers::new(
-            all_views.map(|one| (one.row, of(one))),
+            measured.map(|one| (one.row, number(one))),
             Middle::GeometricMean,
         )
+    }
+
+    /// By texels, then samples, then the worst share.
+    fn by_size(&self, other: &Self) -> std::cmp::Ordering {
+        let [a, b] = [self.worst(), other.worst()];
+        a.texels()
+            .total_cmp(&b.texels())
+            .then(a.samples().total_cmp(&b.samples()))
+            .then(a.share().total_cmp(&b.share()))
     }
 }
 
 /// The combinations that were tried in all conditions of these rows, the smallest first.
 fn combinations<'t, 'r, 'f>(
-    own: impl Iterator<Item = &'t Tried<'r, 'f>>,
+    measured: impl Iterator<Item = &'t Measured<'r, 'f>>,
 ) -> Vec<Combination<'t, 'r, 'f>> {
-    let groups = grouped(own, |one| one.tables.clone());
-    let most = groups.iter().map(|(_, own)| own.len()).max();
-    let whole = groups
+    let groups = grouped(measured, |one| one.tables.clone());
+    let most = groups.iter().map(|(_, measured)| measured.len()).max();
+    let mut all: Vec<Combination> = groups
         .into_iter()
-        .filter(|(_, own)| Some(own.len()) == most);
-    let mut all: Vec<_> = whole
-        .map(|(tables, own)| Combination { tables, own })
+        .filter(|(_, measured)| Some(measured.len()) == most)
+        .map(|(tables, measured)| Combination { tables, measured })
         .collect();
-    let [texels, samples]: [fn(&Combination) -> f64; 2] =
-        [|one| one.worst().texels(), |one| one.worst().samples()];
-    let by_size = |a: &Combination, b: &Combination| {
-        texels(a)
-            .total_cmp(&texels(b))
-            .then(samples(a).total_cmp(&samples(b)))
-    };
-    all.sort_by(|a, b| by_size(a, b).then(a.worst().share().total_cmp(&b.worst().share())));
+    all.sort_by(Combination::by_size);
     all
 }
 
@@ -259,94 +280,78 @@ fn chosen<'c, 't, 'r, 'f>(
     enough: f64,
     all: &'c [Combination<'t, 'r, 'f>],
 ) -> Option<&'c Combination<'t, 'r, 'f>> {
-    let by_worst =
-        |a: &&Combination, b: &&Combination| a.worst().share().total_cmp(&b.worst().share());
-    all.iter()
-        .find(|one| one.worst().share() <= enough)
-        .or_else(|| all.iter().min_by(by_worst))
+    all.iter().find(|one| one.is_enough(enough)).or_else(|| {
+        all.iter()
+            .min_by(|a, b| a.worst().share().total_cmp(&b.worst().share()))
+    })
 }
 
 /// In percent; with a third digit if it is not enough, so that 10.5 % does not read as 10 %.
-fn share_text(enough: f64, share: f64) -> String {
+fn share_number(enough: f64, share: f64) -> Number {
     if share > enough {
-        format!("{} %", significant(100.0 * share, 3))
+        Number::Share { share, digits: 3 }
     } else {
-        percent(share)
+        Number::share(share)
     }
-}
-
-/// "qwantani, alpha 0.1, n·v 0.8 to 1".
-fn place(frame: &Frame, one: &Tried, axes: &[AxisId]) -> String {
-    let label = frame.names.label(axes, &one.row.key(axes));
-    let seen = (one.seen != ALL_VIEWS).then(|| view(one.seen));
-    [label]
-        .into_iter()
-        .filter(|label| !label.is_empty())
-        .chain(seen)
-        .collect::<Vec<_>>()
-        .join(", ")
 }
 
 /// "64x64, 6 levels".
 fn words(frame: &Frame, parameters: &[AxisId], tables: &Key) -> String {
-    let set = parameters
-        .iter()
-        .zip(tables)
-        .filter(|(_, value)| **value != Value::Unset);
-    set.map(|(&axis, value)| frame.names.said(axis, value))
-        .collect::<Vec<_>>()
-        .join(", ")
+    let mut words = Vec::new();
+    for (&axis, value) in parameters.iter().zip(tables) {
+        if *value != Value::Unset {
+            words.push(frame.names.in_sentence(axis, value));
+        }
+    }
+    words.join(", ")
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
-    let (parameters, images) = (parameters(&frame.shape), frame.images());
-    let scope: Vec<AxisId> = frame
-        .case_axes()
-        .into_iter()
-        .filter(|axis| !parameters.contains(axis))
-        .collect();
-    let tried = tried(frame, &images, &parameters);
-    let columns = frame
-        .table_axes()
-        .into_iter()
-        .filter(|axis| !parameters.contains(axis));
-    let axes: Vec<AxisId> = std::iter::once(METHOD)
-        .chain(columns)
-        .chain(parameters.iter().copied())
-        .collect();
-    let mut table = Table::new(&axes, QUESTION.columns);
-    for one in &tried {
-        let is_enough = one.share() <= enough(frame);
-        let own = cells![
-            one.seen[0],
-            one.seen[1],
-            one.error,
-            one.split,
-            one.share(),
-            is_enough,
-            one.texels()
-        ];
-        let own = [own, cells![one.is_resolved]].concat();
-        table.row([one.row.cells(&axes), own].concat());
-    }
-    let all: Vec<&Tried> = tried.iter().collect();
+    let parameters = parameters(&frame.shape);
+    let images = frame.images();
+    let measured = measured(frame, &images, &parameters);
+    let all: Vec<&Measured> = measured.iter().collect();
     let rows = grouped_ascending(all.iter().copied(), frame.row_axis(), |one| one.row);
     let tails: Vec<Tail> = (0..rows.len())
-        .map(|place| Tail {
-            from: rows[place].0.clone(),
-            all: combinations(
-                rows[place..]
-                    .iter()
-                    .flat_map(|(_, own)| own.iter().copied()),
-            ),
+        .map(|start| {
+            let tail = rows[start..].iter().flat_map(|(_, measured)| measured);
+            Tail {
+                from: rows[start].0.clone(),
+                all: combinations(tail.copied()),
+            }
         })
         .collect();
+    let mut scope = frame.case_axes();
+    scope.retain(|axis| !parameters.contains(axis));
     Some(Finding {
-        sentence: sentence(frame, &parameters, &tails)?,
+        sentences: sentences(frame, &parameters, &tails)?,
+        table: table(frame, &parameters, &measured),
         digest: Some(digest(frame, &parameters, &scope, &tails)),
         figure: figure(frame, &parameters, &all),
-        table,
     })
+}
+
+fn table(frame: &Frame, parameters: &[AxisId], measured: &[Measured]) -> Table {
+    let mut axes = frame.table_axes();
+    axes.retain(|axis| !parameters.contains(axis));
+    axes.insert(0, METHOD);
+    axes.extend(parameters);
+    let mut table = Table::new(&axes, QUESTION.columns);
+    for one in measured {
+        let mut row = one.row.cells(&axes);
+        row.extend(cells![
+            one.n_dot_v[0],
+            one.n_dot_v[1],
+            one.error,
+            one.split_error,
+            one.share(),
+            one.share() <= enough(frame),
+            one.texels(),
+            one.is_resolved
+        ]);
+        table.row(row);
+    }
+    table
 }
 
 /// Combinations over one value of [`Frame::row_axis`] and all greater ones. A renderer ships one
@@ -356,54 +361,47 @@ struct Tail<'t, 'r, 'f> {
     all: Vec<Combination<'t, 'r, 'f>>,
 }
 
-fn sentence(frame: &Frame, parameters: &[AxisId], tails: &[Tail]) -> Option<String> {
-    let (metric, enough) = (frame.metric_name(), enough(frame));
+fn sentences(frame: &Frame, parameters: &[AxisId], tails: &[Tail]) -> Option<Sentences> {
+    let metric = Phrase::Metric(frame.metric_name());
+    let enough = enough(frame);
     let best = chosen(enough, &tails.first()?.all)?;
     let words = |one: &Combination| words(frame, parameters, &one.tables);
-    // A share within the reference's noise is an upper bound.
-    let reached = |one: &Combination| {
-        let worst = one.worst();
-        let bound = if worst.is_resolved { "" } else { "at most " };
-        let place = place(
-            frame,
-            worst,
-            &distinct_in_order([ENVIRONMENT, frame.row_axis()]),
-        );
-        format!("{bound}{} ({place})", share_text(enough, worst.share()))
-    };
-    let shipped = |tail: &Tail| {
-        tail.all
-            .iter()
-            .position(|one| one.worst().share() <= enough)
-    };
-    let first = tails
-        .iter()
-        .enumerate()
-        .find_map(|(place, tail)| Some((place, &tail.all[shipped(tail)?])));
-    let (text, ship) = match first {
-        Some((0, one)) => (
-            format!(
-                "Ship **{}**: their `{metric}` is at most {} of the split's own.",
-                words(one),
-                reached(one)
-            ),
-            one,
-        ),
-        Some((place, one)) => {
-            let from = frame.names.heading(frame.row_axis(), &tails[place].from);
-            let share = share_text(enough, one.worst().share());
-            let ship = format!(
-                "From {from} on, ship **{}**: at most {share} of the split's `{metric}`.",
-                words(one)
-            );
-            (
-                format!(
-                    "{ship} Below that, the best tables add {}: {}.",
-                    reached(best),
-                    words(best)
-                ),
-                one,
-            )
+    let first_enough = tails.iter().enumerate().find_map(|(index, tail)| {
+        let shipped = tail.all.iter().find(|one| one.is_enough(enough))?;
+        Some((index, shipped))
+    });
+    let (headline, detail, shipped) = match first_enough {
+        Some((0, shipped)) => {
+            let headline = statement![
+                "Ship ",
+                Statement::from(words(shipped)).strong(),
+                ": their ",
+                metric,
+                " is at most ",
+                worst_share(frame, shipped),
+                " of the split's own."
+            ];
+            (headline, None, shipped)
+        }
+        Some((index, shipped)) => {
+            let row_axis = frame.row_axis();
+            let headline = statement![
+                "From ",
+                frame.names.heading_phrase(row_axis, &tails[index].from),
+                " on, ship ",
+                Statement::from(words(shipped)).strong(),
+                ": at most ",
+                share_number(enough, shipped.worst().share()),
+                " of the split's ",
+                metric,
+                "."
+            ];
+            let detail = statement![
+                "Below that, the best tables add ",
+                worst_share(frame, best),
+                format!(": {}.", words(best))
+            ];
+            (headline, Some(detail), shipped)
         }
         None => {
             let part = if frame.metric.power == 2.0 {
@@ -411,37 +409,54 @@ fn sentence(frame: &Frame, parameters: &[AxisId], tails: &[Tail]) -> Option<Stri
             } else {
                 "a third"
             };
-            let none =
-                format!("No tried tables err by {part} of the split's own `{metric}` or less.");
-            (
-                format!("{none} The best add {}: {}.", reached(best), words(best)),
-                best,
-            )
+            let headline = statement![
+                format!("No tried tables err by {part} of the split's own "),
+                metric,
+                " or less."
+            ];
+            let detail = statement![
+                "The best add ",
+                worst_share(frame, best),
+                format!(": {}.", words(best))
+            ];
+            (headline, Some(detail), best)
         }
     };
-    Some(format!(
-        "{text} To bake them: {}.",
-        command(parameters, &ship.tables)
-    ))
+    let command = Phrase::Code(command(parameters, &shipped.tables));
+    let details = detail
+        .into_iter()
+        .chain([statement!["To bake them: ", command, "."]]);
+    Some(Sentences::new(headline).with_details(details))
 }
 
-/// "`splitsum bake MAP --out DIR --set prefilter_size=64x64`".
+/// "at most 12 % (qwantani, alpha 0.1)": a share within the reference's noise is an upper bound.
+fn worst_share(frame: &Frame, one: &Combination) -> Statement {
+    let worst = one.worst();
+    let axes = distinct_in_order([ENVIRONMENT, frame.row_axis()]);
+    statement![
+        if worst.is_resolved { "" } else { "at most " },
+        share_number(enough(frame), worst.share()),
+        format!(" ({})", worst.condition(frame, &axes))
+    ]
+}
+
+/// "splitsum bake MAP --out DIR --set prefilter_size=64x64".
 fn command(parameters: &[AxisId], tables: &Key) -> String {
-    let set = parameters
-        .iter()
-        .zip(tables)
-        .filter(|(axis, value)| SETTINGS.contains(&AXES[**axis].name) && **value != Value::Unset);
-    let set: String = set
-        .map(|(&axis, value)| format!(" --set {}={value}", AXES[axis].name))
-        .collect();
-    format!("`splitsum bake MAP --out DIR{set}`")
+    let mut command = "splitsum bake MAP --out DIR".to_owned();
+    for (&axis, value) in parameters.iter().zip(tables) {
+        let name = AXES[axis].name;
+        if SETTINGS.contains(&name) && *value != Value::Unset {
+            command += &format!(" --set {name}={value}");
+        }
+    }
+    command
 }
 
 /// One row per value of [`Frame::row_axis`]: the smallest tables that are enough there and at all
 /// greater values, their error and the split's there, and their largest share.
 fn digest(frame: &Frame, parameters: &[AxisId], scope: &[AxisId], tails: &[Tail]) -> Table {
-    let of = frame.row_axis();
-    let heads = frame.names.heads(&[of]);
+    let row_axis = frame.row_axis();
+    let heads = frame.names.heads(&[row_axis]);
     let names = [
         "smallest tables that are enough from here on",
         "their error here, geometric mean over all n·v",
@@ -456,81 +471,62 @@ fn digest(frame: &Frame, parameters: &[AxisId], scope: &[AxisId], tails: &[Tail]
             continue;
         };
         let worst = best.worst();
-        let mean_text = |number| {
-            best.numbers(from, of, number)
-                .estimate()
-                .map(|mean| with_rms(frame, mean.value))
+        let mean = |number| {
+            let mean = best.numbers(row_axis, from, number).estimate()?;
+            Some(with_rms(frame, mean.value))
         };
         let tables = words(frame, parameters, &best.tables);
-        let tables = if worst.share() <= enough {
-            tables
-        } else {
-            format!("none; best {tables}")
-        };
-        let errors = cells![mean_text(|one| one.error), mean_text(|one| one.split)];
-        let worst = cells![
-            share_text(enough, worst.share()),
-            self::place(frame, worst, scope)
-        ];
-        let head = if *from == Value::Unset {
+        let mut row = if *from == Value::Unset {
             all_head(&heads)
         } else {
-            frame.names.head_of(of, from)
+            frame.names.head_of(row_axis, from)
         };
-        table.row([head, cells![tables], errors, worst].concat());
+        row.extend(cells![
+            if best.is_enough(enough) {
+                tables
+            } else {
+                format!("none; best {tables}")
+            },
+            mean(|one| one.error),
+            mean(|one| one.split_error),
+            share_number(enough, worst.share()).to_string(),
+            worst.condition(frame, scope)
+        ]);
+        table.row(row);
     }
     table
 }
 
 /// One panel per value of [`Frame::row_axis`], one dot per combination at its worst condition; dots
 /// of one kind are joined.
-fn figure(frame: &Frame, parameters: &[AxisId], all: &[&Tried]) -> Option<Figure> {
-    let is_kind = |axis: &AxisId| {
-        frame.shape.values[*axis]
-            .iter()
-            .all(|value| matches!(value, Value::Text(_)))
-    };
-    let kinds: Vec<AxisId> = parameters.iter().copied().filter(is_kind).collect();
-    let kind = |one: &Tried| {
-        let words: Vec<String> = kinds
-            .iter()
-            .map(|&axis| frame.names.short(axis, &one.row.point[axis]))
-            .collect();
-        words.join(" · ")
-    };
-    let series = distinct_in_order(all.iter().map(|one| kind(one)));
-    let panel = |(width, own): (Value, Vec<&Tried>)| {
+fn figure(frame: &Frame, parameters: &[AxisId], all: &[&Measured]) -> Option<Figure> {
+    // The kind of a combination: its values that are words, such as the layout.
+    let mut kind_axes = parameters.to_vec();
+    kind_axes.retain(|axis| {
+        let values = &frame.shape.values[*axis];
+        values.iter().all(|value| matches!(value, Value::Text(_)))
+    });
+    let kind = |one: &Measured| kind(frame, &kind_axes, one);
+    let kinds = distinct_in_order(all.iter().map(|one| kind(one)));
+    let mut panels = Vec::new();
+    for (value, measured) in grouped_ascending(all.iter().copied(), frame.row_axis(), |one| one.row)
+    {
         let mut marks = vec![Mark::neutral(Form::HorizontalRule(enough(frame)))];
-        let all = combinations(own.iter().copied());
-        for (place, name) in series.iter().enumerate() {
-            let mut of_kind: Vec<&Tried> = all
-                .iter()
-                .map(Combination::worst)
-                .filter(|worst| kind(worst) == *name)
+        let combinations = combinations(measured.into_iter());
+        for (series, name) in kinds.iter().enumerate() {
+            let mut worst: Vec<&Measured> = combinations.iter().map(Combination::worst).collect();
+            worst.retain(|one| kind(one) == *name);
+            let dots: Vec<Mark> = best_of_each_size(worst)
+                .into_iter()
+                .map(|one| tables_dot(frame, parameters, series, one))
                 .collect();
-            // Of tables that differ by their small levels or DFG, the best.
-            let size = |one: &Tried| one.texels().log2().round();
-            of_kind.sort_by(|a, b| {
-                size(a)
-                    .total_cmp(&size(b))
-                    .then(a.share().total_cmp(&b.share()))
-            });
-            of_kind.dedup_by_key(|one| size(one));
-            let dots = of_kind.into_iter().map(|worst| {
-                let share = percent(worst.share());
-                let at = self::place(frame, worst, &[ENVIRONMENT]);
-                let tip = format!(
-                    "{}: {share} of the split's error · {at}",
-                    words(frame, parameters, &worst.tables)
-                );
-                dot([worst.texels(), worst.share()], place, tip, worst.row)
-            });
-            let dots: Vec<Mark> = dots.collect();
             marks.extend(if dots.len() > 1 { joined(dots) } else { dots });
         }
-        (frame.names.heading(frame.row_axis(), &width), marks)
-    };
-    let by_width = grouped_ascending(all.iter().copied(), frame.row_axis(), |one| one.row);
+        panels.push(ChartPanel {
+            title: frame.names.heading(frame.row_axis(), &value),
+            marks,
+        });
+    }
     Chart {
         title: "Error of tables and of the split",
         note: format!(
@@ -538,10 +534,39 @@ fn figure(frame: &Frame, parameters: &[AxisId], all: &[&Tried]) -> Option<Figure
              condition; below the line the split dominates",
             frame.metric_name()
         ),
-        x: Along::Log("texels"),
-        y: Along::Log("share of the split's error"),
-        panels: by_width.into_iter().map(panel).collect(),
-        series,
+        x: ChartAxis::Log("texels"),
+        y: ChartAxis::Log("share of the split's error"),
+        panels,
+        series: kinds.into_iter().map(solid).collect(),
     }
     .figure()
+}
+
+fn kind(frame: &Frame, kind_axes: &[AxisId], one: &Measured) -> String {
+    let words = kind_axes
+        .iter()
+        .map(|&axis| frame.names.short(axis, &one.row.point[axis]));
+    words.collect::<Vec<_>>().join(" · ")
+}
+
+/// Of tables that differ by their small levels or DFG, the best; the smallest first.
+fn best_of_each_size<'m, 'r, 'f>(mut all: Vec<&'m Measured<'r, 'f>>) -> Vec<&'m Measured<'r, 'f>> {
+    let size = |one: &Measured| one.texels().log2().round();
+    all.sort_by(|a, b| {
+        size(a)
+            .total_cmp(&size(b))
+            .then(a.share().total_cmp(&b.share()))
+    });
+    all.dedup_by_key(|one| size(one));
+    all
+}
+
+fn tables_dot(frame: &Frame, parameters: &[AxisId], series: usize, worst: &Measured) -> Mark {
+    let tip = format!(
+        "{}: {} of the split's error · {}",
+        words(frame, parameters, &worst.tables),
+        percent(worst.share()),
+        worst.condition(frame, &[ENVIRONMENT])
+    );
+    dot([worst.texels(), worst.share()], series, tip, worst.row)
 }

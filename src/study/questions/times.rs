@@ -13,9 +13,8 @@
 
 use super::prelude::*;
 use crate::base::math::order_statistics::median_interval;
-use crate::run::timing::{FRAME, Key, PRECOMPUTE, TimingRecord, swept_axes};
+use crate::run::timing::{FRAME, Key, PRECOMPUTE, PassSamples, TimingRecord, swept_axes};
 use crate::run::timing_ratios::{Ratio, ratios};
-use crate::study::table::shown;
 
 pub const QUESTION: Question = Question {
     name: "times",
@@ -75,6 +74,7 @@ pub const QUESTION: Question = Question {
     answer,
 };
 
+/// A timed configuration.
 struct Timed<'f> {
     record: &'f TimingRecord,
     key: Key,
@@ -114,26 +114,25 @@ fn method(key: &Key) -> &str {
 }
 
 /// "sampled 40".
-fn way(key: &Key) -> String {
-    format!("{} {}", method(key), text(key, SAMPLES))
-        .trim_end()
-        .to_owned()
+fn variant(key: &Key) -> String {
+    let samples = text(key, SAMPLES);
+    if samples.is_empty() {
+        method(key).to_owned()
+    } else {
+        format!("{} {samples}", method(key))
+    }
 }
 
 /// The timed sets of a phase; methods without samples first.
 fn timed<'f>(frame: &Frame<'f>, phase: &str) -> Vec<Timed<'f>> {
-    let records = frame
-        .run
-        .timings
-        .iter()
-        .filter(|record| record.phase == phase);
-    let timed = |record: &'f TimingRecord| Timed {
-        record,
-        key: record.key(),
-        sums: record.sums_ms(),
-    };
+    let records = frame.run.timings.iter();
     let mut found: Vec<Timed> = records
-        .map(timed)
+        .filter(|record| record.phase == phase)
+        .map(|record| Timed {
+            record,
+            key: record.key(),
+            sums: record.sums_ms(),
+        })
         .filter(|one| !one.sums.is_empty())
         .collect();
     found.sort_by_key(|one| {
@@ -149,9 +148,10 @@ fn timed<'f>(frame: &Frame<'f>, phase: &str) -> Vec<Timed<'f>> {
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
-    let [frames, sets] = [FRAME, PRECOMPUTE].map(|phase| timed(frame, phase));
+    let frames = timed(frame, FRAME);
+    let tables = timed(frame, PRECOMPUTE);
     let ratios = ratios(&frame.run.timings);
-    let swept = swept_axes(frames.iter().chain(&sets).map(|one| &one.key))
+    let swept = swept_axes(frames.iter().chain(&tables).map(|one| &one.key))
         .into_iter()
         .filter_map(AxisId::find);
     let axes = distinct_in_order(
@@ -159,58 +159,66 @@ fn answer(frame: &Frame) -> Option<Finding> {
             .into_iter()
             .chain(swept),
     );
-    let mut table = Table::new(&axes, QUESTION.columns);
-    let mut row = |one: &Timed, pass: &str, ms: &[f64], ratio: Option<&Ratio>| {
-        let [width, height] = one.record.environment_size;
-        let mut row: Vec<Cell> = axes.iter().map(|axis| one.text(*axis).into()).collect();
-        row.extend(cells![
-            one.record.phase.as_str(),
-            format!("{width}x{height}"),
-            pass,
-            ms.len(),
-            median(ms)
-        ]);
-        row.extend(ends(median_interval(ms)));
-        row.push(Some(one.shading()).filter(|ms| *ms > 0.0).into());
-        row.extend(cells![
-            ratio.map(|ratio| way(&ratio.fixed.key())),
-            ratio.map(|ratio| ratio.ratio)
-        ]);
-        row.extend(ends(ratio.map_or([f64::NAN; 2], |ratio| ratio.interval)));
-        row.extend(
-            [
-                one.record.wall_check(),
-                &one.record.device,
-                &one.record.device_type,
-            ]
-            .map(Cell::from),
-        );
-        table.row(row);
-    };
-    for one in &frames {
-        let mut own = ratios
+    let variants = variants(&frames, &tables, &ratios);
+    Some(Finding {
+        sentences: sentences(frame, &variants)?,
+        table: table(&axes, &frames, &tables, &ratios),
+        digest: Some(digest(&variants)),
+        figure: figure(frame, &frames, &axes),
+    })
+}
+
+fn table(axes: &[AxisId], frames: &[Timed], tables: &[Timed], ratios: &[Ratio]) -> Table {
+    let mut table = Table::new(axes, QUESTION.columns);
+    for one in frames {
+        let ratios: Vec<&Ratio> = ratios
             .iter()
             .filter(|ratio| std::ptr::eq(ratio.sampled, one.record))
-            .peekable();
-        if own.peek().is_none() {
-            row(one, ALL, &one.sums, None);
+            .collect();
+        if ratios.is_empty() {
+            table.row(row(axes, one, ALL, &one.sums, None));
         }
-        own.for_each(|ratio| row(one, ALL, &one.sums, Some(ratio)));
+        for ratio in ratios {
+            table.row(row(axes, one, ALL, &one.sums, Some(ratio)));
+        }
     }
-    for one in &sets {
-        row(one, ALL, &one.sums, None);
-        one.record
-            .passes
-            .iter()
-            .for_each(|pass| row(one, &pass.pass, &pass.ms, None));
+    for one in tables {
+        table.row(row(axes, one, ALL, &one.sums, None));
+        for pass in &one.record.passes {
+            table.row(row(axes, one, &pass.pass, &pass.ms, None));
+        }
     }
-    let digest = digest(&frames, &sets, &ratios);
-    Some(Finding {
-        sentence: sentence(frame, &digest)?,
-        table,
-        figure: figure(frame, &frames, &axes),
-        digest: Some(digest),
-    })
+    table
+}
+
+/// A row of the table: the times of a pass, in ms, one per round.
+fn row(axes: &[AxisId], one: &Timed, pass: &str, ms: &[f64], ratio: Option<&Ratio>) -> Vec<Cell> {
+    let record = one.record;
+    let [width, height] = record.environment_size;
+    let [ms_lo, ms_hi] = ends(median_interval(ms));
+    let [ratio_lo, ratio_hi] = match ratio {
+        Some(ratio) => ends(ratio.interval),
+        None => [Cell::Missing, Cell::Missing],
+    };
+    let mut row: Vec<Cell> = axes.iter().map(|axis| one.text(*axis).into()).collect();
+    row.extend(cells![
+        record.phase.as_str(),
+        format!("{width}x{height}"),
+        pass,
+        ms.len(),
+        median(ms),
+        ms_lo,
+        ms_hi,
+        Some(one.shading()).filter(|ms| *ms > 0.0),
+        ratio.map(|ratio| variant(&ratio.fixed.key())),
+        ratio.map(|ratio| ratio.ratio),
+        ratio_lo,
+        ratio_hi,
+        record.wall_check(),
+        record.device.as_str(),
+        record.device_type.as_str()
+    ]);
+    row
 }
 
 /// The ends of an interval; missing below six rounds.
@@ -218,164 +226,205 @@ fn ends(interval: [f64; 2]) -> [Cell; 2] {
     interval.map(|end| Some(end).filter(|end| end.is_finite()).into())
 }
 
-const SHADING: &str = "ms to shade";
-const AS_SAMPLES: &str = "as long as";
+/// The times of a method at one sample count, over its configurations.
+struct VariantTimes {
+    /// "sampled 40".
+    name: String,
+    configuration_count: usize,
+    ms: Extent,
+    shading_ms: Extent,
+    /// The time to shade over the first variant's.
+    ratio: Option<Extent>,
+    /// The samples of the first sampling method that take as long to shade.
+    samples_as_long: Option<Extent>,
+    tables_ms: Option<Extent>,
+    /// "mips 28 to 29, prefilter 265 to 287": times of tables by kind of pass.
+    passes: Option<String>,
+}
 
-/// One row per way to make a frame: its times, over the first way's or in samples, and the cost of
-/// its tables.
-fn digest(frames: &[Timed], sets: &[Timed], ratios: &[Ratio]) -> Table {
-    let ways = grouped(frames, |one| way(&one.key));
-    let first = ways
+fn variants(frames: &[Timed], tables: &[Timed], ratios: &[Ratio]) -> Vec<VariantTimes> {
+    let groups = grouped(frames, |one| variant(&one.key));
+    let first = groups
         .iter()
-        .map(|(name, _)| name.as_str())
-        .find(|name| *name != NONE)
-        .unwrap_or("");
-    let over = format!("times `{first}`");
-    let names = [
-        "configurations",
-        "ms a frame",
-        SHADING,
-        &over,
-        AS_SAMPLES,
-        "tables once, ms",
-        "of which",
-    ];
-    let mut table = Table::with_names(std::iter::once(AXES[METHOD].name).chain(names));
-    for (name, own) in &ways {
-        let ms = [Timed::median, Timed::shading].map(|ms| range(own.iter().map(|one| ms(one))));
-        let is_own = |record: &TimingRecord, name: &str| way(&record.key()) == name;
-        let times = ratios.iter().filter_map(|ratio| match () {
-            () if is_own(ratio.sampled, name) && is_own(ratio.fixed, first) => Some(ratio.ratio),
-            () if is_own(ratio.fixed, name) && is_own(ratio.sampled, first) => {
-                Some(ratio.ratio.recip())
-            }
-            () => None,
-        });
-        let times: Vec<f64> = times.collect();
-        let times = (!times.is_empty()).then(|| range(times));
-        let samples: Option<Vec<f64>> = own
+        .map(|(name, _)| name.clone())
+        .find(|name| name != NONE)
+        .unwrap_or_default();
+    let mut variants = Vec::new();
+    for (name, frames) in groups {
+        let tables: Vec<&Timed> = tables
+            .iter()
+            .filter(|table| table.method() == frames[0].method())
+            .collect();
+        let to_first = ratios_to(&first, &name, ratios);
+        let samples: Option<Vec<f64>> = frames
             .iter()
             .map(|one| samples_as_long(one.record, ratios))
             .collect();
-        let samples = samples.map(|samples| format!("{} samples", range(samples)));
-        let tables: Vec<&Timed> = sets
-            .iter()
-            .filter(|set| set.method() == own[0].method())
-            .collect();
-        let all = (!tables.is_empty()).then(|| range(tables.iter().map(|set| set.median())));
-        let [ms, shading] = ms;
+        variants.push(VariantTimes {
+            configuration_count: frames.len(),
+            ms: Extent::of(frames.iter().map(|one| one.median())),
+            shading_ms: Extent::of(frames.iter().map(|one| one.shading())),
+            ratio: (!to_first.is_empty()).then(|| Extent::of(to_first)),
+            samples_as_long: samples.map(Extent::of),
+            tables_ms: (!tables.is_empty())
+                .then(|| Extent::of(tables.iter().map(|table| table.median()))),
+            passes: passes(&tables),
+            name,
+        });
+    }
+    variants
+}
+
+/// The ratios of a variant's time to shade over the first variant's.
+fn ratios_to(first: &str, name: &str, ratios: &[Ratio]) -> Vec<f64> {
+    let mut found = Vec::new();
+    for ratio in ratios {
+        let sampled = variant(&ratio.sampled.key());
+        let fixed = variant(&ratio.fixed.key());
+        if sampled == name && fixed == first {
+            found.push(ratio.ratio);
+        } else if fixed == name && sampled == first {
+            found.push(ratio.ratio.recip());
+        }
+    }
+    found
+}
+
+/// One row per variant: its times, over the first variant's or in samples, and the cost of its
+/// tables.
+fn digest(variants: &[VariantTimes]) -> Table {
+    let first = first_variant(variants).map_or("", |first| &first.name);
+    let mut table = Table::with_names([
+        AXES[METHOD].name,
+        "configurations",
+        "ms a frame",
+        "ms to shade",
+        &format!("times `{first}`"),
+        "as long as",
+        "tables once, ms",
+        "of which",
+    ]);
+    for one in variants {
+        let samples = one.samples_as_long;
         table.row(cells![
-            name.as_str(),
-            own.len(),
-            ms,
-            shading,
-            times,
-            samples,
-            all,
-            passes(&tables)
+            one.name.as_str(),
+            one.configuration_count,
+            one.ms.to_string(),
+            one.shading_ms.to_string(),
+            one.ratio.map(|ratio| ratio.to_string()),
+            samples.map(|samples| format!("{samples} samples")),
+            one.tables_ms.map(|ms| ms.to_string()),
+            one.passes.clone()
         ]);
     }
     table.without_empty()
 }
 
-/// The samples of the first sampling method that take as long to shade as this way without samples:
-/// where the ratio over their count passes 1, interpolated. `None` if it does not between the timed
-/// counts.
+/// The first variant with a compared term, over which ratios are taken.
+fn first_variant(variants: &[VariantTimes]) -> Option<&VariantTimes> {
+    variants.iter().find(|one| one.name != NONE)
+}
+
+/// The samples of the first sampling method that take as long to shade as this method without
+/// samples: where the ratio over their count passes 1, interpolated. `None` if it does not between
+/// the timed counts.
 fn samples_as_long(fixed: &TimingRecord, ratios: &[Ratio]) -> Option<f64> {
-    let beside: Vec<&Ratio> = ratios
+    let mut ratios: Vec<&Ratio> = ratios
         .iter()
         .filter(|ratio| std::ptr::eq(ratio.fixed, fixed))
         .collect();
-    let is_first = |ratio: &&&Ratio| ratio.sampled.value(METHOD) == beside[0].sampled.value(METHOD);
-    let count = |ratio: &&Ratio| Some([ratio.sampled.value(SAMPLES).parse().ok()?, ratio.ratio]);
-    let mut points: Vec<[f64; 2]> = beside.iter().filter(is_first).filter_map(count).collect();
+    let first = ratios.first()?.sampled.value(METHOD);
+    ratios.retain(|ratio| ratio.sampled.value(METHOD) == first);
+    let point = |ratio: &Ratio| Some([ratio.sampled.value(SAMPLES).parse().ok()?, ratio.ratio]);
+    let mut points: Vec<[f64; 2]> = ratios.into_iter().filter_map(point).collect();
     points.sort_by(|a, b| a[0].total_cmp(&b[0]));
     let passes = points
         .windows(2)
         .find(|ends| ends[0][1] <= 1.0 && ends[1][1] > 1.0)?;
-    let [[n, a], [m, b]] = [passes[0], passes[1]];
+    let [n, a] = passes[0];
+    let [m, b] = passes[1];
     Some(n + (m - n) * (1.0 - a) / (b - a))
 }
 
-/// "mips 28 to 29, prefilter 265 to 287": times by kind; levels of a map count together.
+/// "mips 28 to 29, prefilter 265 to 287": times by kind of pass, the first word of its name; levels
+/// of a map count together.
 fn passes(tables: &[&Timed]) -> Option<String> {
-    let kind = |pass: &str| pass.split(' ').next().unwrap_or_default().to_owned();
-    let of_set = |set: &&Timed| {
-        let passes = grouped(&set.record.passes, |pass| kind(&pass.pass)).into_iter();
-        let sum = |own: Vec<_>| {
-            own.iter()
-                .map(|pass: &&crate::run::timing::PassSamples| median(&pass.ms))
-                .sum::<f64>()
-        };
-        passes
-            .map(|(kind, own)| (kind, sum(own)))
-            .collect::<Vec<_>>()
-    };
-    let kinds = grouped(tables.iter().flat_map(of_set), |(kind, _)| kind.clone());
-    let words = kinds
+    let mut sums: Vec<(&str, f64)> = Vec::new();
+    for table in tables {
+        for (kind, passes) in grouped(&table.record.passes, |pass| kind(pass)) {
+            sums.push((kind, passes.iter().map(|pass| median(&pass.ms)).sum()));
+        }
+    }
+    let words: Vec<String> = grouped(sums, |(kind, _)| *kind)
         .into_iter()
-        .map(|(kind, own)| format!("{kind} {}", range(own.into_iter().map(|(_, ms)| ms))));
-    Some(words.collect::<Vec<_>>().join(", ")).filter(|words| !words.is_empty())
+        .map(|(kind, sums)| format!("{kind} {}", range(sums.into_iter().map(|(_, ms)| ms))))
+        .collect();
+    (!words.is_empty()).then(|| words.join(", "))
 }
 
-/// The samples that each way without samples costs; without counts, the first way and the last (the
-/// costliest). Then the tables of the first.
-fn sentence(frame: &Frame, digest: &Table) -> Option<String> {
-    let place = |name: &str| digest.columns.iter().position(|column| column == name);
-    let text = |row: &[Cell], name: &str| {
-        place(name).map_or_else(String::new, |column| shown(&row[column]))
-    };
-    let base = digest.rows.iter().find(|row| shown(&row[0]) != NONE)?;
-    let (name, ms, on) = (shown(&base[0]), text(base, SHADING), frame.cpu_words());
-    let over = format!("times `{name}`");
-    let counted = |row: &&Vec<Cell>| !text(row, AS_SAMPLES).is_empty();
-    let samples = digest
-        .rows
+fn kind(pass: &PassSamples) -> &str {
+    pass.pass.split_whitespace().next().unwrap_or_default()
+}
+
+/// The samples that each method without samples costs; without counts, the first variant and the
+/// last (the costliest). Then the tables of the first.
+fn sentences(frame: &Frame, variants: &[VariantTimes]) -> Option<Sentences> {
+    let first = first_variant(variants)?;
+    let driver = frame.cpu_words();
+    let name = Phrase::Method(first.name.clone());
+    let ms = Quantity::new(first.shading_ms).unit(" ms");
+    let as_samples = variants.iter().filter_map(|one| {
+        let samples = Quantity::new(one.samples_as_long?).unit(" samples");
+        Some(statement![Phrase::Method(one.name.clone()), " ", samples])
+    });
+    let as_samples = Statement::joined(as_samples, ", ");
+    let costliest = variants
         .iter()
-        .filter(counted)
-        .map(|row| format!("`{}` {}", shown(&row[0]), text(row, AS_SAMPLES)));
-    let samples: Vec<String> = samples.collect();
-    let last = digest.rows.iter().rfind(|row| !text(row, &over).is_empty());
-    let frames = match last {
-        _ if !samples.is_empty() => format!("As long to shade{on} as: {}.", samples.join(", ")),
-        None => format!("`{name}` takes {ms} ms to shade{on}."),
-        Some(last) => {
-            let [other, times, other_ms] =
-                [AXES[METHOD].name, over.as_str(), SHADING].map(|name| text(last, name));
-            format!(
-                "`{other}` takes {times} times as long to shade as `{name}`{on}: {other_ms} ms \
-                 instead of {ms} ms."
-            )
-        }
+        .rev()
+        .find_map(|one| Some((one, one.ratio?)));
+    let headline = if !as_samples.is_empty() {
+        statement![format!("As long to shade{driver} as: "), as_samples, "."]
+    } else if let Some((other, ratio)) = costliest {
+        statement![
+            Phrase::Method(other.name.clone()),
+            " takes ",
+            Quantity::new(ratio).unit(" times"),
+            " as long to shade as ",
+            name.clone(),
+            format!("{driver}: "),
+            Quantity::new(other.shading_ms).unit(" ms"),
+            " instead of ",
+            ms,
+            "."
+        ]
+    } else {
+        statement![name.clone(), " takes ", ms, format!(" to shade{driver}.")]
     };
-    Some(match text(base, "tables once, ms") {
-        none if none.is_empty() => frames,
-        once => format!("{frames} The tables of `{name}` take {once} ms once per map and model."),
-    })
+    let tables = first.tables_ms.map(|ms| {
+        statement![
+            "The tables of ",
+            name,
+            " take ",
+            Quantity::new(ms).unit(" ms"),
+            " once per map and model."
+        ]
+    });
+    Some(Sentences::new(headline).with_details(tables))
 }
 
 fn figure(frame: &Frame, frames: &[Timed], axes: &[AxisId]) -> Option<Figure> {
-    let name = |one: &Timed| {
-        let rest = axes
-            .iter()
-            .filter(|axis| ![METHOD, SAMPLES].contains(axis))
-            .map(|axis| one.text(*axis).to_owned());
-        let words = std::iter::once(way(&one.key))
-            .chain(rest)
-            .filter(|word| !word.is_empty());
-        words.collect::<Vec<_>>().join(" · ")
-    };
-    let bar = |(y, one): (usize, &Timed)| {
-        let shape = Form::HorizontalBar {
-            y: y as f64,
+    let first = frames.first()?;
+    let names: Vec<String> = frames.iter().map(|one| bar_name(one, axes)).collect();
+    let mut marks = Vec::new();
+    for (index, one) in frames.iter().enumerate() {
+        let bar = Form::HorizontalBar {
+            y: index as f64,
             base: 0.0,
             to: one.median(),
         };
-        Mark::new(shape, 0)
-            .tip(format!("{}: {} ms", name(one), number(one.median())))
-            .cell(&one.record.cell)
-    };
-    let first = frames.first()?;
+        let tip = format!("{}: {} ms", names[index], number(one.median()));
+        marks.push(Mark::new(bar, 0).tip(tip).cell(&one.record.cell));
+    }
     Chart {
         title: "Time of a frame",
         note: format!(
@@ -384,10 +433,25 @@ fn figure(frame: &Frame, frames: &[Timed], axes: &[AxisId]) -> Option<Figure> {
             first.record.device,
             frame.cpu_words()
         ),
-        x: Along::Linear("ms"),
-        y: Along::Steps("", frames.iter().map(name).collect()),
-        panels: vec![(String::new(), frames.iter().enumerate().map(bar).collect())],
-        series: vec!["frame".to_owned()],
+        x: ChartAxis::Linear("ms"),
+        y: ChartAxis::Steps("", names),
+        panels: vec![ChartPanel {
+            title: String::new(),
+            marks,
+        }],
+        series: vec![solid("frame")],
     }
     .figure()
+}
+
+/// "sampled 40 · ggx".
+fn bar_name(one: &Timed, axes: &[AxisId]) -> String {
+    let mut words = vec![variant(&one.key)];
+    for axis in axes {
+        let text = one.text(*axis);
+        if ![METHOD, SAMPLES].contains(axis) && !text.is_empty() {
+            words.push(text.to_owned());
+        }
+    }
+    words.join(" · ")
 }

@@ -5,6 +5,7 @@
 //! [`VISIBLE_FROM`] it counts as visible.
 
 use super::prelude::*;
+use crate::draw::words;
 
 pub const QUESTION: Question = Question {
     name: "visibility",
@@ -40,18 +41,39 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
     (!is_swept).then_some("axes has neither two exposures nor two contrasts")
 }
 
-struct Curve<'r, 'f> {
+/// A method at one exposure and contrast.
+struct Setting<'r, 'f> {
+    /// As [`Frame::variant`].
     method: String,
-    /// Exposure and contrast.
-    key: Key,
+    exposure: Value,
+    contrast: Value,
     /// Mean FLIP by environment, median over its images.
     flips: Vec<f64>,
     rows: Vec<&'r Row<'f>>,
 }
 
-impl Curve<'_, '_> {
-    fn middle(&self) -> f64 {
+impl<'r, 'f> Setting<'r, 'f> {
+    fn new(method: &str, key: &[Value], rows: Vec<&'r Row<'f>>) -> Self {
+        let by_light = grouped(&rows, |row| row.point[ENVIRONMENT].clone());
+        let flips = by_light.iter().map(|(_, rows)| {
+            let flips: Vec<f64> = rows.iter().filter_map(|row| row.flip()).collect();
+            median(&flips)
+        });
+        Self {
+            method: method.to_owned(),
+            exposure: key[0].clone(),
+            contrast: key[1].clone(),
+            flips: flips.collect(),
+            rows,
+        }
+    }
+
+    fn median(&self) -> f64 {
         median(&self.flips)
+    }
+
+    fn is_visible(&self) -> bool {
+        self.median() >= VISIBLE_FROM
     }
 
     fn visible_count(&self) -> usize {
@@ -60,226 +82,247 @@ impl Curve<'_, '_> {
             .filter(|flip| **flip >= VISIBLE_FROM)
             .count()
     }
+
+    fn key(&self) -> Key {
+        vec![self.exposure.clone(), self.contrast.clone()]
+    }
 }
 
 /// By method, contrast and exposure, the latter two ascending; methods without samples first.
-fn curves<'r, 'f>(frame: &'r Frame<'f>) -> Vec<Vec<Curve<'r, 'f>>> {
-    let flip = |row: &Row| row.flip().filter(|flip| flip.is_finite());
+fn settings<'r, 'f>(frame: &'r Frame<'f>) -> Vec<Vec<Setting<'r, 'f>>> {
     // Images without the compared term are only there for scale.
     let rows = frame
         .rows
         .iter()
-        .filter(|row| !frame.is_nothing(row) && flip(row).is_some());
-    let mut methods = grouped(rows, |row| frame.way(row));
+        .filter(|row| !frame.is_nothing(row) && row.flip().is_some_and(f64::is_finite));
+    let mut methods = grouped(rows, |row| frame.variant(row));
     methods.sort_by_key(|(_, rows)| rows[0].samples().is_some());
-    let of_method = |(method, rows): (String, Vec<&'r Row<'f>>)| {
-        let curve = |(key, rows): (Key, Vec<&'r Row<'f>>)| {
-            let by_light = grouped(&rows, |row| row.point[ENVIRONMENT].clone());
-            let middle = |own: &Vec<&&Row>| {
-                median(&own.iter().filter_map(|row| row.flip()).collect::<Vec<_>>())
-            };
-            let flips = by_light.iter().map(|(_, own)| middle(own)).collect();
-            Curve {
-                method: method.clone(),
-                key,
-                flips,
-                rows,
-            }
-        };
-        let mut curves: Vec<Curve> = grouped(rows, |row| row.key(&DISPLAY))
+    let size = |value: &Value| value.size().unwrap_or(f64::NAN);
+    let mut found = Vec::new();
+    for (method, rows) in methods {
+        let mut settings: Vec<Setting> = grouped(rows, |row| row.key(&DISPLAY))
             .into_iter()
-            .map(curve)
+            .map(|(key, rows)| Setting::new(&method, &key, rows))
             .collect();
-        let size = |one: &Curve, i: usize| one.key[i].size().unwrap_or(f64::NAN);
-        curves.sort_by(|a, b| {
-            size(a, 1)
-                .total_cmp(&size(b, 1))
-                .then(size(a, 0).total_cmp(&size(b, 0)))
+        settings.sort_by(|a, b| {
+            size(&a.contrast)
+                .total_cmp(&size(&b.contrast))
+                .then(size(&a.exposure).total_cmp(&size(&b.exposure)))
         });
-        curves
-    };
-    methods.into_iter().map(of_method).collect()
+        found.push(settings);
+    }
+    found
 }
 
 fn answer(frame: &Frame) -> Option<Finding> {
-    let methods = curves(frame);
-    let axes = [&frame.way_axes()[..], &DISPLAY].concat();
-    let mut table = Table::new(&axes, QUESTION.columns);
-    for one in methods.iter().flatten() {
-        let flips = || one.rows.iter().filter_map(|row| row.flip());
-        let (least, most) = (
-            flips().fold(f64::INFINITY, f64::min),
-            flips().fold(0.0, f64::max),
-        );
-        let own = cells![
-            one.flips.len(),
-            one.middle(),
-            least,
-            most,
-            VISIBLE_FROM,
-            one.visible_count()
-        ];
-        table.row([one.rows[0].cells(&axes), own].concat());
-    }
-    let sentence = sentence(frame, methods.first()?)?;
+    let methods = settings(frame);
     Some(Finding {
-        sentence,
-        table,
+        sentences: sentences(frame, methods.first()?)?,
+        table: table(frame, &methods),
         digest: Some(digest(&methods)),
         figure: figure(frame, &methods),
     })
 }
 
-/// "exposure 0.5 to 50 and 500" or "every tried exposure": where the difference is visible at one
-/// contrast.
-fn shown(own: &[&Curve]) -> String {
-    let is_visible = |one: &&&Curve| one.middle() >= VISIBLE_FROM;
-    match own.iter().filter(is_visible).count() {
-        0 => return "no tried exposure".to_owned(),
-        n if n == own.len() && n > 1 => return "every tried exposure".to_owned(),
-        _ => {}
+fn table(frame: &Frame, methods: &[Vec<Setting>]) -> Table {
+    let axes = [&frame.variant_axes()[..], &DISPLAY].concat();
+    let mut table = Table::new(&axes, QUESTION.columns);
+    for setting in methods.iter().flatten() {
+        let flips = || setting.rows.iter().filter_map(|row| row.flip());
+        let mut row = setting.rows[0].cells(&axes);
+        row.extend(cells![
+            setting.flips.len(),
+            setting.median(),
+            flips().fold(f64::INFINITY, f64::min),
+            flips().fold(0.0, f64::max),
+            VISIBLE_FROM,
+            setting.visible_count()
+        ]);
+        table.row(row);
     }
-    let runs = own
-        .chunk_by(|a, b| is_visible(&a) == is_visible(&b))
-        .filter(|run| is_visible(&&run[0]));
-    let words = runs.map(|run| match run {
-        [only] => only.key[0].to_string(),
-        run => format!("{} to {}", run[0].key[0], run[run.len() - 1].key[0]),
-    });
-    format!("exposure {}", listed(&words.collect::<Vec<_>>()))
+    table
 }
 
-fn peak<'c, 'r, 'f>(own: &'c [Curve<'r, 'f>]) -> Option<&'c Curve<'r, 'f>> {
-    own.iter().max_by(|a, b| a.middle().total_cmp(&b.middle()))
+/// The exposures at which the difference is visible at one contrast.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+enum VisibleAt {
+    None,
+    /// Of several.
+    Every,
+    /// The first and the last exposure of each run of neighbours.
+    Runs(Vec<[Value; 2]>),
 }
 
-fn sentence(frame: &Frame, own: &[Curve]) -> Option<String> {
-    let peak = peak(own)?;
-    let over = match peak.flips.len() {
-        1 => String::new(),
-        n => format!(" (median of {n} {})", AXES[ENVIRONMENT].plural),
-    };
-    // Contrasts with equal words are grouped.
-    let contrasts = grouped(own, |one| one.key[1].clone())
-        .into_iter()
-        .map(|(contrast, at)| (contrast, shown(&at)));
-    let groups = grouped(contrasts, |(_, words)| words.clone());
-    let part = |(words, own): &(String, Vec<(Value, String)>)| {
-        let at = listed(
-            &own.iter()
-                .map(|(contrast, _)| contrast.to_string())
-                .collect::<Vec<_>>(),
-        );
-        if groups.len() == 1 {
-            format!("at {words}")
-        } else {
-            format!("at {words} with contrast {at}")
+impl VisibleAt {
+    /// At one contrast, by exposure, ascending.
+    fn new(settings: &[&Setting]) -> Self {
+        let visible_count = settings.iter().filter(|one| one.is_visible()).count();
+        if visible_count == 0 {
+            return Self::None;
         }
-    };
-    Some(format!(
-        "The error of `{}` is most visible at {}: mean FLIP {}{over}. It is visible {}.",
-        peak.method,
-        frame.names.label(&DISPLAY, &peak.key).replace(" · ", ", "),
-        number(peak.middle()),
-        groups.iter().map(part).collect::<Vec<_>>().join(", ")
-    ))
+        if visible_count == settings.len() && visible_count > 1 {
+            return Self::Every;
+        }
+        let runs = settings
+            .chunk_by(|a, b| a.is_visible() == b.is_visible())
+            .filter(|run| run[0].is_visible())
+            .map(|run| [&run[0], &run[run.len() - 1]].map(|one| one.exposure.clone()));
+        Self::Runs(runs.collect())
+    }
+
+    /// "exposure 0.5 to 50 and 500" or "every tried exposure".
+    fn statement(&self) -> Statement {
+        match self {
+            Self::None => "no tried exposure".into(),
+            Self::Every => "every tried exposure".into(),
+            Self::Runs(runs) => {
+                let runs = runs.iter().map(|[first, last]| {
+                    if first == last {
+                        first.to_string().into()
+                    } else {
+                        format!("{first} to {last}").into()
+                    }
+                });
+                statement!["exposure ", Statement::listed(runs.collect())]
+            }
+        }
+    }
 }
 
-fn tried(methods: &[Vec<Curve>], axis: AxisId) -> Vec<Value> {
-    values(
-        methods.iter().flatten().flat_map(|one| &one.rows).copied(),
-        axis,
-    )
+/// The setting with the largest median.
+fn peak<'c, 'r, 'f>(settings: &'c [Setting<'r, 'f>]) -> Option<&'c Setting<'r, 'f>> {
+    settings
+        .iter()
+        .max_by(|a, b| a.median().total_cmp(&b.median()))
+}
+
+fn sentences(frame: &Frame, settings: &[Setting]) -> Option<Sentences> {
+    let peak = peak(settings)?;
+    let environments = (peak.flips.len() != 1).then(|| {
+        let n = Number::Count(peak.flips.len() as u64);
+        let plural = AXES[ENVIRONMENT].plural;
+        statement![" (median of ", n, format!(" {plural})")]
+    });
+    let headline = statement![
+        "The error of ",
+        Phrase::Method(peak.method.clone()),
+        " is most visible at ",
+        frame.names.comma_phrases(&DISPLAY, &peak.key()),
+        ": mean FLIP ",
+        Number::rounded(peak.median()),
+        environments,
+        "."
+    ];
+    // Contrasts with equal exposures are grouped.
+    let by_contrast = grouped(settings, |one| one.contrast.clone())
+        .into_iter()
+        .map(|(contrast, settings)| (contrast, VisibleAt::new(&settings)));
+    let by_exposures = grouped(by_contrast, |(_, visible_at)| visible_at.clone());
+    let is_single = by_exposures.len() == 1;
+    let parts = by_exposures.into_iter().map(|(visible_at, contrasts)| {
+        let contrasts = contrasts
+            .into_iter()
+            .map(|(contrast, _)| contrast.to_string().into());
+        let contrasts = (!is_single)
+            .then(|| statement![" with contrast ", Statement::listed(contrasts.collect())]);
+        statement!["at ", visible_at.statement(), contrasts]
+    });
+    let detail = statement!["It is visible ", Statement::joined(parts, ", "), "."];
+    Some(Sentences::new(headline).with_details([detail]))
+}
+
+fn contrasts(methods: &[Vec<Setting>]) -> Vec<Value> {
+    let settings = methods.iter().flatten();
+    let rows = settings.flat_map(|setting| &setting.rows).copied();
+    values(rows, CONTRAST)
 }
 
 /// One row per method, one column per contrast.
-fn digest(methods: &[Vec<Curve>]) -> Table {
-    let contrasts = tried(methods, CONTRAST);
-    let heads = contrasts
-        .iter()
-        .map(|contrast| format!("visible at contrast {contrast}"));
-    let names = [
+fn digest(methods: &[Vec<Setting>]) -> Table {
+    let contrasts = contrasts(methods);
+    let mut heads = [
         AXES[METHOD].name,
         "most at exposure",
         "contrast",
         "mean FLIP there",
         "visible from",
     ]
-    .map(str::to_owned);
-    let mut table = Table::with_names(names.into_iter().chain(heads));
-    for own in methods {
-        let Some(peak) = peak(own) else { continue };
+    .map(str::to_owned)
+    .to_vec();
+    for contrast in &contrasts {
+        heads.push(format!("visible at contrast {contrast}"));
+    }
+    let mut table = Table::with_names(heads);
+    for settings in methods {
+        let Some(peak) = peak(settings) else { continue };
         let mut row = cells![
             peak.method.as_str(),
-            peak.key[0].to_string(),
-            peak.key[1].to_string()
+            peak.exposure.to_string(),
+            peak.contrast.to_string(),
+            peak.median(),
+            VISIBLE_FROM
         ];
-        row.extend(cells![peak.middle(), VISIBLE_FROM]);
-        row.extend(contrasts.iter().map(|contrast| {
-            let at: Vec<&Curve> = own.iter().filter(|one| one.key[1] == *contrast).collect();
-            Cell::from((!at.is_empty()).then(|| shown(&at)))
-        }));
+        for contrast in &contrasts {
+            let at_contrast: Vec<&Setting> = settings
+                .iter()
+                .filter(|one| one.contrast == *contrast)
+                .collect();
+            row.push(if at_contrast.is_empty() {
+                Cell::Missing
+            } else {
+                words::markdown(&[VisibleAt::new(&at_contrast).statement()]).into()
+            });
+        }
         table.row(row);
     }
     table
 }
 
 /// One panel per method, one line per contrast: FLIP over exposure.
-fn figure(frame: &Frame, methods: &[Vec<Curve>]) -> Option<Figure> {
-    let contrasts = tried(methods, CONTRAST);
-    let mark = |one: &Curve, series: usize| {
-        let Curve {
-            method,
-            key,
-            rows,
-            flips,
-        } = one;
-        let (value, seen) = (one.middle(), one.visible_count());
-        let curve = frame.names.label(&DISPLAY, key);
-        let tip = format!(
-            "{method} · {curve}: mean FLIP {}, visible in {seen} of {}",
-            number(value),
-            flips.len()
-        );
-        let dot = Mark::new(
-            Form::Dot([key[0].size().unwrap_or(f64::NAN), value]),
-            series,
-        )
-        .tip(tip);
-        Mark {
-            cell: only(rows),
-            ..dot
+fn figure(frame: &Frame, methods: &[Vec<Setting>]) -> Option<Figure> {
+    let contrasts = contrasts(methods);
+    let mut panels = Vec::new();
+    for settings in methods {
+        let mut marks = vec![Mark::neutral(Form::HorizontalRule(VISIBLE_FROM))];
+        for (series, contrast) in contrasts.iter().enumerate() {
+            let line = settings.iter().filter(|one| one.contrast == *contrast);
+            marks.extend(joined(line.map(|one| mark(frame, one, series)).collect()));
         }
-    };
-    let panel = |own: &Vec<Curve>| {
-        let line = |(series, contrast): (usize, &Value)| {
-            joined(
-                own.iter()
-                    .filter(|one| one.key[1] == *contrast)
-                    .map(|one| mark(one, series))
-                    .collect(),
-            )
-        };
-        let rule = Mark::neutral(Form::HorizontalRule(VISIBLE_FROM));
-        let lines = contrasts.iter().enumerate().flat_map(line);
-        (
-            own[0].method.clone(),
-            std::iter::once(rule).chain(lines).collect(),
-        )
-    };
-    let chart = Chart {
+        panels.push(ChartPanel {
+            title: settings[0].method.clone(),
+            marks,
+        });
+    }
+    Chart {
         title: "The difference after the tone curve",
         note: format!(
             "mean FLIP, median over the rest; a difference from {VISIBLE_FROM} counts as visible \
              (a convention)"
         ),
-        x: Along::Log(AXES[EXPOSURE].name),
-        y: Along::Log("mean FLIP"),
-        panels: methods.iter().map(panel).collect(),
+        x: ChartAxis::Log(AXES[EXPOSURE].name),
+        y: ChartAxis::Log("mean FLIP"),
+        panels,
         series: contrasts
             .iter()
-            .map(|contrast| frame.names.one(CONTRAST, contrast))
+            .map(|contrast| solid(frame.names.value_label(CONTRAST, contrast)))
             .collect(),
-    };
-    chart.figure()
+    }
+    .figure()
+}
+
+fn mark(frame: &Frame, setting: &Setting, series: usize) -> Mark {
+    let tip = format!(
+        "{} · {}: mean FLIP {}, visible in {} of {}",
+        setting.method,
+        frame.names.label(&DISPLAY, &setting.key()),
+        number(setting.median()),
+        setting.visible_count(),
+        setting.flips.len()
+    );
+    let exposure = setting.exposure.size().unwrap_or(f64::NAN);
+    let dot = Mark::new(Form::Dot([exposure, setting.median()]), series).tip(tip);
+    Mark {
+        cell: only(&setting.rows),
+        ..dot
+    }
 }

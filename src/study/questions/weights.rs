@@ -1,24 +1,25 @@
-//! One answer under several weights of views: the leading weight has the sentence and the figure,
+//! One answer under several weights of views: the first weight has the sentences and the figure,
 //! each has its rows.
 
 use super::{Finding, WEIGHT};
-use crate::draw::figure::Figure;
+use crate::draw::words::{Phrase, Statement};
 use crate::experiment::axis::SCENE;
 use crate::instrument::metrics::{Pooling, Weight};
 use crate::instrument::scene::is_design;
+use crate::statement;
 use crate::study::finished::Finished;
 use crate::study::frame::Frame;
 use crate::study::table::Table;
 
 /// Whether a frame's images are designs and not pictures.
-fn is_of_designs(frame: &Frame) -> bool {
+fn has_designs_only(frame: &Frame) -> bool {
     let images = frame.images();
     !images.is_empty() && images.iter().all(|row| is_design(&row.text(SCENE)))
 }
 
 /// The weight of a frame's scores as they are recorded.
-pub fn own(frame: &Frame) -> &'static Weight {
-    if is_of_designs(frame) {
+pub fn recorded_weight(frame: &Frame) -> &'static Weight {
+    if has_designs_only(frame) {
         &Weight::Uniform
     } else {
         &Weight::Picture
@@ -27,20 +28,17 @@ pub fn own(frame: &Frame) -> &'static Weight {
 
 /// The run of a frame under each of its weights; none if its images are pictures, or their bins do
 /// not determine the metric.
-pub fn runs(frame: &Frame) -> Vec<Finished> {
+pub fn weighted_runs(frame: &Frame) -> Vec<Finished> {
     let has_bins = frame.run.cells.iter().any(|cell| !cell.bins.is_empty());
-    let is_asked = has_bins && frame.metric.pooling != Pooling::None && is_of_designs(frame);
-    frame
-        .run
-        .weights
-        .iter()
-        .filter(|_| is_asked)
-        .map(|weight| frame.run.weighted(weight))
-        .collect()
+    if !has_bins || frame.metric.pooling == Pooling::None || !has_designs_only(frame) {
+        return Vec::new();
+    }
+    let weights = frame.run.weights.iter();
+    weights.map(|weight| frame.run.weighted(weight)).collect()
 }
 
 /// A finding with the weight of its rows.
-pub fn marked(finding: Finding, weight: &Weight) -> Finding {
+pub fn with_weight(finding: Finding, weight: &Weight) -> Finding {
     Finding {
         table: Table::united(WEIGHT.name, vec![(weight.name(), finding.table)]),
         ..finding
@@ -49,46 +47,41 @@ pub fn marked(finding: Finding, weight: &Weight) -> Finding {
 
 /// The findings under each weight as one; `None` if there are none.
 pub fn united(findings: Vec<(&Weight, Finding)>) -> Option<Finding> {
-    let lead = findings.first()?.0.clone();
     let has_several = findings.len() > 1;
-    let (mut tables, mut digests, mut first) = (Vec::new(), Vec::new(), None);
+    let mut tables = Vec::new();
+    let mut digests = Vec::new();
+    let mut first = None;
     for (weight, mut finding) in findings {
         tables.push((weight.name(), std::mem::take(&mut finding.table)));
         digests.extend(finding.digest.take().map(|digest| (weight.name(), digest)));
-        first.get_or_insert(finding);
+        first.get_or_insert((weight, finding));
     }
-    let Finding {
-        sentence, figure, ..
-    } = first?;
-    let words = match &lead {
-        Weight::Uniform => String::new(),
-        Weight::Picture => "Views count as in pictures".to_owned(),
-        Weight::Scene(scene) => format!("Views count as in `{scene}`"),
-    };
-    let figure = figure.map(|figure| match words.is_empty() {
-        true => figure,
-        false => Figure {
-            note: format!(
-                "{}; {}",
-                figure.note,
-                words.replacen("Views count", "views weighted", 1)
-            ),
-            ..figure
-        },
-    });
-    let digest = match has_several {
-        true => (!digests.is_empty()).then(|| Table::united(WEIGHT.name, digests)),
-        false => digests.pop().map(|(_, digest)| digest),
-    };
-    let sentence = if words.is_empty() {
-        sentence
+    let (weight, mut finding) = first?;
+    finding.table = Table::united(WEIGHT.name, tables);
+    finding.digest = if has_several {
+        (!digests.is_empty()).then(|| Table::united(WEIGHT.name, digests))
     } else {
-        format!("{sentence} {words}.")
+        digests.pop().map(|(_, digest)| digest)
     };
-    Some(Finding {
-        sentence,
-        table: Table::united(WEIGHT.name, tables),
-        digest,
-        figure,
-    })
+    name_weight(&mut finding, weight);
+    Some(finding)
+}
+
+/// Says how views count, unless all count alike.
+fn name_weight(finding: &mut Finding, weight: &Weight) {
+    let (statement, note): (Statement, String) = match weight {
+        Weight::Uniform => return,
+        Weight::Picture => (
+            "Views count as in pictures.".into(),
+            "views weighted as in pictures".to_owned(),
+        ),
+        Weight::Scene(scene) => (
+            statement!["Views count as in ", Phrase::Code(scene.clone()), "."],
+            format!("views weighted as in `{scene}`"),
+        ),
+    };
+    finding.sentences.scope.push(statement);
+    if let Some(figure) = &mut finding.figure {
+        figure.note = format!("{}; {note}", figure.note);
+    }
 }

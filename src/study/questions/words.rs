@@ -1,42 +1,35 @@
-//! Numbers, counts and scopes in sentences.
+//! Numbers, counts and scopes in sentences, digests and tips.
 
-use crate::draw::markdown::significant;
+use crate::draw::words::{Coverage, Extent, Interval, Number, Quantity, Statement};
 use crate::experiment::axis::AxisId;
 use crate::experiment::value::Value;
+use crate::statement;
 use crate::study::frame::{Frame, Row, estimate::Estimate, values};
-
-const DIGITS: usize = 2;
 
 /// A number with two digits.
 pub fn number(x: f64) -> String {
-    significant(x, DIGITS)
+    Number::rounded(x).to_string()
 }
 
-/// "12 (95 % 8.1 to 17)"; see [`interval_words`].
+/// A number with its 95 % interval: "12 (95 % 8.1 to 17)".
+pub fn estimated(estimate: &Estimate) -> Quantity {
+    Quantity::rounded(estimate.value).interval(confidence(estimate))
+}
+
+/// The 95 % interval over environments, if they are enough.
+pub fn confidence(estimate: &Estimate) -> Option<Interval> {
+    estimate.interval.map(|[lo, hi]| Interval {
+        extent: Extent {
+            least: Number::rounded(lo),
+            most: Number::rounded(hi),
+        },
+        coverage: Coverage::Confidence,
+    })
+}
+
+/// As [`estimated`], for digests and tips.
 pub fn with_interval(estimate: &Estimate) -> String {
-    number(estimate.value) + &interval_words(estimate, number)
-}
-
-/// " (95 % 8.1 to 17)"; empty for too few environments or equal ends.
-pub fn interval_words(estimate: &Estimate, words: impl Fn(f64) -> String) -> String {
-    let Some([lo, hi]) = estimate.interval.map(|ends| ends.map(words)) else {
-        return String::new();
-    };
-    if lo == hi {
-        String::new()
-    } else {
-        format!(" (95 % {lo} to {hi})")
-    }
-}
-
-/// "8.1 to 17", or one number if both ends read alike.
-pub fn range_words(ends: [f64; 2], words: impl Fn(f64) -> String) -> String {
-    let [least, most] = ends.map(words);
-    if least == most {
-        least
-    } else {
-        format!("{least} to {most}")
-    }
+    estimated(estimate).to_string()
 }
 
 /// The root of a mean square in percent: 11 for 0.012. `None` for other metrics.
@@ -52,38 +45,40 @@ pub fn with_rms(frame: &Frame, error: f64) -> String {
     }
 }
 
-/// "a", "a and b", "a, b and c"; of more than four, the first three and "others".
-pub fn listed(words: &[String]) -> String {
-    match words {
-        [] => String::new(),
-        [one] => one.clone(),
-        [a, b, c, _, _, ..] => format!("{a}, {b}, {c} and others"),
-        [first @ .., last] => format!("{} and {last}", first.join(", ")),
-    }
+/// As [`with_rms`], in a sentence.
+pub fn error_statement(frame: &Frame, error: f64) -> Statement {
+    let rms = rms_percent(frame, error)
+        .map(|percent| statement![" (", Quantity::rounded(percent).unit(" % rms"), ")"]);
+    statement![Quantity::rounded(error), rms]
 }
 
-/// " Over 10 environments, 3 BRDF models, 5 alphas."; empty if all axes have one value.
-pub fn scope_sentence(frame: &Frame, rows: &[&Row]) -> String {
-    let count = |axis: AxisId| {
-        values(rows.iter().copied(), axis)
-            .iter()
-            .filter(|value| **value != Value::Unset)
-            .count()
-    };
-    let counts = frame
-        .case_axes()
-        .into_iter()
-        .map(|axis| (axis, count(axis)))
-        .filter(|(_, n)| *n > 1);
-    let scope = counts
-        .map(|(axis, n)| format!("{n} {}", frame.names.plural(axis)))
-        .collect::<Vec<_>>()
-        .join(", ");
-    if scope.is_empty() {
-        scope
-    } else {
-        format!(" Over {scope}.")
+/// "0.012 (11 % rms) (95 % 0.0081 to 0.017)".
+pub fn error_with_interval(frame: &Frame, mean: &Estimate) -> String {
+    let interval = confidence(mean).map_or_else(String::new, |interval| interval.to_string());
+    with_rms(frame, mean.value) + &interval
+}
+
+/// "Over 10 environments, 3 BRDF models, 5 alphas."; `None` if all axes have one value.
+pub fn scope_statement(frame: &Frame, rows: &[&Row]) -> Option<Statement> {
+    let mut counts = Vec::new();
+    for axis in frame.case_axes() {
+        let n = value_count(rows, axis);
+        if n > 1 {
+            counts.push(statement![
+                Number::Count(n as u64),
+                format!(" {}", frame.names.plural(axis))
+            ]);
+        }
     }
+    (!counts.is_empty()).then(|| statement!["Over ", Statement::joined(counts, ", "), "."])
+}
+
+/// The number of set values of rows on an axis.
+fn value_count(rows: &[&Row], axis: AxisId) -> usize {
+    values(rows.iter().copied(), axis)
+        .iter()
+        .filter(|value| **value != Value::Unset)
+        .count()
 }
 
 /// The non-empty words, separated by commas: "ggx, alpha 1".
@@ -93,11 +88,10 @@ pub fn commas<const N: usize>(words: [&str; N]) -> String {
         .filter(|word| !word.is_empty())
         .collect::<Vec<_>>()
         .join(", ")
-        .replace(" · ", ", ")
 }
 
 /// "n·v 0.8 to 1": the last bin ends above 1, so that it holds 1.
-pub fn view([lo, hi]: [f64; 2]) -> String {
+pub fn n_dot_v_words([lo, hi]: [f64; 2]) -> String {
     format!("n·v {lo} to {}", hi.min(1.0))
 }
 
@@ -106,17 +100,30 @@ pub fn count(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }
 
+/// As [`count`], in a sentence.
+pub fn counted(n: usize, one: &'static str, many: &'static str) -> Statement {
+    statement![
+        Number::Count(n as u64),
+        " ",
+        if n == 1 { one } else { many }
+    ]
+}
+
 /// "25 %" for 0.25.
 pub fn percent(share: f64) -> String {
-    format!("{} %", number(100.0 * share))
+    Number::share(share).to_string()
+}
+
+/// "-19 to 24 %" of shares, or one if both ends read alike.
+pub fn percent_extent([lo, hi]: [f64; 2]) -> Quantity {
+    let extent = Extent {
+        least: Number::rounded(100.0 * lo),
+        most: Number::rounded(100.0 * hi),
+    };
+    Quantity::new(extent).unit(" %")
 }
 
 /// The range of positive numbers: "5.1" or "5.1 to 6.0".
 pub fn range(values: impl IntoIterator<Item = f64>) -> String {
-    let (least, most) = values
-        .into_iter()
-        .fold((f64::INFINITY, 0.0), |(lo, hi), x| {
-            (f64::min(lo, x), f64::max(hi, x))
-        });
-    range_words([least, most], number)
+    Extent::of(values).to_string()
 }

@@ -4,6 +4,7 @@ use super::fake::Log;
 pub use super::fake::{Silent, fakes};
 use splitsum::base::csv::Table;
 use splitsum::experiment::Plan;
+use splitsum::report::COMPANIONS;
 use splitsum::report::write::Written;
 use splitsum::run::estimate::Ahead;
 use splitsum::run::store::{CELLS_FOLDER, Store, TIMINGS_FOLDER};
@@ -136,6 +137,7 @@ pub fn options<'a>(dir: &Path, stop: &'a AtomicBool) -> RunOptions<'a> {
     ];
     RunOptions {
         command_line,
+        companions: COMPANIONS,
         ..RunOptions::new(dir, stop)
     }
 }

@@ -2,7 +2,7 @@
 
 use splitsum::base::pixels::Rgb8Image;
 use splitsum::draw::colormap::RELATIVE_ERROR;
-use splitsum::draw::figure::sheet::{ContactSheet, Head, Tile};
+use splitsum::draw::figure::sheet::{ContactSheet, Head, Tile, TileRow};
 
 const TILE: [u32; 2] = [90, 60];
 
@@ -17,14 +17,12 @@ fn sheet(rows: usize, group: usize) -> ContactSheet {
         note: "0.0123".to_owned(),
     };
     let mut rows: Vec<_> = (0..rows)
-        .map(|i| {
-            (
-                head("alpha\n0.1", i.is_multiple_of(group)),
-                vec![tile(), tile(), tile()],
-            )
+        .map(|i| TileRow {
+            head: head("alpha\n0.1", i.is_multiple_of(group)),
+            tiles: vec![tile(), tile(), tile()],
         })
         .collect();
-    rows.last_mut().unwrap().1[2] = Tile::Missing("device lost".to_owned());
+    rows.last_mut().unwrap().tiles[2] = Tile::Missing("device lost".to_owned());
     let columns = [
         ("reference", false),
         ("a name that is far too long for its column", true),

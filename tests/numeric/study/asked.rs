@@ -115,7 +115,7 @@ fn an_error_is_a_root_mean_square_beside_its_square() {
         "{percents:?}"
     );
     // The method without samples leads; the geometric mean of 0.01 and 0.04 is 0.02.
-    let said = &found.sentence;
+    let said = &found.sentences.markdown();
     assert!(
         said.contains("`split-sum`") && said.contains(" 0.020"),
         "{said}"
@@ -127,9 +127,10 @@ fn an_error_is_a_root_mean_square_beside_its_square() {
     let question = splitsum::study::questions::question("error").unwrap();
     let of_rmse = (question.answer)(&frame).unwrap();
     assert!(
-        !of_rmse.sentence.contains('%') && of_rmse.sentence.contains("`rmse`"),
+        !of_rmse.sentences.markdown().contains('%')
+            && of_rmse.sentences.markdown().contains("`rmse`"),
         "{}",
-        of_rmse.sentence
+        of_rmse.sentences.markdown()
     );
     assert!(
         numbers(&of_rmse.table, "rms_percent")
@@ -189,7 +190,11 @@ fn ratios_on_both_sides_of_one_are_listed_along_their_axis() {
     );
     let found = finding(&run, "effect");
     let part = "at alpha 0.25 (0.50) and 0.5 (0.25), and more at 0.05 (4.0) and 0.1 (2.0).";
-    assert!(found.sentence.contains(part), "{}", found.sentence);
+    assert!(
+        found.sentences.markdown().contains(part),
+        "{}",
+        found.sentences.markdown()
+    );
     // Over all alphas they have no mean.
     assert_eq!(
         column(found.digest.as_ref().unwrap(), "all"),
@@ -209,13 +214,19 @@ fn ratios_on_both_sides_of_one_are_listed_along_their_axis() {
     let found = by_light(2.0, 0.25);
     assert!(
         found
-            .sentence
+            .sentences
+            .markdown()
             .contains("studio (0.25), and more at sky (2.0)."),
         "{}",
-        found.sentence
+        found.sentences.markdown()
     );
     // Within 5 % of 1 nothing changes its sign.
-    assert!(!by_light(1.02, 0.5).sentence.contains("and more"));
+    assert!(
+        !by_light(1.02, 0.5)
+            .sentences
+            .markdown()
+            .contains("and more")
+    );
 }
 
 #[test]
@@ -244,7 +255,7 @@ fn incomplete_runs_answer_less_and_do_not_fail() {
         .filter(|question| (question.lacks)(&frame.shape).is_none())
     {
         let said = (question.answer)(&frame)
-            .map(|finding| finding.sentence)
+            .map(|finding| finding.sentences.markdown())
             .unwrap_or_default();
         assert!(
             !said.contains("NaN") && !said.contains("inf"),

@@ -153,7 +153,11 @@ fn the_median_is_of_crossings() {
     );
     let said =
         "`sampled` needs **more than 256 samples per pixel** to beat `split-sum` in `relmse`";
-    assert!(never.sentence.starts_with(said), "{}", never.sentence);
+    assert!(
+        never.sentences.markdown().starts_with(said),
+        "{}",
+        never.sentences.markdown()
+    );
 }
 
 /// A sampling method and the split sum, whose error is 1, under two environments with errors of
@@ -279,7 +283,11 @@ fn each_pair_of_methods_has_its_own_break_even() {
                 `relmse` and 64 in `flip`. \
                 To beat `split-sum-two`, which errs least, it needs **16** (95 % 16 to 64) in \
                 `relmse` and more than 64 in `flip`.";
-    assert!(found.sentence.starts_with(said), "{}", found.sentence);
+    assert!(
+        found.sentences.markdown().starts_with(said),
+        "{}",
+        found.sentences.markdown()
+    );
     // The figure has FLIP divided by the split sum's, which has one lookup; the other reads two.
     let figure = found.figure.unwrap();
     let [panel] = &figure.panels[..] else {

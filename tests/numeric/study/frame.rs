@@ -6,7 +6,7 @@ use splitsum::experiment::value::Value;
 use splitsum::study::finished::Finished;
 use splitsum::study::frame::curve::curves;
 use splitsum::study::frame::line::{Line, t_95};
-use splitsum::study::frame::{Frame, Row, by, pair};
+use splitsum::study::frame::{Frame, Row, group_by_axes, pair};
 
 fn axis(name: &str) -> AxisId {
     AxisId::find(name).unwrap()
@@ -24,7 +24,10 @@ fn a_row_is_in_every_group_that_it_does_not_contradict() {
     let rows: Vec<&Row> = frame.rows.iter().collect();
     let sizes = |axes: &[&str]| -> Vec<usize> {
         let axes: Vec<AxisId> = axes.iter().map(|name| axis(name)).collect();
-        by(&rows, &axes).iter().map(|(_, own)| own.len()).collect()
+        group_by_axes(&rows, &axes)
+            .iter()
+            .map(|(_, own)| own.len())
+            .collect()
     };
     assert_eq!(sizes(&["alpha"]), [4, 4]);
     // The split sum draws no samples, so it is in the group of every count.
@@ -34,7 +37,7 @@ fn a_row_is_in_every_group_that_it_does_not_contradict() {
         [2, 2, 2, 2],
         "with the method the two contradict each other"
     );
-    assert_eq!(by(&rows, &[]).len(), 1);
+    assert_eq!(group_by_axes(&rows, &[]).len(), 1);
 }
 
 #[test]
@@ -152,7 +155,7 @@ fn a_curve_has_the_geometric_mean_of_its_point_sets() {
     let curves = curves(&frame, &images, &frame.case_axes());
     assert_eq!(curves.len(), 2);
     for curve in &curves {
-        assert_eq!(curve.tried(), [4, 16]);
+        assert_eq!(curve.count_ends(), [4, 16]);
         assert!(
             curve
                 .points

@@ -145,7 +145,7 @@ fn the_first_stop_is_one_of_the_lights_that_count() {
             );
         }
     }
-    let said = paper.finding("convergence").sentence;
+    let said = paper.finding("convergence").sentences.markdown();
     assert!(said.contains("first at 64 samples"), "{said}");
 }
 

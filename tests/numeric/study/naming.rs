@@ -65,7 +65,7 @@ fn an_experiment_in_perceptual_roughness_is_answered_in_it() {
             ["0.25", "0.5", "1"]
         );
         let figure = found.figure.unwrap();
-        let words = format!("{} {figure:?}", found.sentence);
+        let words = format!("{} {figure:?}", found.sentences.markdown());
         assert!(
             !words.contains("alpha") && words.contains("roughness"),
             "{question}: {words}"
@@ -81,15 +81,17 @@ fn an_experiment_in_perceptual_roughness_is_answered_in_it() {
     let (_, found) = answered("asks = [\"error\"]\n", axes);
     assert!(
         found
-            .sentence
+            .sentences
+            .markdown()
             .contains("By perceptual_roughness it ranges from"),
         "{}",
-        found.sentence
+        found.sentences.markdown()
     );
     assert!(
-        found.sentence.contains("for roughness 0.25") && found.sentence.ends_with("3 roughnesses."),
+        found.sentences.markdown().contains("for roughness 0.25")
+            && found.sentences.markdown().ends_with("3 roughnesses."),
         "{}",
-        found.sentence
+        found.sentences.markdown()
     );
 }
 
@@ -107,16 +109,16 @@ fn the_rows_of_an_answer_are_values_of_the_axis_it_names() {
         "{rows:?}"
     );
     assert!(
-        found.sentence.contains("By f0 it ranges from"),
+        found.sentences.markdown().contains("By f0 it ranges from"),
         "{}",
-        found.sentence
+        found.sentences.markdown()
     );
     // Every question with such rows accepts the axis.
     for question in QUESTIONS.iter().filter(|question| question.has_rows) {
         let run = finished(&format!("{METHODS}{axes}"), made);
         let frame = Frame::new(&run, None);
         let by = Frame {
-            by: splitsum::experiment::axis::AxisId::find("f0"),
+            digest_axis: splitsum::experiment::axis::AxisId::find("f0"),
             ..frame
         };
         let is_served = (question.lacks)(&by.shape).is_none();

@@ -13,13 +13,13 @@ use splitsum::instrument::environment::layout::{LAYOUTS, MapLayout};
 use splitsum::instrument::precompute::taps::TapCount;
 use splitsum::instrument::scene::Scene;
 use splitsum::instrument::shade::{METHODS, Method};
+use splitsum::report::live::model::{self, LiveModel, TRIANGLES_MAX};
+use splitsum::report::live::record::{
+    LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord, LiveShader, half_scale,
+};
 use splitsum::report::page::PageRun;
 use splitsum::report::page::live::{BUDGET_BYTES, Light};
 use splitsum::report::page::render::shaders;
-use splitsum::run::live::{
-    LIVE_FILE, LiveEnvironment, LiveLobe, LiveRecord, LiveShader, half_scale,
-};
-use splitsum::run::live_model::{self, LiveModel, TRIANGLES_MAX};
 use std::f64::consts::{PI, TAU};
 use std::fmt::Write;
 use std::path::Path;
@@ -174,7 +174,7 @@ fn models(dir: &Path, axes: &str) -> Vec<LiveModel> {
     let text = format!("name = \"live\"\nsize = [8, 8]\n[axes]\n{axes}");
     let plan = Plan::from_text(&dir.join("live.toml"), &text, &[])
         .unwrap_or_else(|error| panic!("{error}"));
-    live_model::models(&plan)
+    model::models(&plan)
 }
 
 #[test]

@@ -7,6 +7,7 @@ use splitsum::experiment::Plan;
 use splitsum::experiment::axis::{AXES, AxisId, Point};
 use splitsum::experiment::value::Value;
 use splitsum::instrument::metrics::{METRICS, Weight};
+use splitsum::run::provenance::Provenance;
 use splitsum::run::tables::HEADLINE;
 use splitsum::study::finished::{Bin, Finished, FinishedCell, MetricValues};
 use splitsum::study::frame::Frame;
@@ -19,7 +20,10 @@ pub const F64: f64 = 1e-9;
 fn empty(name: &str) -> Finished {
     Finished {
         dir: name.into(),
-        provenance: serde_json::json!({ "name": name, "sessions": [] }),
+        provenance: Provenance {
+            name: name.to_owned(),
+            ..Provenance::default()
+        },
         experiment: String::new(),
         config: None,
         cells: Vec::new(),

@@ -85,7 +85,7 @@ fn asked(run: &Finished) -> Vec<(&'static Question, Finding)> {
     let serves = QUESTIONS
         .iter()
         .filter(|question| (question.lacks)(&frame.shape).is_none());
-    let name = run.text("/name");
+    let name = run.provenance.name.clone();
     let answer = |asked: &&'static Question| {
         let finding = (asked.answer)(&frame);
         // The synthetic renderer has no error in the diffuse term, so a ratio of its errors has no
@@ -135,7 +135,11 @@ fn questions_an_experiment_serves_are_known_before_it_runs() {
         let rendered = Frame::new(run, None).shape;
         for question in QUESTIONS {
             let [before, after] = [&written, &rendered].map(|shape| (question.lacks)(shape));
-            assert_eq!(before, after, "{} of {}", question.name, run.text("/name"));
+            assert_eq!(
+                before, after,
+                "{} of {}",
+                question.name, run.provenance.name
+            );
         }
     }
 }
@@ -182,12 +186,13 @@ fn every_question_has_a_table_of_its_columns() {
 #[test]
 fn sentences_are_short() {
     each(|_, question, finding| {
-        let said = sentences(&finding.sentence);
+        let text = finding.sentences.markdown();
+        let said = sentences(&text);
         assert!(
             (1..=3).contains(&said.len()),
             "{}: {}",
             question.name,
-            finding.sentence
+            finding.sentences.markdown()
         );
         for sentence in said {
             // A formula in backticks is one word.
@@ -223,12 +228,12 @@ fn every_number_of_a_sentence_is_one_of_its_tables() {
             .as_ref()
             .map(|digest| digest.markdown())
             .unwrap_or_default();
-        let name = run.text("/name");
+        let name = run.provenance.name.clone();
         assert!(
             missing.is_empty(),
             "{} of {name}: {missing:?} in: {}\n{digest}",
             question.name,
-            finding.sentence
+            finding.sentences.markdown()
         );
     });
 }
@@ -305,11 +310,11 @@ fn a_failed_cell_does_not_prevent_an_answer() {
                     Vec::<String>::new(),
                     "{}: {}",
                     question.name,
-                    after.sentence
+                    after.sentences.markdown()
                 );
                 let is_sound = |text: &str| !text.contains("NaN") && !text.contains("inf");
                 assert!(
-                    is_sound(&after.sentence) && is_sound(&after.table.csv()),
+                    is_sound(&after.sentences.markdown()) && is_sound(&after.table.csv()),
                     "{}",
                     question.name
                 );
@@ -408,7 +413,8 @@ fn said(run: &Finished) -> Vec<(&'static str, String)> {
             .as_ref()
             .map(|digest| digest.markdown())
             .unwrap_or_default();
-        let mut lines: Vec<&str> = digest.lines().chain([finding.sentence.as_str()]).collect();
+        let text = finding.sentences.markdown();
+        let mut lines: Vec<&str> = digest.lines().chain([text.as_str()]).collect();
         lines.sort_unstable();
         Some((question.name, lines.join("\n")))
     };
@@ -446,7 +452,7 @@ fn order_and_failed_twins_of_cells_change_no_answer() {
             said(&more),
             before,
             "{} with failed cells",
-            run.text("/name")
+            run.provenance.name
         );
         for seed in 0..3 {
             let mut shuffled = run.clone();
@@ -462,7 +468,7 @@ fn order_and_failed_twins_of_cells_change_no_answer() {
                 said(&shuffled),
                 before,
                 "{} by seed {seed}",
-                run.text("/name")
+                run.provenance.name
             );
         }
     }
@@ -493,7 +499,7 @@ fn the_unit_of_the_metric_changes_no_ratio() {
                 .filter(|(name, _)| ["break-even", "effect"].contains(name))
                 .collect::<Vec<_>>()
         };
-        assert_eq!(ratios(&quadrupled), ratios(&run), "{}", run.text("/name"));
+        assert_eq!(ratios(&quadrupled), ratios(&run), "{}", run.provenance.name);
     }
 }
 

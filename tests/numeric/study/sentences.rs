@@ -101,7 +101,7 @@ pub fn unfounded(finding: &Finding) -> Vec<String> {
         .into_iter()
         .flatten()
         .for_each(|table| known(table, &mut known_numbers));
-    let text = without_names(&finding.sentence).replace("95 %", "");
+    let text = without_names(&finding.sentences.markdown()).replace("95 %", "");
     numbers(&text)
         .into_iter()
         .filter(|number| !known_numbers.contains(number))

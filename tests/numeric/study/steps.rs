@@ -61,9 +61,9 @@ const MAPS: [&str; 6] = ["a.hdr", "b.hdr", "c.hdr", "d.hdr", "e.hdr", "f.hdr"];
 fn noise_alone_is_attributed_to_no_step() {
     let finding = run(&[]);
     assert!(
-        finding.table.rows.is_empty() && !finding.sentence.contains('%'),
+        finding.table.rows.is_empty() && !finding.sentences.markdown().contains('%'),
         "{}",
-        finding.sentence
+        finding.sentences.markdown()
     );
 }
 
@@ -104,9 +104,9 @@ fn shares_are_means_over_maps_with_formulas_apart() {
     ];
     assert!((numbers(&only(&finding.table, &own), "share")[0] - 0.9).abs() < F64);
     assert!(!column(&finding.table, "environment").contains(&"builtin:constant".to_owned()));
-    let says =
-        ["80 %", "70 %", "by more than 0.20 %"].map(|words| finding.sentence.contains(words));
-    assert_eq!(says, [true; 3], "{}", finding.sentence);
+    let says = ["80 %", "70 %", "by more than 0.20 %"]
+        .map(|words| finding.sentences.markdown().contains(words));
+    assert_eq!(says, [true; 3], "{}", finding.sentences.markdown());
 }
 
 #[test]
@@ -126,7 +126,7 @@ fn shares_of_both_signs_are_given_as_a_range() {
 #[test]
 fn tables_are_judged_in_every_band_of_the_view() {
     let mut paper = Paper::new(&["scene", "environment", "alpha", "method", "prefilter_size"]);
-    paper.run.provenance["reference"]["method"] = "ladder-view".into();
+    paper.run.provenance.reference.method = "ladder-view".into();
     // Over all n·v both tables err by less than a tenth of the split; facing the viewer only the
     // larger one does.
     let bands = |grazing: f64, facing: f64| -> Vec<Bin> {

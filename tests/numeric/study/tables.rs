@@ -17,7 +17,7 @@ fn judged_by(method: &str) -> Paper {
         "level_mapping",
         "prefilter",
     ]);
-    paper.run.provenance["reference"]["method"] = method.into();
+    paper.run.provenance.reference.method = method.into();
     paper
 }
 
@@ -99,13 +99,18 @@ fn tables_are_enough_if_they_err_by_a_tenth_of_the_split() {
     );
     assert!(
         finding
-            .sentence
+            .sentences
+            .markdown()
             .starts_with("Ship **64x64, 64 samples, quadratic mapping**"),
         "{}",
-        finding.sentence
+        finding.sentences.markdown()
     );
     let set = "--set prefilter_size=64x64 --set level_mapping=quadratic`";
-    assert!(finding.sentence.contains(set), "{}", finding.sentence);
+    assert!(
+        finding.sentences.markdown().contains(set),
+        "{}",
+        finding.sentences.markdown()
+    );
     let own = [
         ("alpha", "0.5"),
         ("environment", "builtin:sky"),

@@ -20,7 +20,8 @@ fn times_of_a_cpu_driver_are_named() {
     assert!(
         paper
             .finding("times")
-            .sentence
+            .sentences
+            .markdown()
             .contains("on this CPU driver")
     );
 }
@@ -39,7 +40,10 @@ fn five_rounds_have_no_interval() {
             .chain(&numbers(&found.table, "ratio_lo"))
             .all(|lo| lo.is_nan())
     );
-    assert!(!found.sentence.contains("NaN") && !found.digest.unwrap().markdown().contains("NaN"));
+    assert!(
+        !found.sentences.markdown().contains("NaN")
+            && !found.digest.unwrap().markdown().contains("NaN")
+    );
 }
 
 /// A split sum and a sampled image with these times.
@@ -117,13 +121,13 @@ fn a_way_without_samples_takes_as_long_as_the_count_at_which_the_ratio_passes_1(
             ["1.5"]
         );
         let finding = beside([vec![fixed], sampled.to_vec()].concat()).finding("times");
-        let says = |words: &str| finding.sentence.contains(words);
+        let says = |words: &str| finding.sentences.markdown().contains(words);
         assert!(
             wanted.map_or(!says("samples"), |words| says(&format!(
                 "`split-sum` {words}"
             ))),
             "{}",
-            finding.sentence
+            finding.sentences.markdown()
         );
     }
 }
@@ -142,7 +146,8 @@ fn alternative_tables_are_a_range_and_never_a_sum() {
     assert!(!digest.markdown().contains("422") && !finding.table.csv().contains("422"));
     assert!(
         finding
-            .sentence
+            .sentences
+            .markdown()
             .ends_with("The tables of `split-sum` take 40 to 382 ms once per map and model.")
     );
     let all = only(

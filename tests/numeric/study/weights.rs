@@ -102,7 +102,10 @@ fn the_picture_weight_integrates_an_error_over_2_n_dot_v() {
             (found - truth).abs() < 5e-4 * truth,
             "{name}: {found} instead of {truth}"
         );
-        let band = run.weighted(&Weight::Picture).seen_at([0.0, 2.0]).unwrap();
+        let band = run
+            .weighted(&Weight::Picture)
+            .within_n_dot_v([0.0, 2.0])
+            .unwrap();
         assert_eq!(
             score(&band, &Weight::Uniform, name),
             Some(found),
@@ -203,7 +206,7 @@ fn recorded_bins_determine_scores_and_floors() {
          }\n[axes]\nmethod = [\"split-sum\"]\ndiffuse = [\"none\"]\n",
     );
     let run = Finished::read(bench.dir.path()).unwrap();
-    let (whole, pooled) = (&run.cells[0], run.seen_at([0.0, 1.0]).unwrap());
+    let (whole, pooled) = (&run.cells[0], run.within_n_dot_v([0.0, 1.0]).unwrap());
     for metric in METRICS
         .iter()
         .filter(|metric| metric.pooling != Pooling::None)
@@ -301,10 +304,11 @@ fn answers_have_the_rows_of_each_weight() {
     assert!(
         effect
             .finding
-            .sentence
+            .sentences
+            .markdown()
             .ends_with(" Views count as in pictures."),
         "{}",
-        effect.finding.sentence
+        effect.finding.sentences.markdown()
     );
     let digest = effect.finding.digest.as_ref().unwrap();
     assert!(!only(digest, &[("weight", "picture")]).rows.is_empty());

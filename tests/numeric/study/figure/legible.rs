@@ -4,7 +4,7 @@
 use super::figures::{Drawn, dots, hard};
 use crate::table;
 use roxmltree::Node;
-use splitsum::draw::figure::ink::{INKS, SERIES};
+use splitsum::draw::figure::ink::{INKS, SERIES, method_ink};
 use splitsum::draw::figure::svg::{WIDTHS, svg};
 use splitsum::draw::figure::text::{ASCENT, AXIS, DESCENT, Font, LABEL, NAME, NOTE, TITLE};
 use splitsum::draw::figure::{Mark, ScaleKind, Series, Shape};
@@ -103,7 +103,7 @@ fn contrast(a: &str, b: &str) -> f64 {
 }
 
 fn ink(name: &str) -> [&'static str; 2] {
-    INKS.iter().find(|ink| ink.0 == name).unwrap().3
+    INKS.iter().find(|ink| ink.selector == name).unwrap().colors
 }
 
 #[test]
@@ -151,9 +151,9 @@ fn a_method_has_one_colour_in_every_figure() {
         let series = shown.iter().map(|of| names[*of].to_owned());
         figure.series = series
             .map(|name| Series {
+                ink: method_ink(&name),
                 name,
                 is_dashed: false,
-                ink: None,
             })
             .collect();
         let mark = |(i, _)| Mark::new(Shape::Line(vec![[0.0, 0.5], [1.0, i as f64 / 8.0]]), i);

@@ -3,12 +3,12 @@
 //! Positions are fractions of the scene's box (error at most 1/131070 of its side). Normals are
 //! octahedral \[Cigolle14\], in signed fractions of 32767 (error below 0.01 degrees).
 
-use super::images::short_text;
 use crate::base::pixels::packed;
 use crate::experiment::axis;
 use crate::experiment::plan::Plan;
 use crate::instrument::pipeline::RenderRequest;
 use crate::instrument::scene::{Camera, CameraKind, Material, Mesh, Projection, Scene};
+use crate::run::images::short_text;
 use glam::{DVec3, Vec3};
 use serde::{Deserialize, Serialize};
 use std::collections::HashMap;
@@ -90,28 +90,27 @@ pub struct LivePart {
 pub fn models(plan: &Plan) -> Vec<LiveModel> {
     let mut models: Vec<LiveModel> = Vec::new();
     for cell in &plan.cells {
-        let label = short_text(axis::Named::own(axis::SCENE), &cell.point);
-        if models.len() < SCENE_COUNT && models.iter().all(|known| known.label != label) {
-            let kept: usize = models
-                .iter()
-                .flat_map(|known| &known.parts)
-                .map(|part| part.triangle_count)
-                .sum();
-            models.push(model(
-                &label,
-                &plan.request(&cell.point),
-                TRIANGLES_MAX - kept,
-            ));
+        if models.len() == SCENE_COUNT {
+            break;
         }
+        let label = short_text(axis::Named::own(axis::SCENE), &cell.point);
+        if models.iter().any(|known| known.label == label) {
+            continue;
+        }
+        let triangle_count: usize = models
+            .iter()
+            .flat_map(|known| &known.parts)
+            .map(|part| part.triangle_count)
+            .sum();
+        let triangles_left = TRIANGLES_MAX - triangle_count;
+        models.push(model(&label, &plan.request(&cell.point), triangles_left));
     }
     models
 }
 
 fn model(label: &str, request: &RenderRequest, triangles_max: usize) -> LiveModel {
-    let (scene, aspect) = (
-        &request.scene,
-        f64::from(request.size[0]) / f64::from(request.size[1]),
-    );
+    let scene = &request.scene;
+    let aspect = f64::from(request.size[0]) / f64::from(request.size[1]);
     if scene.is_design {
         let note = format!("{label} is not a picture, so a sphere is shown.");
         return sphere(label, note, request);
@@ -124,11 +123,12 @@ fn model(label: &str, request: &RenderRequest, triangles_max: usize) -> LiveMode
         );
         return sphere(label, note, request);
     }
-    let note = match scene.textures.is_empty() {
-        true => String::new(),
-        false => format!("The textures of {label} are replaced by their means."),
+    let note = if scene.textures.is_empty() {
+        String::new()
+    } else {
+        format!("The textures of {label} are replaced by their means.")
     };
-    of_scene(label, note, scene, &request.camera, aspect)
+    whole_scene(label, note, scene, &request.camera, aspect)
 }
 
 /// The unit sphere in place of a scene that is not kept.
@@ -141,10 +141,16 @@ fn sphere(label: &str, note: String, request: &RenderRequest) -> LiveModel {
     scene.materials = vec![request.scene.materials.first().cloned().unwrap_or_default()];
     scene.textures.clone_from(&request.scene.textures);
     let camera = Camera::for_scene(kind, &scene, [1, 1]);
-    of_scene(label, note, &scene, &camera, 1.0)
+    whole_scene(label, note, &scene, &camera, 1.0)
 }
 
-fn of_scene(label: &str, note: String, scene: &Scene, camera: &Camera, aspect: f64) -> LiveModel {
+fn whole_scene(
+    label: &str,
+    note: String,
+    scene: &Scene,
+    camera: &Camera,
+    aspect: f64,
+) -> LiveModel {
     let (low, high) = scene.bounds();
     let surface = |index: usize| averaged(scene, &scene.materials[index]);
     let offset = camera.eye - 0.5 * (low + high);
@@ -181,6 +187,7 @@ fn of_scene(label: &str, note: String, scene: &Scene, camera: &Camera, aspect: f
 fn averaged(scene: &Scene, material: &Material) -> LiveSurface {
     let mean = |map: Option<usize>| map.map_or([1.0; 3], |map| scene.textures[map].mean());
     let scaled = |color: [f32; 3], map| std::array::from_fn(|c| color[c] * mean(map)[c]);
+    // Roughness is in the green channel of its map, metallic in the blue one.
     let roughness = |alpha: f32, map| alpha.sqrt() * mean(map)[1];
     let Material {
         anisotropy,
@@ -209,16 +216,19 @@ fn averaged(scene: &Scene, material: &Material) -> LiveSurface {
 /// Splits a mesh into parts of at most [`PART_VERTICES_MAX`] vertices.
 fn parts(mesh: &Mesh, surface: &LiveSurface, low: DVec3, high: DVec3) -> Vec<LivePart> {
     let mut parts = Vec::new();
-    let (mut places, mut vertices, mut triangles) = (HashMap::new(), Vec::new(), Vec::new());
+    // Of the current part: indices of its vertices by their index in the mesh, and the reverse.
+    let mut part_indices: HashMap<u32, u16> = HashMap::new();
+    let mut vertices: Vec<usize> = Vec::new();
+    let mut triangles: Vec<[u16; 3]> = Vec::new();
     for triangle in mesh.triangles() {
         if vertices.len() + 3 > PART_VERTICES_MAX {
             parts.push(part(mesh, surface, &vertices, &triangles, [low, high]));
-            places.clear();
+            part_indices.clear();
             vertices.clear();
             triangles.clear();
         }
         triangles.push(triangle.map(|index| {
-            *places.entry(index).or_insert_with(|| {
+            *part_indices.entry(index).or_insert_with(|| {
                 vertices.push(index as usize);
                 (vertices.len() - 1) as u16
             })
@@ -235,27 +245,23 @@ fn part(
     triangles: &[[u16; 3]],
     [low, high]: [DVec3; 2],
 ) -> LivePart {
-    // A side of length 0 has one place.
+    // On a side of length 0 every fraction is 0.
     let side = (high - low).max(DVec3::splat(f64::MIN_POSITIVE));
-    let position = |&i: &usize| {
-        let fraction = (Vec3::from_array(mesh.positions[i]).as_dvec3() - low) / side;
-        (fraction * 65535.0).round().to_array().map(|x| x as u16)
-    };
-    let positions: Vec<[u16; 3]> = vertices.iter().map(position).collect();
+    let positions: Vec<[u16; 3]> = vertices
+        .iter()
+        .map(|&vertex| {
+            let fraction = (Vec3::from_array(mesh.positions[vertex]).as_dvec3() - low) / side;
+            (fraction * 65535.0).round().to_array().map(|x| x as u16)
+        })
+        .collect();
     let normals: Vec<[u16; 3]> = vertices
         .iter()
-        .map(|&i| octahedral(mesh.normals[i], 0.0))
+        .map(|&vertex| octahedral(mesh.normals[vertex], 0.0))
         .collect();
-    // A tangent of length 0 is missing.
-    let tangent = |&i: &usize| {
-        let [x, y, z, side] = mesh.tangents[i];
-        if [x, y, z] == [0.0; 3] {
-            [0; 3]
-        } else {
-            octahedral([x, y, z], side)
-        }
-    };
-    let tangents: Vec<[u16; 3]> = vertices.iter().map(tangent).collect();
+    let tangents: Vec<[u16; 3]> = vertices
+        .iter()
+        .map(|&vertex| packed_tangent(mesh.tangents[vertex]))
+        .collect();
     let has_tangents = tangents.iter().any(|tangent| tangent[2] != 0);
     LivePart {
         surface: surface.clone(),
@@ -269,6 +275,15 @@ fn part(
         },
         triangle_count: triangles.len(),
         triangles: packed::words(triangles),
+    }
+}
+
+/// A tangent and its handedness; zeros if the vertex has none, which is a tangent of length 0.
+fn packed_tangent([x, y, z, handedness]: [f32; 4]) -> [u16; 3] {
+    if [x, y, z] == [0.0; 3] {
+        [0; 3]
+    } else {
+        octahedral([x, y, z], handedness)
     }
 }
 

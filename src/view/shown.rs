@@ -1,0 +1,56 @@
+//! What the renderer shows: images of the halves and the reference, and how far it is.
+
+use super::picture::Picture;
+use super::state::{Image, Side};
+use crate::base::pixels::Rgb8Image;
+use crate::instrument::pipeline::{DeviceInfo, Frame};
+use std::sync::Arc;
+
+/// An image with its picture.
+#[derive(Clone, Debug)]
+pub struct Shot {
+    pub image: Image,
+    pub frame: Arc<Frame>,
+    pub picture: Arc<Rgb8Image>,
+    pub kind: Picture,
+    /// The state that it belongs to.
+    pub generation: u64,
+    /// Divisor of the state's resolution.
+    pub scale: u32,
+    /// The headline metric, once there is a reference.
+    pub score: Option<f64>,
+}
+
+#[derive(Clone, Debug, Default, PartialEq)]
+pub enum Status {
+    #[default]
+    Busy,
+    Done,
+    /// The state cannot be shown; the previous picture stays.
+    Refused(String),
+    /// The renderer ended, but a new process may work.
+    Lost(String),
+    Failed(String),
+}
+
+#[derive(Clone, Debug, Default)]
+pub struct Shown {
+    pub generation: u64,
+    pub halves: [Option<Shot>; 2],
+    pub truth: Option<Shot>,
+    pub status: Status,
+    pub device: Option<DeviceInfo>,
+    pub messages: Vec<String>,
+}
+
+impl Shown {
+    pub fn side(&self, side: Side) -> Option<&Shot> {
+        self.halves[side as usize].as_ref()
+    }
+
+    /// Returns the size of the picture: the finer half's; `None` before the first one.
+    pub fn size(&self) -> Option<[u32; 2]> {
+        let finest = self.halves.iter().flatten().min_by_key(|shot| shot.scale)?;
+        Some([finest.picture.width, finest.picture.height])
+    }
+}
