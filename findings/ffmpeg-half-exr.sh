@@ -3,9 +3,9 @@
 # Guess: ffmpeg reads EXR as floats, so a half-float EXR keeps its highlights wherever the same
 #   picture as 32-bit EXR keeps them: `ffmpeg -i in.exr out.exr`, or raw gbrpf32le for a script.
 # Seen: the 32-bit file passes exactly. The half-float file is clipped to 0..1: 7.5 becomes 1, -0.5
-#   becomes 0, and .25 is off by 8e-5 as if by 16-bit integers; EXR to EXR and EXR to .hdr too. The
+#   becomes 0, and .25 becomes .25002; EXR to EXR is clipped alike. The
 #   decoder hands out 16-bit floats (gbrpf16le keeps 7.5); the scaler that ffmpeg inserts by itself
-#   to reach 32 bits goes through integers. No message, exit status 0.
+#   to reach 32 bits clips. No message, exit status 0.
 # Hurt: half is the usual type of EXR: an environment keeps sky and loses sun and lamps; tests made
 #   with 32-bit files pass.
 # Avoid: convert with -vf zscale,format=gbrpf32le, or ask for gbrpf16le, or use oiiotool.

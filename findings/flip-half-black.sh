@@ -4,7 +4,7 @@
 #   white 1 needs, whether the background fills 49 or 51 % of the frame.
 # Seen: at 49 % it adds nothing; at 51 % the background scores .97 of 1 and the mean jumps from
 #   .014 to .51. The longest exposure comes from the reference's median; once half of the pixels
-#   are black it is 24 stops, and 3 exposures become 23 (so it also runs several times as long).
+#   are black it is 24 stops, and 3 exposures become 23.
 #   Upstream knows of a median of zero (issue 42); the published wheel has it, and warns of nothing.
 # Hurt: the standard test picture of the field, an object on black: denoisers, compressors and
 #   float round trips leave a residue, and moving the camera by 1 % decides the score.

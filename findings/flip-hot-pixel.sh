@@ -4,7 +4,7 @@
 #   and test can only lower the mean, by one pixel in 65536.
 # Seen: it raises the mean by half or more, everywhere in the picture. The shortest exposure comes
 #   from the brightest pixel of the reference; one sun, lamp or firefly adds many dark exposures,
-#   and every other pixel keeps its worst error over all of them (there tone mapping is steep).
+#   and every other pixel keeps its worst error over all of them.
 # Hurt: who compares FLIP means across scenes, or across references of other sample counts: a
 #   reference with one firefly more makes the same renderer look half again as bad.
 # Avoid: pass startExposure and stopExposure by hand, the same for all, and report them.

@@ -5,7 +5,7 @@
 # Seen: resize clips each value to 1 with every filter, nearest included, and fast_blur does too:
 #   a sky of .5 with a lamp of 1000 has a mean of 8.31 before and .50 to .54 after. blur (Gaussian)
 #   keeps it; thumbnail keeps the lamp but adds .5 to each value (8.81): it rounds as for integers
-#   (issue 2273). None reports anything, and the documents of resize name no range.
+#   (issue 2273). None reports anything.
 # Hurt: tools in Rust that shrink environment maps or build mips: suns and lamps vanish, the sky
 #   stays, and the preview, which is clipped anyway, looks the same.
 # Avoid: fast_image_resize's F32 types, or sum blocks oneself; test with one texel of 1000.

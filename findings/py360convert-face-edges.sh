@@ -4,7 +4,7 @@
 # Seen: it looks at 2 i/(n - 1) - 1: the outermost texels lie on the edges of the cube, both faces
 #   of a seam hold the same row, and everything between is stretched by n/(n - 1). Read by a GPU,
 #   directions are off by half a texel at the rim of each face: .45 degrees at 64, 1.8 at 16, and
-#   a gradient stands still at each seam. c2e undoes its own rule, so a round trip shows nothing.
+#   a gradient stands still at each seam. c2e undoes its own rule, so a round trip shows only blur.
 # Hurt: who makes skyboxes, small irradiance cubes or prefiltered levels with it: the lower the
 #   level, the larger the error, and the seams get blamed on the engine's filter.
 # Avoid: ask for n + 1 and average 2x2 neighbours (texel centres then fall where a GPU reads),
