@@ -212,7 +212,6 @@ pub struct Statement(Vec<Phrase>);
 
 /// Makes a [`Statement`] of its parts, in order: texts, quantities, [`Phrase`]s, other statements,
 /// and options of these.
-#[macro_export]
 macro_rules! statement {
     ($($part:expr),* $(,)?) => {{
         let mut statement = $crate::draw::words::Statement::default();
@@ -220,6 +219,8 @@ macro_rules! statement {
         statement
     }};
 }
+
+pub(crate) use statement;
 
 impl Statement {
     pub fn push(&mut self, parts: impl Into<Self>) {

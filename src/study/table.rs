@@ -51,9 +51,9 @@ const DIGITS: usize = 3;
 
 impl Table {
     /// An empty table: these axes by all their names, then further columns.
-    pub fn new(axes: &[AxisId], own: &[Column]) -> Self {
+    pub fn new(axes: &[AxisId], more: &[Column]) -> Self {
         let axes = axes.iter().flat_map(|&axis| columns(axis));
-        Self::with_names(axes.chain(own.iter().map(|column| column.name)))
+        Self::with_names(axes.chain(more.iter().map(|column| column.name)))
     }
 
     pub fn with_names(columns: impl IntoIterator<Item: Into<String>>) -> Self {
@@ -70,16 +70,17 @@ impl Table {
         let names: IndexSet<String> = std::iter::once(head.to_owned()).chain(names).collect();
         let mut all = Self::with_names(names);
         for (name, table) in tables {
-            let places: Vec<Option<usize>> = all
+            // Where this table has each column.
+            let indices: Vec<Option<usize>> = all
                 .columns
                 .iter()
                 .skip(1)
-                .map(|column| table.columns.iter().position(|own| own == column))
+                .map(|column| table.columns.iter().position(|known| known == column))
                 .collect();
             for row in table.rows {
-                let cells = places
+                let cells = indices
                     .iter()
-                    .map(|place| place.map_or(Cell::Missing, |place| row[place].clone()));
+                    .map(|index| index.map_or(Cell::Missing, |index| row[index].clone()));
                 all.rows
                     .push(std::iter::once(name.into()).chain(cells).collect());
             }

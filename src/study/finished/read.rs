@@ -64,22 +64,19 @@ impl Finished {
         let mut images = table("images.csv")?.map_or_else(|| Ok(HashMap::new()), images)?;
         let mut cells = cells(&mut errors, &mut images)?;
         check_errors(dir, &provenance, &errors, &cells)?;
-        let places: HashMap<String, usize> = cells
+        let index_by_id: HashMap<String, usize> = cells
             .iter()
             .enumerate()
-            .map(|(place, cell)| (cell.id.clone(), place))
+            .map(|(index, cell)| (cell.id.clone(), index))
             .collect();
         if let Some(table) = table("errors_by_n_dot_v.csv")? {
-            bins(table, &mut cells, &places)?;
+            bins(table, &mut cells, &index_by_id)?;
         }
         if let Some(mut table) = table("steps.csv")? {
             table.each(|row| {
-                if let Some((place, step)) = row
-                    .text("cell")
-                    .and_then(|cell| places.get(cell))
-                    .zip(step(&row))
-                {
-                    cells[*place].steps.push(step);
+                let index = row.text("cell").and_then(|cell| index_by_id.get(cell));
+                if let Some((index, step)) = index.zip(step(&row)) {
+                    cells[*index].steps.push(step);
                 }
                 Ok(())
             })?;
@@ -156,7 +153,7 @@ fn cells(
 fn bins(
     mut table: TableRows,
     cells: &mut [FinishedCell],
-    places: &HashMap<String, usize>,
+    index_by_id: &HashMap<String, usize>,
 ) -> Result<(), FinishedError> {
     check_head(&table)?;
     ["cell", HEADLINE]
@@ -165,14 +162,14 @@ fn bins(
     let mut is_binned = vec![false; cells.len()];
     table.each(|row| {
         row.checked_number(HEADLINE)?;
-        let Some(&place) = row.text("cell").and_then(|cell| places.get(cell)) else {
+        let Some(&index) = row.text("cell").and_then(|cell| index_by_id.get(cell)) else {
             return Ok(());
         };
-        is_binned[place] = true;
+        is_binned[index] = true;
         if let [Some(lo), Some(hi), Some(count)] =
             ["n_dot_v_from", "n_dot_v_to", "pixel_count"].map(|name| row.number(name))
         {
-            Arc::make_mut(&mut cells[place].bins).push(Bin {
+            Arc::make_mut(&mut cells[index].bins).push(Bin {
                 lo,
                 hi,
                 pixel_count: count as u64,
@@ -305,7 +302,8 @@ fn images(mut table: TableRows) -> Result<HashMap<String, CellImages>, FinishedE
     let is_name = |text: &str| {
         !text.contains(['/', '\\', ':']) && ![".", ".."].contains(&text) && printable(text) == text
     };
-    let (mut found, mut stranger) = (HashMap::new(), None);
+    let mut found = HashMap::new();
+    let mut stranger = None;
     table.each(|row| {
         let [cell, radiance, reference] =
             ["cell", "radiance", "reference"].map(|name| row.text(name).unwrap_or_default());

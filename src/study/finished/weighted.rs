@@ -9,29 +9,61 @@ use crate::instrument::scene::{SCENES, is_design};
 use indexmap::IndexSet;
 use std::sync::Arc;
 
+/// How much a bin counts.
+enum Density {
+    /// As its n·v in a picture of a sphere: its part of ∫ 2 n·v dn·v.
+    Picture,
+    /// By its pixels.
+    Uniform,
+    /// By the pixels of a scene's bins with the same n·v.
+    Scene(Arc<Vec<Bin>>),
+}
+
+impl Density {
+    fn of_bin(&self, bin: &Bin) -> f64 {
+        match self {
+            Self::Picture => bin.hi.min(1.0).powi(2) - bin.lo.powi(2),
+            Self::Uniform => bin.pixel_count as f64,
+            Self::Scene(bins) => bins
+                .iter()
+                .find(|other| other.lo == bin.lo)
+                .map_or(0.0, |other| other.pixel_count as f64),
+        }
+    }
+}
+
+/// The numbers of several bins together.
+struct Pooled {
+    scores: MetricValues,
+    noise_floors: MetricValues,
+}
+
 impl Finished {
     /// The run scored by the pixels with n·v from `lo` to `hi` alone, under its weight; `None`
     /// without bins.
     pub fn within_n_dot_v(&self, [lo, hi]: [f64; 2]) -> Option<Self> {
+        if self.cells.iter().all(|cell| cell.bins.is_empty()) {
+            return None;
+        }
         let density = self.density(&self.weight);
-        let is_own = |bin: &Bin| bin.lo >= lo && bin.hi <= hi;
-        let cell = |cell: &FinishedCell| {
-            let (scores, noise_floors) =
-                cell.pooled(
-                    &self.weight,
-                    |bin| if is_own(bin) { density(bin) } else { 0.0 },
-                );
-            let scores = cell.scores.as_ref().map(|_| scores);
+        let of_bin = |bin: &Bin| {
+            if bin.lo >= lo && bin.hi <= hi {
+                density.of_bin(bin)
+            } else {
+                0.0
+            }
+        };
+        let cells = self.cells.iter().map(|cell| {
+            let pooled = cell.pooled(&self.weight, of_bin);
             FinishedCell {
-                scores,
-                noise_floors,
+                scores: cell.scores.as_ref().map(|_| pooled.scores),
+                noise_floors: pooled.noise_floors,
                 bins: Arc::default(),
                 ..cell.clone()
             }
-        };
-        let has_bins = self.cells.iter().any(|cell| !cell.bins.is_empty());
-        has_bins.then(|| Self {
-            cells: self.cells.iter().map(cell).collect(),
+        });
+        Some(Self {
+            cells: cells.collect(),
             ..self.clone()
         })
     }
@@ -41,53 +73,41 @@ impl Finished {
     /// score; a noise floor that older runs do not record by bin stays as it is.
     pub fn weighted(&self, weight: &Weight) -> Self {
         let density = self.density(weight);
-        let cell = |cell: &FinishedCell| {
-            if *weight == Weight::Uniform
-                || !is_design(&cell.point[SCENE].to_string())
-                || cell.bins.is_empty()
-            {
+        let cells = self.cells.iter().map(|cell| {
+            let is_design = is_design(&cell.point[SCENE].to_string());
+            if *weight == Weight::Uniform || !is_design || cell.bins.is_empty() {
                 return cell.clone();
             }
-            let (scores, floors) = cell.pooled(weight, &density);
-            let floor = |name: &str| floors.get(name).or(cell.noise_floors.get(name));
-            let scores = cell.scores.as_ref().map(|_| scores);
+            let pooled = cell.pooled(weight, |bin| density.of_bin(bin));
+            let floor = |name: &str| {
+                let pooled = pooled.noise_floors.get(name);
+                pooled.or(cell.noise_floors.get(name))
+            };
             FinishedCell {
-                scores,
                 noise_floors: MetricValues::of(floor),
+                scores: cell.scores.as_ref().map(|_| pooled.scores),
                 ..cell.clone()
             }
-        };
+        });
         Self {
-            cells: self.cells.iter().map(cell).collect(),
+            cells: cells.collect(),
             weight: weight.clone(),
             ..self.clone()
         }
     }
 
-    fn density(&self, weight: &Weight) -> impl Fn(&Bin) -> f64 + use<> {
-        let of_scene = |scene: &str| {
-            let cells = self
-                .cells
-                .iter()
-                .filter(|cell| cell.point[SCENE].to_string() == scene);
-            cells
-                .map(|cell| &cell.bins)
-                .find(|bins| !bins.is_empty())
-                .cloned()
-                .unwrap_or_default()
-        };
-        let (is_picture, shown) = match weight {
-            Weight::Picture => (true, None),
-            Weight::Uniform => (false, None),
-            Weight::Scene(scene) => (false, Some(of_scene(scene))),
-        };
-        move |bin| match &shown {
-            Some(shown) => shown
-                .iter()
-                .find(|other| other.lo == bin.lo)
-                .map_or(0.0, |other| other.pixel_count as f64),
-            None if is_picture => bin.hi.min(1.0).powi(2) - bin.lo.powi(2),
-            None => bin.pixel_count as f64,
+    fn density(&self, weight: &Weight) -> Density {
+        match weight {
+            Weight::Picture => Density::Picture,
+            Weight::Uniform => Density::Uniform,
+            Weight::Scene(scene) => {
+                let cells = self.cells.iter();
+                let bins = cells
+                    .filter(|cell| cell.point[SCENE].to_string() == *scene)
+                    .map(|cell| &cell.bins)
+                    .find(|bins| !bins.is_empty());
+                Density::Scene(bins.cloned().unwrap_or_default())
+            }
         }
     }
 
@@ -104,7 +124,7 @@ impl Finished {
             .iter()
             .try_for_each(|weight| check_weight(weight, &scenes))?;
         if let Some(twice) =
-            (1..weights.len()).find(|place| weights[..*place].contains(&weights[*place]))
+            (1..weights.len()).find(|index| weights[..*index].contains(&weights[*index]))
         {
             return Err(format!("{} is listed twice", names[twice]));
         }
@@ -136,47 +156,49 @@ pub fn check_weight<'v>(
         .into_iter()
         .chain(pictures.iter().map(String::as_str))
         .collect();
-    match () {
-        () if pictures.contains(scene) => Ok(()),
-        () if is_design(scene) => Err(format!("the scene {scene} is not a picture; write uniform")),
-        () if SCENES.iter().any(|known| known.name == scene) => Err(format!(
+    if pictures.contains(scene) {
+        Ok(())
+    } else if is_design(scene) {
+        Err(format!("the scene {scene} is not a picture; write uniform"))
+    } else if SCENES.iter().any(|known| known.name == scene) {
+        Err(format!(
             "the scene {scene} is not rendered; add it to axes.scene, or choose {}",
             known.join(", ")
-        )),
-        () => Err(not_one_of("weight", scene, &known, "")),
+        ))
+    } else {
+        Err(not_one_of("weight", scene, &known, ""))
     }
 }
 
 impl FinishedCell {
-    /// Scores and noise floors of the bins together, each counted as `density` says.
-    fn pooled(
-        &self,
-        weight: &Weight,
-        density: impl Fn(&Bin) -> f64,
-    ) -> (MetricValues, MetricValues) {
+    /// The bins together, each counted as `density` says.
+    fn pooled(&self, weight: &Weight, density: impl Fn(&Bin) -> f64) -> Pooled {
         let mut bins: Vec<(f64, &Bin)> = self.bins.iter().map(|bin| (density(bin), bin)).collect();
         bins.retain(|(_, bin)| bin.pixel_count > 0);
         bins.sort_by(|(_, a), (_, b)| a.lo.total_cmp(&b.lo));
-        let parts = |of: fn(&Bin) -> &MetricValues, name: &str| {
-            let part = |(weight, bin): &(f64, &Bin)| {
-                let (n_dot_v, value) = ([bin.lo, bin.hi.min(1.0)], of(bin).get(name)?);
-                Some(Part {
-                    n_dot_v,
-                    weight: *weight,
-                    value,
-                    reference_mean: bin.reference_mean,
-                })
-            };
-            bins.iter().map(part).collect::<Option<Vec<Part>>>()
-        };
-        let (metric, is_tilted) = (|name| Metric::listed(name), *weight != Weight::Uniform);
-        (
-            MetricValues::of(|name| {
-                metric(name).pooled(&parts(|bin| &bin.scores, name)?, is_tilted)
+        let is_tilted = *weight != Weight::Uniform;
+        Pooled {
+            scores: MetricValues::of(|name| {
+                let parts = parts(&bins, |bin| bin.scores.get(name))?;
+                Metric::listed(name).pooled(&parts, is_tilted)
             }),
-            MetricValues::of(|name| {
-                metric(name).pooled_floor(&parts(|bin| &bin.noise_floors, name)?, is_tilted)
+            noise_floors: MetricValues::of(|name| {
+                let parts = parts(&bins, |bin| bin.noise_floors.get(name))?;
+                Metric::listed(name).pooled_floor(&parts, is_tilted)
             }),
-        )
+        }
     }
+}
+
+/// A number of each weighted bin; `None` if a bin has none.
+fn parts(bins: &[(f64, &Bin)], number: impl Fn(&Bin) -> Option<f64>) -> Option<Vec<Part>> {
+    let part = |(weight, bin): &(f64, &Bin)| {
+        Some(Part {
+            n_dot_v: [bin.lo, bin.hi.min(1.0)],
+            weight: *weight,
+            value: number(bin)?,
+            reference_mean: bin.reference_mean,
+        })
+    };
+    bins.iter().map(part).collect()
 }

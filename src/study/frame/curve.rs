@@ -1,5 +1,5 @@
-//! Error over sample or frame count ([`Frame::curve_axis`]): one curve per sampling method and case. A
-//! *case* is one setting of everything but method, that count, point set and tone curve.
+//! Error over sample or frame count ([`Frame::curve_axis`]): one curve per sampling method and
+//! case. A *case* is one setting of everything but method, that count, point set and tone curve.
 
 use super::estimate::geometric_mean;
 use super::{Frame, Key, Row, agree, distinct_in_order, group_by_axes};

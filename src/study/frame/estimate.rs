@@ -67,7 +67,8 @@ impl Middle {
             Self::Median if n == 0 => f64::NAN,
             Self::Median => {
                 let sorted = sorted(values);
-                let (below, above) = (sorted[(n - 1) / 2], sorted[n / 2]);
+                let below = sorted[(n - 1) / 2];
+                let above = sorted[n / 2];
                 if above.is_infinite() {
                     above
                 } else {
@@ -86,7 +87,8 @@ impl Middle {
                 Some(student(&logs, 0.0).map(f64::exp))
             }
             Self::Median => {
-                let (k, sorted) = (median_order(n)?, sorted(values));
+                let k = median_order(n)?;
+                let sorted = sorted(values);
                 let [wide, narrow] = [k, k + 1].map(|k| order_coverage(n, k));
                 let part = (wide - COVERAGE) / (wide - narrow);
                 // Weight of the inner pair; k from 1.
@@ -133,11 +135,11 @@ fn between(a: f64, b: f64, part: f64) -> f64 {
 
 /// Averages numbers, each with its environment; `None` for no values.
 pub fn estimate(values: &[(Value, f64)], middle: Middle) -> Option<Estimate> {
-    let groups = super::grouped(values, |(key, _)| key);
-    let of_group = |(_, own): (&Value, Vec<&(Value, f64)>)| {
-        middle.of(&own.into_iter().map(|(_, value)| *value).collect::<Vec<_>>())
-    };
-    let clusters: Vec<f64> = groups.into_iter().map(of_group).collect();
+    let mut clusters = Vec::new();
+    for (_, cluster) in super::grouped(values, |(environment, _)| environment) {
+        let numbers: Vec<f64> = cluster.into_iter().map(|(_, number)| *number).collect();
+        clusters.push(middle.of(&numbers));
+    }
     let sorted = sorted(&clusters);
     let are_enough = clusters.len() >= CLUSTERS_MIN;
     Some(Estimate {

@@ -55,7 +55,8 @@ pub fn t_95(degrees: usize) -> f64 {
         // Cornish-Fisher: z + (z^3 + z) / 4 dof + (5 z^5 + 16 z^3 + 3 z) / 96 dof^2, good to 0.1 %
         // above 10.
         _ => {
-            let (z, n) = (NORMAL_95, degrees as f64);
+            let z = NORMAL_95;
+            let n = degrees as f64;
             z + (z.powi(3) + z) / (4.0 * n)
                 + (5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z) / (96.0 * n * n)
         }

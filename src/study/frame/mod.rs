@@ -187,8 +187,8 @@ impl<'f> Frame<'f> {
         images.into_values().collect()
     }
 
-    /// The run under each band of n·v alone, if all images are of designs: with a camera n·v is tied
-    /// to a place on the map.
+    /// The run under each band of n·v alone, if all images are of designs: with a camera n·v is
+    /// tied to a place on the map.
     pub fn runs_by_n_dot_v(&self, images: &[&Row]) -> Vec<([f64; 2], Finished)> {
         if !images.iter().all(|row| is_design(&row.text(SCENE))) {
             return Vec::new();

@@ -429,17 +429,7 @@ fn sentences(frame: &Frame, axes: &[AxisId], all: &[Pair]) -> Option<Sentences> 
     let best = least_error(frame, &fixed)?;
     let ends = Ends::of(&same)?;
     let detail = if best != first.methods.fixed {
-        let methods = Methods {
-            fixed: best.clone(),
-            ..first.methods.clone()
-        };
-        Some(statement![
-            "To beat ",
-            Phrase::Method(best),
-            ", which errs least, it needs ",
-            self::needs(all, &methods, is_single, &Target::default()),
-            "."
-        ])
+        Some(needs_to_beat_best(all, &first.methods, best, is_single))
     } else if ends.least.number() != ends.most.number() {
         Some(statement![
             "Fewest: ",
@@ -473,6 +463,21 @@ fn least_error(frame: &Frame, fixed: &[&Row]) -> Option<String> {
         .into_iter()
         .min_by(|(_, a), (_, b)| mean(a).total_cmp(&mean(b)))
         .map(|(method, _)| method)
+}
+
+/// What sampling needs to beat the method without samples that errs least.
+fn needs_to_beat_best(all: &[Pair], methods: &Methods, best: String, is_single: bool) -> Statement {
+    let methods = Methods {
+        sampled: methods.sampled.clone(),
+        fixed: best,
+    };
+    statement![
+        "To beat ",
+        Phrase::Method(methods.fixed.clone()),
+        ", which errs least, it needs ",
+        needs(all, &methods, is_single, &Target::default()),
+        "."
+    ]
 }
 
 /// What a count of samples is for, after the count in the first metric.

@@ -238,13 +238,11 @@ fn statement_of_axis(frame: &Frame, one: &AxisEffects, best: Option<&Best>) -> S
     let metric = Phrase::Metric(frame.metric_name());
     if let Some(change) = best.ratios.change_of_sign(frame) {
         let [better, worse] = sides(frame, &change);
+        let axis = frame.names.name(change.axis);
+        let less = statement![name, " has less ", metric, " than ", base];
         return statement![
-            name,
-            " has less ",
-            metric,
-            " than ",
-            base,
-            format!(" at {} ", frame.names.name(change.axis)),
+            less,
+            format!(" at {axis} "),
             better,
             ", and more at ",
             worse,

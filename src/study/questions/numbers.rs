@@ -4,11 +4,10 @@
 use super::words::{count, number, range, scope_statement};
 use crate::base::csv::Cell;
 use crate::draw::figure::{Mark, Shape as Form};
-use crate::draw::words::Statement;
+use crate::draw::words::{Statement, statement};
 use crate::experiment::axis::{AXES, AxisId, ENVIRONMENT, Part, SAMPLES};
 use crate::experiment::value::Value;
 use crate::instrument::environment::BUILTIN_PREFIX;
-use crate::statement;
 use crate::study::frame::estimate::{CLUSTERS_MIN, Estimate, Middle, estimate};
 use crate::study::frame::{Frame, Row, distinct_in_order, values};
 use crate::study::table::Table;

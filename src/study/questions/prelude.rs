@@ -9,12 +9,12 @@ pub use super::words::*;
 pub use super::{Finding, N_DOT_V_FROM, N_DOT_V_TO, Question, Sentences};
 pub use crate::base::csv::Cell;
 pub use crate::draw::figure::{Figure, Mark, Shape as Form};
+pub(super) use crate::draw::words::statement;
 pub use crate::draw::words::{Coverage, Extent, Interval, Number, Phrase, Quantity, Statement};
 pub use crate::experiment::axis::*;
 pub use crate::experiment::value::Value;
 pub use crate::instrument::scene::is_design;
 pub use crate::instrument::shade::NONE;
-pub use crate::statement;
 pub use crate::study::frame::estimate::{Estimate, Middle, estimate, geometric_mean, median};
 pub use crate::study::frame::{
     Frame, Key, Row, Shape, VISIBLE_FROM, agree, ascending, distinct_in_order, group_by_axes,

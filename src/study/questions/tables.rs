@@ -404,13 +404,11 @@ fn sentences(frame: &Frame, parameters: &[AxisId], tails: &[Tail]) -> Option<Sen
             (headline, Some(detail), shipped)
         }
         None => {
-            let part = if frame.metric.power == 2.0 {
-                "a tenth"
-            } else {
-                "a third"
-            };
             let headline = statement![
-                format!("No tried tables err by {part} of the split's own "),
+                format!(
+                    "No tried tables err by {} of the split's own ",
+                    part_words(frame)
+                ),
                 metric,
                 " or less."
             ];
@@ -427,6 +425,15 @@ fn sentences(frame: &Frame, parameters: &[AxisId], tails: &[Tail]) -> Option<Sen
         .into_iter()
         .chain([statement!["To bake them: ", command, "."]]);
     Some(Sentences::new(headline).with_details(details))
+}
+
+/// [`enough`] in words.
+fn part_words(frame: &Frame) -> &'static str {
+    if frame.metric.power == 2.0 {
+        "a tenth"
+    } else {
+        "a third"
+    }
 }
 
 /// "at most 12 % (qwantani, alpha 0.1)": a share within the reference's noise is an upper bound.

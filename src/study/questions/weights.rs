@@ -2,11 +2,10 @@
 //! each has its rows.
 
 use super::{Finding, WEIGHT};
-use crate::draw::words::{Phrase, Statement};
+use crate::draw::words::{Phrase, Statement, statement};
 use crate::experiment::axis::SCENE;
 use crate::instrument::metrics::{Pooling, Weight};
 use crate::instrument::scene::is_design;
-use crate::statement;
 use crate::study::finished::Finished;
 use crate::study::frame::Frame;
 use crate::study::table::Table;

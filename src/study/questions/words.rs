@@ -1,9 +1,8 @@
 //! Numbers, counts and scopes in sentences, digests and tips.
 
-use crate::draw::words::{Coverage, Extent, Interval, Number, Quantity, Statement};
+use crate::draw::words::{Coverage, Extent, Interval, Number, Quantity, Statement, statement};
 use crate::experiment::axis::AxisId;
 use crate::experiment::value::Value;
-use crate::statement;
 use crate::study::frame::{Frame, Row, estimate::Estimate, values};
 
 /// A number with two digits.
