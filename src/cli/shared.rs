@@ -14,7 +14,8 @@ use std::path::{Path, PathBuf};
 
 #[derive(Args, Clone, Copy, Debug)]
 pub struct InputFlags {
-    /// Set NaN, infinite and negative texels of environments to 0, with a warning.
+    /// Set NaN and negative texels of environments to 0, and infinite ones to the largest finite
+    /// value, with a warning.
     #[arg(long)]
     pub clamp_invalid: bool,
 }

@@ -92,7 +92,7 @@ impl Config {
     }
 }
 
-/// Reports a name that is no axis.
+/// Reports a name without an axis.
 fn refuse_name(name: &str, place: &Place, faults: &mut Faults) {
     if !KEYS.iter().any(|(key, _)| *key == name) {
         return unknown_key(place, "axes.", name, &axis_names(), faults);

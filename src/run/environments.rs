@@ -1,7 +1,7 @@
 //! `environments.csv`: one row for each environment.
 
 use super::columns::{Columns, EnvironmentColumns};
-use super::tables::RunTable;
+use super::run_table::RunTable;
 use crate::base::csv::Cell as Field;
 use crate::experiment::axis::{AXES, ENVIRONMENT};
 use crate::experiment::plan::Plan;

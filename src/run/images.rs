@@ -1,8 +1,9 @@
 //! The images of a run (linear EXR, tone-mapped PNG, error maps) and their file names.
 
 use super::columns::{CELL, Columns, ImageColumns};
+use super::run_table::RunTable;
 use super::store::Store;
-use super::tables::{CellResult, Results, RunTable};
+use super::tables::{CellResult, Results};
 use crate::base::csv::Cell as Field;
 use crate::base::files::content_hash;
 use crate::base::numbers::short_number;

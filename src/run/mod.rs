@@ -12,6 +12,7 @@ pub mod provenance;
 pub mod record;
 pub mod renderer;
 pub mod rows;
+pub mod run_table;
 mod scoring;
 pub mod seal;
 pub mod shard;

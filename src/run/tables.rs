@@ -6,6 +6,7 @@ use super::columns::{
     BinColumns, CELL, Columns, ErrorColumns, FAILED, PassColumns, SteadinessColumns, StepColumns,
     TimedColumns,
 };
+use super::run_table::RunTable;
 use super::store::{
     BinRecord, CellRecord, FailureRecord, KeptCell, Scores, StepRecord, Store, StoreError,
 };
@@ -27,23 +28,6 @@ pub enum CellResult {
 
 /// Results by cell id. Cells that were not tried are missing.
 pub type Results = BTreeMap<String, CellResult>;
-
-/// A table to write.
-#[derive(Clone, Debug)]
-pub struct RunTable<R> {
-    pub columns: Vec<String>,
-    pub rows: R,
-}
-
-impl RunTable<Vec<Vec<Field>>> {
-    /// As a table whose rows might fail, for [`Store::write_table`].
-    pub fn into_results(self) -> RunTable<impl Iterator<Item = Result<Vec<Field>, StoreError>>> {
-        RunTable {
-            columns: self.columns,
-            rows: self.rows.into_iter().map(Ok),
-        }
-    }
-}
 
 /// The column of a metric's score of an exact image.
 fn noise_floor_column(metric: &Metric) -> String {

@@ -493,7 +493,7 @@ mod loading {
         assert_eq!(environment.image.data[5][0], 1e6);
     }
 
-    /// Lossy compression makes tiny negatives of 0 (DWAA, B44); larger ones are no rounding.
+    /// Lossy compression makes tiny negatives of 0 (DWAA, B44); larger ones have another cause.
     #[test]
     fn tiny_negatives_become_zero_with_a_warning() {
         let folder = tempfile::tempdir().unwrap();
@@ -514,7 +514,7 @@ mod loading {
     }
 
     #[test]
-    fn a_strip_of_faces_is_no_map() {
+    fn a_strip_of_faces_is_refused() {
         let folder = tempfile::tempdir().unwrap();
         for [width, height] in [[12, 2], [2, 12]] {
             write(

@@ -110,7 +110,7 @@ impl Reading {
     }
 }
 
-/// Another integral than that of A and B.
+/// An integral other than A and B.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Integral {
     /// Schlick's masking with k = (r + 1)²/8.

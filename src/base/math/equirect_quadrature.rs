@@ -14,6 +14,8 @@
 //! follow from its children's, since its `ℓ` restricted to a child is a polynomial of the same
 //! degree. Weights of smaller rectangles, down to parts of one bilinear cell, are computed on
 //! demand.
+//!
+//! Long because the exact moments of cells, the bound and the refinement share one derivation.
 
 use super::equirect::{direction_from_uv, uv_from_direction};
 use super::quadrature::{Estimate, NODE_COUNT, TensorRule, Tolerance, integrate_adaptively};

@@ -436,7 +436,7 @@ impl Pipeline {
         })
     }
 
-    /// Returns the pose of a frame; the g-buffer is that of the pose before if the camera stands
+    /// Returns the pose of a frame; the g-buffer is the one before if the camera stands
     /// still.
     fn pose(
         &mut self,

@@ -37,7 +37,7 @@ impl RenderRequest {
         Some([base, sheen])
     }
 
-    /// Sets the method, and what the method reads, to those of the sheen's image.
+    /// Sets the method of the sheen's image, and what that method reads.
     fn choose_sheen_method(&mut self) {
         let shading = &mut self.shading;
         if shading.method.is_none() {

@@ -12,9 +12,9 @@ pub use super::record::{
 pub use fault::StoreError;
 
 use super::provenance::{PROVENANCE_FILE, Provenance};
+use super::run_table::RunTable;
 use super::seal;
 use super::shard::Shard;
-use super::tables::RunTable;
 use crate::base::csv;
 use crate::base::files::{PLAN_BYTES_MAX, RECORD_BYTES_MAX, holds, names_in, read_regular};
 use crate::base::pixels::{PART_PREFIX, write_atomically};

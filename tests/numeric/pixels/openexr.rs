@@ -616,6 +616,7 @@ fn channel_names() {
     let refusals = [
         &["A", "Z"][..],
         &["U", "V"],
+        &["X", "Y", "Z"],
         &["BY", "RY", "Y"],
         &["N.X", "N.Y", "N.Z"],
     ];

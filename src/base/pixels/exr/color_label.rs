@@ -2,7 +2,7 @@
 //!
 //! Attributes count in the order of OpenEXR's documents: `acesImageContainerFlag`,
 //! `colorInteropID`, `chromaticities`; a header without any means Rec.709. The names of the colour
-//! interop IDs are those of the Color Interop Forum.
+//! interop IDs come from the Color Interop Forum.
 
 use crate::base::color::{
     ACES_AP0, ACES_AP1, ADOBE_RGB, Chromaticities, DISPLAY_P3, REC709, REC2020, xyz_to_rec709,
@@ -59,7 +59,7 @@ impl LinearSpace {
 }
 
 /// Returns the matrix from the stated colour space to linear Rec.709, if one is needed. Refuses
-/// colours that are encoded, and values that are no colours.
+/// colours that are encoded, and values without colour.
 pub(super) fn conversion(
     header: &Header,
     warnings: &mut Vec<String>,

@@ -38,7 +38,7 @@ fn layers(headers: &[Header]) -> Vec<Layer> {
 
 /// Names that renderers give to the picture among its passes.
 const PICTURES: [&str; 5] = ["beauty", "combined", "rgba", "rgb", "composite"];
-/// Start of the names of identity mattes, whose numbers are no colours.
+/// Start of the names of identity mattes, whose numbers identify objects.
 const MATTE: &str = "crypto";
 
 /// What a layer is likely to hold, the picture first.
@@ -95,8 +95,10 @@ fn layers_of_part(part: usize, header: &Header) -> Vec<Layer> {
         };
         let mut rgb = ["R", "G", "B"].map(index);
         if rgb.iter().all(Option::is_none) {
-            // Luminance without chroma is a grey image.
-            let luminance = index("Y").filter(|_| index("RY").or(index("BY")).is_none())?;
+            // Luminance alone is a grey image. With chroma it is another code of colours, and with
+            // X it is a position or CIE XYZ.
+            let is_part = ["RY", "BY", "X"].iter().any(|name| index(name).is_some());
+            let luminance = index("Y").filter(|_| !is_part)?;
             rgb = [Some(luminance); 3];
         }
         let is_plain = prefix.is_empty();

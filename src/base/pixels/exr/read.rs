@@ -88,8 +88,13 @@ fn chunks(bytes: &[u8], part: usize) -> Result<FilteredChunksReader<Cursor<&[u8]
 }
 
 fn decode(bytes: &[u8], layer: Option<&str>, most_texels: u64) -> Result<Decoded, Fault> {
-    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false)
-        .map_err(|error| unreadable_header(bytes, &error))?;
+    check_compression(bytes)?;
+    let meta = MetaData::read_from_buffered(Cursor::new(bytes), false).map_err(|error| {
+        Fault::new(
+            format!("has no usable header ({error})"),
+            "a valid OpenEXR file",
+        )
+    })?;
     let Choice {
         layer,
         warning: other_layers,
@@ -373,24 +378,16 @@ fn convert(rgb: &mut [[f32; 3]], to_rec709: DMat3, warnings: &mut Vec<String>) {
     warnings.extend(out_of_gamut(out_of_gamut_count));
 }
 
-/// Names the compression if it is one that the crate does not know; its own message is about the
-/// header then.
-fn unreadable_header(bytes: &[u8], error: &Error) -> Fault {
-    match compression_code(bytes).and_then(|code| {
-        NEW_COMPRESSIONS
-            .iter()
-            .find(|(known, _)| *known == code)
-            .map(|(_, name)| name)
-    }) {
-        Some(name) => Fault::new(
+/// Refuses a compression that the crate does not unpack, by its name and with a way out.
+fn check_compression(bytes: &[u8]) -> Result<(), Fault> {
+    let code = compression_code(bytes);
+    match NEW_COMPRESSIONS.iter().find(|(new, _)| Some(*new) == code) {
+        Some((_, name)) => Err(Fault::new(
             format!("is compressed by {name}"),
             "a compression that this program reads; `oiiotool in.exr --compression zip -o out.exr` \
              changes it",
-        ),
-        None => Fault::new(
-            format!("has no usable header ({error})"),
-            "a valid OpenEXR file",
-        ),
+        )),
+        None => Ok(()),
     }
 }
 
