@@ -6,6 +6,8 @@
 //!
 //! Colours are Rec.709 unless PRIMARIES says otherwise. `32-bit_rle_xyze` is refused; `ra_xyze -r`
 //! converts it.
+//!
+//! Long because header fields, orders of texels and two run-length forms are one format.
 
 use super::file::{ENVIRONMENT_TEXELS_MAX, Fault, check_claim, filled};
 use super::{Decoded, PixelsError, RgbImage};
