@@ -69,7 +69,7 @@ impl Primaries {
     pub const ALL: [Self; 4] = [Self::AcesCg, Self::Rec2020, Self::DisplayP3, Self::CieXyz];
 
     /// Returns the matrix from linear Rec. 709.
-    pub fn from_rec709(self) -> DMat3 {
+    pub fn rec709_to_primaries(self) -> DMat3 {
         let rows = match self {
             Self::AcesCg => [
                 [0.6131, 0.3395, 0.0474],
@@ -106,8 +106,8 @@ pub enum ColorConversion {
 impl ColorConversion {
     pub fn matrix(self) -> DMat3 {
         match self {
-            Self::To(primaries) => primaries.from_rec709(),
-            Self::From(primaries) => primaries.from_rec709().inverse(),
+            Self::To(primaries) => primaries.rec709_to_primaries(),
+            Self::From(primaries) => primaries.rec709_to_primaries().inverse(),
         }
     }
 }

@@ -165,8 +165,9 @@ impl ContactSheet {
             if shown_count > 0 && page.y - start + group_height > HEIGHT_MAX * width {
                 break;
             }
-            for row in shown_count..group_end {
-                self.draw_row(page, &self.rows[row], &labels[row], lefts);
+            let group = shown_count..group_end;
+            for (row, label) in self.rows[group.clone()].iter().zip(&labels[group]) {
+                self.draw_row(page, row, label, lefts);
             }
             shown_count = group_end;
         }

@@ -181,7 +181,7 @@ fn other<'h>(header: &'h Header, name: &str) -> Option<&'h AttributeValue> {
         .chain(&header.shared_attributes.other);
     attributes
         .into_iter()
-        .find(|(key, _)| key.to_string() == name)
+        .find(|(key, _)| **key == *name)
         .map(|(_, value)| value)
 }
 

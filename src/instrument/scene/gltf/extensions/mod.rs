@@ -34,9 +34,12 @@ pub trait MaterialExtension {
     fn apply(&self, material: &mut Material, textures: &mut TextureReader) -> Result<(), String>;
 }
 
+/// Reads the members of an extension of a material; the text names the material in messages.
+type ExtensionReader = fn(&::gltf::Material, &str) -> Result<Box<dyn MaterialExtension>, String>;
+
 struct MaterialExtensionEntry {
     name: &'static str,
-    read: fn(&::gltf::Material, &str) -> Result<Box<dyn MaterialExtension>, String>,
+    read: ExtensionReader,
 }
 
 /// In the order in which their textures are read.
