@@ -4,8 +4,8 @@ use numpy::ndarray::Axis;
 use numpy::{Element, PyArray1, PyArrayDyn, PyArrayMethods, PyReadonlyArray3};
 use pyo3::exceptions::{PyFileNotFoundError, PyUserWarning, PyValueError};
 use pyo3::prelude::*;
-use splitsum::instrument::environment::{BUILTIN_PREFIX, Environment, LoadOptions, checked};
 use splitsum::base::pixels::{Decoded, GrayImage, RgbImage, exr};
+use splitsum::instrument::environment::{BUILTIN_PREFIX, Environment, LoadOptions, checked};
 use std::ffi::CString;
 use std::path::{Path, PathBuf};
 
@@ -17,7 +17,11 @@ pub fn value_error(error: impl ToString) -> PyErr {
 
 /// Makes the error of a file: `FileNotFoundError` if it is missing.
 pub fn file_error(path: &Path, error: impl ToString) -> PyErr {
-    if path.exists() { value_error(error) } else { PyFileNotFoundError::new_err(error.to_string()) }
+    if path.exists() {
+        value_error(error)
+    } else {
+        PyFileNotFoundError::new_err(error.to_string())
+    }
 }
 
 /// An environment: a name, a path or an image.
@@ -34,16 +38,28 @@ impl Source<'_> {
             Self::Named(name) => py.detach(|| Environment::open(name)).map_err(|error| {
                 let is_formula = name.starts_with(BUILTIN_PREFIX);
                 // FILE.exr#LAYER names a file, too.
-                let file = name.rsplit_once('#').map_or(name.as_str(), |(file, _)| file);
-                if is_formula { value_error(error) } else { file_error(Path::new(file), error) }
+                let file = name
+                    .rsplit_once('#')
+                    .map_or(name.as_str(), |(file, _)| file);
+                if is_formula {
+                    value_error(error)
+                } else {
+                    file_error(Path::new(file), error)
+                }
             })?,
             Self::Image(array) => {
-                let decoded = Decoded { rgb: image(array), alpha: None, warnings: Vec::new() };
-                py.detach(|| checked("array", decoded, &LoadOptions::default())).map_err(value_error)?
+                let decoded = Decoded {
+                    rgb: image(array),
+                    alpha: None,
+                    warnings: Vec::new(),
+                };
+                py.detach(|| checked("array", decoded, &LoadOptions::default()))
+                    .map_err(value_error)?
             }
         };
         for warning in &environment.warnings {
-            let text = CString::new(format!("{}: {warning}", environment.name)).map_err(value_error)?;
+            let text =
+                CString::new(format!("{}: {warning}", environment.name)).map_err(value_error)?;
             PyErr::warn(py, &py.get_type::<PyUserWarning>(), &text, 2)?;
         }
         Ok(environment)
@@ -55,13 +71,21 @@ pub fn image(array: &PyReadonlyArray3<f32>) -> RgbImage {
     let view = array.as_array();
     let texels = match view.as_slice() {
         Some(values) => values.as_chunks().0.to_vec(),
-        None => view.lanes(Axis(2)).into_iter().map(|texel| [texel[0], texel[1], texel[2]]).collect(),
+        None => view
+            .lanes(Axis(2))
+            .into_iter()
+            .map(|texel| [texel[0], texel[1], texel[2]])
+            .collect(),
     };
     RgbImage::new(view.dim().1 as u32, view.dim().0 as u32, texels)
 }
 
 /// Moves values into an array.
-pub fn shaped<T: Element>(py: Python<'_>, values: Vec<T>, shape: Vec<usize>) -> PyResult<Array<'_, T>> {
+pub fn shaped<T: Element>(
+    py: Python<'_>,
+    values: Vec<T>,
+    shape: Vec<usize>,
+) -> PyResult<Array<'_, T>> {
     PyArray1::from_vec(py, values).reshape(shape)
 }
 
@@ -75,7 +99,8 @@ pub fn from_image(py: Python<'_>, image: RgbImage) -> PyResult<Array<'_, f32>> {
 pub fn write_exr(py: Python, path: PathBuf, array: PyReadonlyArray3<f32>) -> PyResult<()> {
     let rgb = image(&array);
     let alpha = GrayImage::filled(rgb.width, rgb.height, 1.0);
-    py.detach(|| exr::write_rgba(&path, &rgb, &alpha, &[])).map_err(value_error)
+    py.detach(|| exr::write_rgba(&path, &rgb, &alpha, &[]))
+        .map_err(value_error)
 }
 
 /// Reads colour and, if present, channel A.
@@ -85,8 +110,13 @@ pub fn read_exr<'py>(
     path: PathBuf,
     layer: Option<String>,
 ) -> PyResult<(Array<'py, f32>, Option<Array<'py, f32>>)> {
-    let decoded = py.detach(|| exr::read_layer(&path, layer.as_deref())).map_err(|error| file_error(&path, error))?;
+    let decoded = py
+        .detach(|| exr::read_layer(&path, layer.as_deref()))
+        .map_err(|error| file_error(&path, error))?;
     let shape = vec![decoded.rgb.height as usize, decoded.rgb.width as usize];
-    let alpha = decoded.alpha.map(|alpha| shaped(py, alpha.data, shape)).transpose()?;
+    let alpha = decoded
+        .alpha
+        .map(|alpha| shaped(py, alpha.data, shape))
+        .transpose()?;
     Ok((from_image(py, decoded.rgb)?, alpha))
 }
