@@ -11,6 +11,8 @@
 //! pixels of another surface count 0 there, so W falls where a surface appears. The geometry is
 //! known, so reprojection is exact up to the bilinear lookup. The signal is `(L - offset) / scale`;
 //! offset and scale are 0 and 1 unless [`History`] says otherwise.
+//!
+//! Long because a sequence shares the states of its methods, which these functions hand on.
 
 use super::antialias::{SurfacePoint, UNLIKE, difference, surface_point};
 use super::request::{Frame, FrameTimings, Steadiness};

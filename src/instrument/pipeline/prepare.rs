@@ -1,4 +1,6 @@
 //! Prepares the inputs of shading: tables, scene, targets.
+//!
+//! Long because each table of a request is prepared by the same few steps.
 
 use super::antialias::Edges;
 use super::inputs::{

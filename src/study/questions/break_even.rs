@@ -11,6 +11,8 @@
 //! rounded likewise, so it may cover more than 95 %. Counts that some case did not reach are
 //! unknown: of curves up to 64 and up to 512 samples the largest tried count is 64. The scores are
 //! the metric of the run and, if it has pictures, FLIP.
+//!
+//! Long because a question's numbers, sentences, digest and figure stand together.
 
 use super::by_lookups::{self, SURFACE};
 use super::prelude::*;

@@ -8,6 +8,8 @@
 //! They are grouped by environment, model, alpha, f0 and n·v, from `steps.csv`. Means over
 //! environments have Student's interval; if environments disagree about the sign, their range is
 //! shown instead.
+//!
+//! Long because a question's numbers, sentences, digest and figure stand together.
 
 use super::prelude::*;
 use crate::base::numbers::round_to_significant;

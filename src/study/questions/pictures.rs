@@ -10,6 +10,8 @@
 //! Pictures under one environment share its lamps: medians and shares are taken within each
 //! environment first, and intervals are over environments. A prediction interval is for one new
 //! environment.
+//!
+//! Long because a question's numbers, sentences, digest and figure stand together.
 
 use super::numbers::middle_dot;
 use super::prelude::*;

@@ -14,6 +14,8 @@
 //! answer is the combination with the fewest texels that is enough from some alpha on, down to the
 //! smallest alpha where one is; among equal ones the one with the fewest samples, then the smallest
 //! worst share.
+//!
+//! Long because a question's numbers, sentences, digest and figure stand together.
 
 use super::prelude::*;
 use crate::bake::plain::SETTINGS;
