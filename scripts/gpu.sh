@@ -124,7 +124,11 @@ keep() {
 
 # The lights of an experiment: its formulas, then the measured maps; as scripts/standard-set.sh has them.
 lights_of() {
-    maps=$(find experiments/environments -name '*_1k.hdr' 2>/dev/null | LC_ALL=C sort | paste -s -d , -)
+    # In the order of the list, as the published runs have them: comparisons go row by row.
+    maps=$(while IFS=, read -r name _; do
+        map=experiments/environments/${name}_1k.hdr
+        [ ! -f "$map" ] || echo "$map"
+    done <experiments/environments.csv | paste -s -d , -)
     case $1 in
         anisotropy) echo "$maps" ;;
         better-method) echo "builtin:studio,builtin:sky${maps:+,$maps}" ;;

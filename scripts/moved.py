@@ -4,25 +4,11 @@ A line per column that moved: how many of its numbers, the median and the larges
 most. Times are left out, since they depend on the machine. Columns, rows or tables of one side alone are named.
 """
 
-import csv
 import statistics
 import sys
 from pathlib import Path
 
-# Below this a number is the rounding of 0.
-ZERO = 1e-12
-
-
-def read(path):
-    with open(path, newline="", encoding="utf-8") as file:
-        return list(csv.DictReader(file))
-
-
-def number(text):
-    try:
-        return float(text)
-    except ValueError:
-        return None
+from compare_answers import ZERO, number, rows
 
 
 def percent(before, after):
@@ -40,11 +26,11 @@ def name_of(row):
 
 def report(table, before, after):
     """Prints the moves of a table; returns how many cells moved."""
-    old, new = read(before), read(after)
+    old, new = rows(before), rows(after)
     if len(old) != len(new):
         print(f"{table}: {len(new)} rows, {len(old)} before")
         return abs(len(new) - len(old))
-    columns, others = (list(rows[0]) if rows else [] for rows in (old, new))
+    columns, others = (list(lines[0]) if lines else [] for lines in (old, new))
     for column in sorted(set(columns) ^ set(others)):
         print(f"{table}: column {column} is new" if column in others else f"{table}: column {column} is gone")
     total = 0

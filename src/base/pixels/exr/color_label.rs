@@ -75,7 +75,6 @@ pub(super) fn conversion(
         ));
     }
     if let Some(id) = text(header, INTEROP_ID) {
-        // `unknown` is an ID of the list: it says nothing.
         let id = id.as_str();
         match InteropId::parse(id) {
             InteropId::Linear(space) => {
