@@ -12,17 +12,22 @@
 #     docs/bakes.md          Bakes for engines      pixel formats, by hand
 #     docs/bakes.md          Checked in other programs  pictures of other programs, by scripts/check-clients.sh
 #     docs/bibliography.md                          titles
+#     docs/bringing-maps.md                         files and programs by hand and by scripts/check-files.sh
+#     docs/coat.md           Filament as it runs    spheres of scripts/engines
 #     docs/columns.md                               definitions
 #     docs/conventions.md                           definitions
 #     docs/estimators.md                            algebra and constants of sources
 #     docs/glossary.md                              definitions
 #     docs/own-method.md                            ranges of inputs
 #     docs/paste.md          Tables                 algebra of a clamped lookup
+#     docs/python.md         PyTorch                versions and tolerances
+#     docs/recovery.md                              runs of python/examples/recover_material.py and a benchmark
 #     docs/research.md       Taps                   constants of the fit
 #     docs/research.md       Trials without a published run  trials without a published run
 #     docs/running.md                               times of single commands on one machine
 #     docs/source-documents.md                      sources
 #     docs/testing.md        By hand                programs by hand
+#     docs/testing.md        How far numbers move   runs under emulated limits
 #     docs/testing.md        Missed goals           times of single commands on one machine
 set -eu
 cd "$(dirname "$0")/.."

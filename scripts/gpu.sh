@@ -38,16 +38,16 @@ check_size() { # file, MiB
     }
 }
 
-# The commit, marked where files differ from it.
+# The commit, marked where files differ from it. A rehearsal may run where git is missing.
 commit_of_checkout() {
-    git describe --always --abbrev=12 --dirty
+    git describe --always --abbrev=12 --dirty 2>/dev/null || echo unknown
 }
 
 pack() { # archive
     cd "$(dirname "$0")/.."
     . scripts/setup.sh
     require_rust
-    require compiler loader
+    require compiler loader xz
     archive=${1:-target/gpu/splitsum-gpu.tar.xz}
     say "building (the first time takes a few minutes)"
     cargo build --release --locked
@@ -61,6 +61,7 @@ pack() { # archive
     strip -o "$top/splitsum" target/release/splitsum
     strip -o "$top/device" "$device"
     cp scripts/gpu.sh scripts/compare_answers.py "$top/"
+    cp scripts/lights.sh "$top/scripts/"
     cp -R tests/golden "$top/tests/"
     cp -R shaders/shade/method "$top/shaders/shade/"
     cp experiments/environments.csv "$top/experiments/"
@@ -122,22 +123,17 @@ keep() {
     mv "$packed.new" "$packed"
 }
 
-# The lights of an experiment: its formulas, then the measured maps; as scripts/standard-set.sh has them.
-lights_of() {
-    # In the order of the list, as the published runs have them: comparisons go row by row.
-    maps=$(while IFS=, read -r name _; do
+# The measured maps that were packed, separated by commas: in the order of the list, as the published runs have them,
+# since comparisons go row by row.
+packed_maps() {
+    while IFS=, read -r name _; do
         map=experiments/environments/${name}_1k.hdr
         [ ! -f "$map" ] || echo "$map"
-    done <experiments/environments.csv | paste -s -d , -)
-    case $1 in
-        anisotropy) echo "$maps" ;;
-        better-method) echo "builtin:studio,builtin:sky${maps:+,$maps}" ;;
-        diffuse) echo "builtin:sky,builtin:sky:elevation_deg=88,builtin:studio,builtin:checker,builtin:cap${maps:+,$maps}" ;;
-    esac
+    done <experiments/environments.csv | paste -s -d , -
 }
 
 experiment() { # name, seconds
-    lights=$(lights_of "$1")
+    lights=$(lights_of "$1" "$(packed_maps)")
     step "run-$1" "$2" ./splitsum run "experiments/$1.toml" ${lights:+--set "environment=$lights"} --out "$out/runs/$1" --no-cache
     # A run that was cut off lacks rows. Times are of another machine.
     case "$ending $1" in "ok timing" | "ok equal-time") return 0 ;; "ok "*) ;; *) return 0 ;; esac
@@ -180,6 +176,7 @@ run() { # minutes, options
     if [ ! -f commit ] || [ ! -x splitsum ] || [ ! -x device ]; then
         refuse "$PWD is not an unpacked archive; make one with: sh scripts/gpu.sh pack"
     fi
+    . scripts/lights.sh
     mkdir -p "$out"
     if [ -e "$out/commit" ] && ! cmp -s commit "$out/commit"; then
         refuse "$out has results of commit $(cat "$out/commit"); this archive is of $(cat commit). Choose another --out"
@@ -235,6 +232,7 @@ publish() { # results
     trap 'rm -rf "$stage"' EXIT
     tar -C "$stage" -xf "$results" 2>/dev/null || refuse "$results is not an archive"
     [ -f "$stage/commit" ] || refuse "$results is not an archive of results"
+    [ "$(cat "$stage/commit")" != unknown ] || refuse "$results does not name its commit: git was missing where it was packed"
     [ "$(cat "$stage/commit")" = "$(commit_of_checkout)" ] ||
         refuse "$results is of commit $(cat "$stage/commit"); this checkout is $(commit_of_checkout)"
     grep -q '| cpu ' "$stage/devices.txt" && refuse "$results is a rehearsal: its times are a CPU's"

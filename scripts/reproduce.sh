@@ -3,12 +3,13 @@
 #
 #     sh scripts/reproduce.sh              # lists the figures, their minutes on two idle cores and the pages that show them
 #     sh scripts/reproduce.sh coat         # one of them, or several
-#     sh scripts/reproduce.sh all          # all, in about 110 minutes
+#     sh scripts/reproduce.sh all          # all, in about 115 minutes
 #
 # A figure is a run of results/. It runs again, from results/NAME/experiment.toml into runs/reproduce/NAME, and
 # scripts/compare_answers.py compares the tables of its answers, which the pages show, each number within its own error.
-# `cost` counts code again, and `spheres` draws the pictures of README.md. Needs Python 3, the maps of
-# experiments/environments.csv, for `pictures-second` the maps of scripts/second-maps.sh, and for `spheres` ImageMagick.
+# `cost` counts code again, `spheres` draws the pictures of README.md, and `source-document-pictures` the pictures of
+# docs/source-documents.md. Needs Python 3, the maps of experiments/environments.csv, for `pictures-second` the maps of
+# scripts/second-maps.sh, and for pictures ImageMagick.
 # Not here: tables of other programs (results/bakes, results/speed; scripts/bench-peers.sh makes them), and times, which depend on
 # the machine (results/timing).
 set -eu
@@ -36,6 +37,8 @@ pictures 15
 pictures-second 6
 pictures-second-7 2
 source-document-0 1
+printed-document-0 1
+source-document-pictures 5
 spheres 1
 split-sums 5
 temporal 15
@@ -44,13 +47,17 @@ names=$(printf '%s\n' "$figures" | cut -d' ' -f1)
 
 # The pages that show a figure.
 pages_of() { # name
-    case $1 in spheres) shown='docs/(front|effect)\.png|\]\((front|effect)\.png' ;; *) shown="csv $1/|results/$1/" ;; esac
+    case $1 in
+        spheres) shown='docs/(front|effect)\.png|\]\((front|effect)\.png' ;;
+        source-document-pictures) shown='\]\(document-[a-z]*\.png' ;;
+        *) shown="csv $1/|results/$1/" ;;
+    esac
     grep -lE "$shown" README.md docs/*.md | paste -s -d ' ' -
 }
 
 if [ $# -eq 0 ]; then
     printf '%s\n' "$figures" | while read -r name minutes; do
-        printf '%-22s %2s min  %s\n' "$name" "$minutes" "$(pages_of "$name")"
+        printf '%-25s %2s min  %s\n' "$name" "$minutes" "$(pages_of "$name")"
     done
     exit 0
 fi
@@ -81,6 +88,18 @@ done
 require_device "$program" >/dev/null
 out=runs/reproduce
 
+# Compares pictures in a folder with those in docs.
+compare_pictures() { # folder picture...
+    folder=$1
+    shift
+    for picture in "$@"; do
+        # The mean difference of the channels; 1 is white against black. Half a level of 8 bits is rounding.
+        mean=$(compare -metric MAE "docs/$picture" "$folder/$picture" null: 2>&1 | sed 's/.*(\(.*\)).*/\1/')
+        say "docs/$picture: mean difference $mean, at most 0.002"
+        awk -v mean="$mean" 'BEGIN { exit !(mean != "" && mean + 0 <= 0.002) }' || return
+    done
+}
+
 # Makes a figure again and compares it.
 reproduce() { # name
     mkdir -p "$out/$1"
@@ -91,13 +110,11 @@ reproduce() { # name
                 python3 scripts/compare_answers.py results/cost "$out/cost"
             ;;
         spheres)
-            sh scripts/pictures.sh "$program" "$out/spheres" || return
-            for picture in effect.png front.png; do
-                # The mean difference of the channels; 1 is white against black. Half a level of 8 bits is rounding.
-                mean=$(compare -metric MAE "docs/$picture" "$out/spheres/$picture" null: 2>&1 | sed 's/.*(\(.*\)).*/\1/')
-                say "docs/$picture: mean difference $mean, at most 0.002"
-                awk -v mean="$mean" 'BEGIN { exit !(mean != "" && mean + 0 <= 0.002) }' || return
-            done
+            sh scripts/pictures.sh "$program" "$out/spheres" && compare_pictures "$out/spheres" effect.png front.png
+            ;;
+        source-document-pictures)
+            sh scripts/source-document-pictures.sh "$program" "$out/$1" &&
+                compare_pictures "$out/$1" document-samples.png document-display.png document-models.png
             ;;
         *)
             clamp=

@@ -103,7 +103,10 @@ package_of() { # name
         keyboard) echo libxkbcommon-x11-0 ;;
         node) echo nodejs ;;
         venv) echo python3-venv ;;
+        xz) echo xz-utils ;;
         Xvfb) echo xvfb ;;
+        exrenvmap) echo openexr ;;
+        pfsin) echo pfstools ;;
         *) echo "$1" ;;
     esac
 }

@@ -12,8 +12,9 @@
 set -eu
 cd "$(dirname "$0")/.."
 . scripts/setup.sh
+. scripts/lights.sh
 
-set_names="quick front break-even source-document-0 level-bias diffuse tables ladder split-sums pictures coat anisotropy anisotropy-albedo anisotropy-laws sheen lobes temporal ghosts exposure-and-contrast better-method timing"
+set_names="quick front break-even source-document-0 printed-document-0 level-bias diffuse tables ladder split-sums pictures coat anisotropy anisotropy-albedo anisotropy-laws sheen lobes temporal ghosts exposure-and-contrast better-method timing"
 runs=runs/standard
 results=results
 while [ $# -gt 0 ]; do
@@ -55,22 +56,13 @@ while IFS=, read -r name hash _; do
     fi
 done <experiments/environments.csv
 
-# Lights of an experiment: its formulas, then the measured maps. Empty for an experiment about formulas or pictures.
-lights_of() {
-    case $1 in
-    front | pictures | split-sums | coat | anisotropy | anisotropy-laws | sheen | lobes | temporal) echo "${maps#,}" ;;
-    break-even | better-method | level-bias | tables | ladder) echo "builtin:studio,builtin:sky$maps" ;;
-    diffuse) echo "builtin:sky,builtin:sky:elevation_deg=88,builtin:studio,builtin:checker,builtin:cap$maps" ;;
-    esac
-}
-
 # A run with failed cells (exit 4) is published with what it has; any other fault ends the set.
 status=0
 folders=""
 for name in $set_names; do
     say "$name"
     code=0
-    lights=$(lights_of "$name")
+    lights=$(lights_of "$name" "${maps#,}")
     target/release/splitsum run "experiments/$name.toml" ${lights:+--set "environment=$lights"} --out "$runs/$name" >/dev/null || code=$?
     case $code in
     0) ;;

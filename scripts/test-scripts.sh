@@ -93,8 +93,8 @@ box() { # name, machine
     cp "$scripts/test.sh" "$scripts/demo.sh" "$scripts/bare.sh" "$scripts/setup.sh" "$1/scripts/"
     files="bin/apt-get bin/sudo bin/id bin/ldconfig bin/cargo bin/rustfmt target/release/splitsum
         scripts/test-scripts.sh scripts/check-commits.sh scripts/check-words.sh scripts/check-numbers.sh scripts/check-page.sh
-        scripts/check-clients.sh scripts/check-package.sh scripts/check-python.sh scripts/check-shaders.sh scripts/cluster-test.sh
-        scripts/second-driver.sh scripts/examples.sh
+        scripts/check-clients.sh scripts/check-files.sh scripts/check-package.sh scripts/check-python.sh scripts/check-shaders.sh scripts/cluster-test.sh
+        scripts/second-driver.sh scripts/gpu.sh scripts/examples.sh
         target/lib target/main target/browser target/cli target/device target/numeric target/view"
     if [ "$2" = full ]; then
         mkdir -p "$1/.cargo/advisory-dbs/db/.git"
@@ -202,10 +202,12 @@ parts() { # user or ci
     part full-ci "python3 *ensurepip;apt-get install*python3-venv*" 1 "installing python3 venv"
     part "bare-ci $full" check-python.sh 1 scripts/check-python.sh
     part "bare-ci full-ci" check-clients.sh 1 scripts/check-clients.sh
+    part "bare-ci full-ci" check-files.sh 1 scripts/check-files.sh
     part "bare-ci full-ci" check-package.sh 1 scripts/check-package.sh
     part "bare-ci full-ci" check-shaders.sh 1 scripts/check-shaders.sh
     part "bare-ci full-ci" "cluster-test.sh *" 1 scripts/cluster-test.sh
     part "bare-ci full-ci" "second-driver.sh *" 1 scripts/second-driver.sh
+    part "bare-ci full-ci" "gpu.sh *" 1 scripts/gpu.sh
 
     # Ends from outside: the last line names the part, and no process or file is left.
     part "$bare $full" "cargo clippy *-D warnings" TERM "cargo clippy: killed by SIGTERM$stops"
@@ -228,7 +230,7 @@ passes() {
     has_output "^ok scripts/second-driver.sh"
     runs_as full user "splitsum cost *" 2 test.sh 0 PASSED
     has_output "^skipped compiling every pipeline for AMD GPUs"
-    runs_as full ci "check-clients.sh;check-package.sh;check-python.sh;check-shaders.sh;cluster-test.sh *;second-driver.sh *" 77 test.sh 0 PASSED
+    runs_as full ci "check-clients.sh;check-files.sh;check-package.sh;check-python.sh;check-shaders.sh;cluster-test.sh *;second-driver.sh *" 77 test.sh 0 PASSED
     has_output "^skipped scripts/cluster-test.sh (the reason is above)"
     [ "$(grep -c "apt-get install" "$box/calls")" -eq 0 ] || complain "installs something"
     # A plain user is spared what cannot be installed.

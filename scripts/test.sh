@@ -151,7 +151,7 @@ need setup setup
 check_with "cargo fmt" "rustup component add rustfmt" "cargo fmt" cargo fmt --check
 # cargo fmt does not see files that a macro declares.
 check_with rustfmt "rustup component add rustfmt" "rustfmt of the questions" \
-    rustfmt --check --edition 2024 src/study/questions/*.rs
+    rustfmt --check --edition 2024 src/study/questions/*.rs src/study/questions/*/mod.rs
 need "the build" build
 built=$(date +%s)
 need "Vulkan devices" require_device cargo run --release --locked --quiet --features view --
@@ -209,9 +209,12 @@ else
 fi
 
 check_in_ci scripts/check-clients.sh
+check_in_ci scripts/check-files.sh
 check_in_ci scripts/check-package.sh
 check_in_ci scripts/check-shaders.sh
 check_in_ci scripts/cluster-test.sh local
 # The parts that a driver can change; without arguments it runs all.
 check_in_ci scripts/second-driver.sh golden furnace methods tables
+# A GPU is rarely at hand: the script that measures on one must not rot meanwhile.
+check_in_ci scripts/gpu.sh rehearse 1
 say "after the build: $(($(date +%s) - built)) s"

@@ -1,0 +1,261 @@
+"""Compares the pictures of run.sh with `reference` and with our model of each engine; writes results/engines.
+
+Arguments: FOLDER of run.sh, --splitsum PROGRAM, --out DIR. Pictures of splitsum are kept in FOLDER/ours and reused.
+"""
+import argparse
+import csv
+import hashlib
+import json
+import pathlib
+import statistics
+import subprocess
+
+import matplotlib
+import numpy as np
+import OpenEXR
+
+matplotlib.use("Agg")
+from matplotlib import pyplot
+
+HERE = pathlib.Path(__file__).parent
+EXTENT = 1.05
+# Relative standard error of a pixel of the reference.
+REFERENCE_ERROR = 0.01
+# Pixels this near to the outline are left out: engines draw a mesh there, and some of them a part of a pixel.
+EDGE = 1.25
+
+# For each engine: its package; the flags that its BRDF shares with the reference; the flags of our model of it; flags of a
+# material's model; and the materials for which we have no model.
+CUBE = "--prefilter-size 256x256 --prefilter-level-count 6 --diffuse irradiance-map"
+ENGINES = {
+    "mitsuba": {"title": "Mitsuba 3.9.1", "brdf": "--masking separable", "widths": "disney"},
+    "cycles": {"title": "Cycles (Blender 5.2.3)", "brdf": "--masking correlated", "widths": "disney"},
+    "three": {
+        "title": "three.js 0.187.0", "brdf": "--masking correlated --compensation fdez-aguera", "widths": "gltf",
+        "model": f"--method split-sum-filament {CUBE} --level-mapping quadratic --dfg centres --dfg-size 16",
+        "bend": "--bend three", "coat": "--coat-renderer three",
+    },
+    "babylon": {
+        "title": "Babylon.js 9.35.0", "brdf": "--masking correlated --compensation turquin", "widths": "gltf",
+        "model": f"--method file:{HERE}/babylon/model.glsl {CUBE.replace('irradiance-map', 'sh9')}",
+        "coat": "--coat-renderer three", "lowers_f0": True, "lacks": ["anisotropic"],
+    },
+    "playcanvas": {
+        "title": "PlayCanvas 2.23.3", "brdf": "--masking correlated", "widths": "gltf",
+        "model": f"--method file:{HERE}/playcanvas/model.glsl {CUBE}",
+        "bend": "--bend playcanvas", "coat": "--coat-renderer filament", "lacks": ["anisotropic"],
+    },
+    "filament": {
+        "title": "Filament (Open3D 0.20.0)", "brdf": "--masking correlated --compensation turquin", "widths": "kulla",
+        "model": f"--method split-sum-filament {CUBE.replace('irradiance-map', 'sh9').replace('count 6', 'count 5')} --level-mapping quadratic --dfg centres --dfg-size 128",
+        "coat": "--coat-renderer filament", "lowers_f0": True, "roughens_base": True,
+    },
+    "vtk": {
+        "title": "VTK 9.7.1", "brdf": "--masking schlick --compensation fdez-aguera", "widths": "kulla",
+        "model": f"--method file:{HERE}/vtk/model.glsl {CUBE}", "lacks": ["anisotropic", "coated"],
+    },
+}
+EXPLAINED = ["metal", "plastic", "coated"]
+PAGE = """# Spheres in real engines
+
+Written by `scripts/engines/compare.py` from pictures of `scripts/engines/run.sh` ([how each engine runs](../../scripts/engines/README.md)).
+
+{remark}
+## By engine
+
+Medians over the maps but `constant`, and over roughness; rms is the root of relMSE. *Truth*: `reference` with the masking, compensation and
+layering (`khr`) that the engine's material follows, at {error} % standard error a pixel. *Our model*: `splitsum render` with the engine's lookup, factors and
+table size, and exact maps. So the difference between model and truth is the engine's lookup and factors, the difference between picture and model its bake
+and whatever our model misses. {size}x{size} pixels, without the outline. All rows: [spheres.csv](spheres.csv), for constant light too.
+
+{table}
+
+![Metal spheres by engine and roughness](spheres.png)
+
+A metal of F0 1, 0.5, 0.2 under `{map}`. The last row is the reference with `--compensation turquin`; Mitsuba, Cycles and PlayCanvas scatter once.
+"""
+
+
+def read(path):
+    channels = OpenEXR.File(str(path)).channels()
+    return np.array((channels.get("RGB") or channels["RGBA"]).pixels[..., :3], np.float64)
+
+
+class Ours:
+    """Pictures of `splitsum render`, kept under the hash of their flags."""
+
+    def __init__(self, program, folder, size):
+        self.program, self.folder, self.size = program, folder / "ours", size
+        self.maps = folder / "maps"
+        self.folder.mkdir(exist_ok=True)
+
+    def picture(self, sphere, flags):
+        flags = f"{flags} --size {self.size}x{self.size} --perceptual-roughness {sphere['roughness']}".split()
+        light = self.maps / f"{sphere['map']}.exr"
+        named = [str(pathlib.Path(flag.removeprefix("file:")).read_text()) if flag.startswith("file:") else flag for flag in flags]
+        key = hashlib.sha256(json.dumps(named).encode() + light.read_bytes()).hexdigest()[:24]
+        path = self.folder / f"{key}.exr"
+        if not path.exists():
+            command = [self.program, "render", *flags, "--environment", str(light), "--out", str(path)]
+            done = subprocess.run(command, capture_output=True, text=True)
+            if done.returncode:
+                raise SystemExit(f"{' '.join(command)}\n{done.stderr}")
+        return read(path)
+
+
+def surface(sphere, engine):
+    """Flags of the material."""
+    colors = ",".join(map(str, sphere["base_color"]))
+    flags = f"--metallic {sphere['metallic']} --albedo {colors} {engine['brdf']}"
+    if "anisotropy" in sphere:
+        # Schlick's masking is a fit for lobes of one width.
+        flags = flags.replace("--masking schlick", "--masking correlated")
+        flags += f" --anisotropy {sphere['anisotropy']} --anisotropy-widths {engine['widths']}"
+    if "coat" in sphere:
+        flags += f" --coat {sphere['coat']} --coat-perceptual-roughness {sphere['coat_roughness']}"
+    return flags
+
+
+def reference(ours, sphere, engine):
+    has_diffuse = sphere["material"] == "plastic" or "fdez" in engine["brdf"]
+    flags = f"--method reference --relative-error {REFERENCE_ERROR} --samples 65536 --diffuse {'reference' if has_diffuse else 'none'}"
+    return ours.picture(sphere, f"{flags} {surface(sphere, engine)}")
+
+
+def under_coat(f0):
+    """F0 of a metal below a coat of index 1.5: f0ClearCoatToSurface of Filament, getR0RemappedForClearCoat of Babylon.js."""
+    return min(max(f0 * (f0 * (0.941892 - 0.263008 * f0) + 0.346479) - 0.0285998, 0), 1)
+
+
+def model(ours, sphere, engine):
+    """Our picture of the engine's, or None if we have no model."""
+    if "model" not in engine or sphere["material"] in engine.get("lacks", []):
+        return None
+    flags = engine["model"]
+    if "anisotropy" in sphere:
+        method = flags.split()[1]
+        flags = f"{flags.replace(method, 'split-sum-bent')} {engine['bend']}"
+    if "coat" in sphere:
+        flags += f" {engine['coat']}"
+        if engine.get("lowers_f0"):
+            sphere = sphere | {"base_color": [under_coat(f0) for f0 in sphere["base_color"]]}
+        if engine.get("roughens_base"):
+            sphere = sphere | {"roughness": max(sphere["roughness"], sphere["coat_roughness"])}
+    return ours.picture(sphere, f"{flags} {surface(sphere, engine)}")
+
+
+def mean_luminance(path):
+    image = read(path)
+    weights = np.sin((np.arange(len(image)) + 0.5) / len(image) * np.pi)
+    return np.average(image.mean(axis=1) @ [0.2126, 0.7152, 0.0722], weights=weights)
+
+
+def inner(size):
+    at = ((np.arange(size) + 0.5) / size * 2 - 1) * EXTENT
+    return np.hypot(*np.meshgrid(at, at)) < 1 - EDGE * 2 * EXTENT / size
+
+
+def scores(found, truth, mean):
+    """Ratio of the means, and relMSE as in docs/conventions.md."""
+    return found.mean() / truth.mean(), np.mean((found - truth) ** 2 / (truth**2 + 0.01 * mean**2))
+
+
+def compare(folder, program, names):
+    listed = json.loads((folder / "spheres.json").read_text())
+    ours, mask = Ours(program, folder, listed["size"]), inner(listed["size"])
+    means = {name: mean_luminance(folder / "maps" / f"{name}.exr") for name in listed["maps"]}
+    rows = []
+    for name, engine in [(name, ENGINES[name]) for name in names]:
+        for sphere in listed["spheres"]:
+            path = folder / name / f"{sphere['name']}.exr"
+            if not path.exists():
+                continue
+            found, mean = read(path)[mask], means[sphere["map"]]
+            truth, modelled = reference(ours, sphere, engine)[mask], model(ours, sphere, engine)
+            row = {"engine": name, "version": engine["title"], **{key: sphere[key] for key in ("material", "map", "roughness")}}
+            pairs = {"": (found, truth)}
+            if modelled is not None:
+                pairs |= {"_to_model": (found, modelled[mask]), "_of_model": (modelled[mask], truth)}
+            for suffix in ("", "_to_model", "_of_model"):
+                ratio, relmse = scores(*pairs[suffix], mean) if suffix in pairs else (None, None)
+                row |= {f"mean_ratio{suffix}": ratio, f"relmse{suffix}": relmse}
+            rows.append(row)
+        print(f"compared {name}", flush=True)
+    return rows
+
+
+def text(value):
+    return "" if value is None else f"{value:.5g}" if isinstance(value, float) else str(value)
+
+
+def percent(values):
+    return f"{100 * statistics.median(values):.2g}" if values else ""
+
+
+def table(rows):
+    """Markdown: a line an engine and material, under lit maps."""
+    lines = ["| engine | material | rms to the truth | of it our model has | rms to our model | mean ratio to our model |", "|---|---|---:|---:|---:|---|"]
+    for name, engine in ENGINES.items():
+        for material in EXPLAINED:
+            own = [row for row in rows if row["engine"] == name and row["material"] == material and row["map"] != "constant"]
+            if not own:
+                continue
+            rms = [percent([row[key] ** 0.5 for row in own if row[key] is not None]) for key in ("relmse", "relmse_of_model", "relmse_to_model")]
+            ratios = [row["mean_ratio_to_model"] for row in own if row["mean_ratio_to_model"] is not None]
+            span = f"{min(ratios):.3f} to {max(ratios):.3f}" if ratios else ""
+            lines.append(f"| {engine['title']} | {material} | {' | '.join(rms)} | {span} |")
+    return "\n".join(lines)
+
+
+def picture(folder, ours, out):
+    """A metal under the last map: a row an engine, a column a roughness, the reference last."""
+    listed = json.loads((folder / "spheres.json").read_text())
+    spheres = [sphere for sphere in listed["spheres"] if sphere["map"] == listed["maps"][-1] and sphere["material"] == "metal"]
+    names = [name for name in ENGINES if (folder / name).exists()]
+    # Columns that most engines have.
+    count = {sphere["name"]: sum((folder / name / f"{sphere['name']}.exr").exists() for name in names) for sphere in spheres}
+    spheres = [sphere for sphere in spheres if 2 * count[sphere["name"]] > len(names)]
+    if not spheres:
+        return
+    columns, edge = len(spheres), 1.6
+    figure, axes = pyplot.subplots(len(names) + 1, columns, figsize=(edge * columns + 1.2, edge * (len(names) + 1)), squeeze=False)
+    shown = {"brdf": "--masking correlated --compensation turquin", "widths": "gltf"}
+    for line, name in zip(axes, [*names, None]):
+        for axis, sphere in zip(line, spheres):
+            axis.set(xticks=[], yticks=[])
+            axis.spines[:].set_visible(False)
+            path = folder / str(name) / f"{sphere['name']}.exr"
+            if name is None or path.exists():
+                image = reference(ours, sphere, shown) if name is None else read(path)
+                axis.imshow((image / (1 + image)).clip(0, 1) ** (1 / 2.2))
+        line[0].set_ylabel("reference" if name is None else ENGINES[name]["title"].replace(" (", "\n("), fontsize=8)
+    for axis, sphere in zip(axes[0], spheres):
+        axis.set_title(f"roughness {sphere['roughness']:g}", fontsize=8)
+    figure.subplots_adjust(wspace=0.02, hspace=0.02)
+    figure.savefig(out, dpi=80, bbox_inches="tight")
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("folder", type=pathlib.Path)
+    parser.add_argument("--splitsum", required=True)
+    parser.add_argument("--out", type=pathlib.Path, required=True)
+    parser.add_argument("--engine", action="append", choices=ENGINES, help="these alone")
+    arguments = parser.parse_args()
+    rows = compare(arguments.folder, arguments.splitsum, arguments.engine or list(ENGINES))
+    if not rows:
+        parser.error(f"{arguments.folder} has no pictures: run scripts/engines/run.sh first")
+    arguments.out.mkdir(parents=True, exist_ok=True)
+    with open(arguments.out / "spheres.csv", "w", newline="") as file:
+        writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
+        writer.writeheader()
+        writer.writerows({key: text(value) for key, value in row.items()} for row in rows)
+    listed = json.loads((arguments.folder / "spheres.json").read_text())
+    remark = arguments.out / "remark.md"
+    page = PAGE.format(remark=remark.read_text() if remark.exists() else "", table=table(rows), error=f"{100 * REFERENCE_ERROR:g}", size=listed["size"], map=listed["maps"][-1])
+    (arguments.out / "README.md").write_text(page)
+    picture(arguments.folder, Ours(arguments.splitsum, arguments.folder, listed["size"]), arguments.out / "spheres.png")
+
+
+if __name__ == "__main__":
+    main()

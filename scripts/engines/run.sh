@@ -1,0 +1,86 @@
+#!/bin/sh
+# Renders spheres in real engines, each at its pinned version, and writes linear EXR: DIR/ENGINE/MAP-MATERIAL-ROUGHNESS.exr.
+# README.md beside this file says what each engine renders and how it runs.
+#
+#     sh scripts/engines/run.sh ENGINE... --out DIR [--map NAME|FILE.exr]... [--material M,...] [--roughness R,...] [--size N]
+#
+# Needs Python 3.11 or newer, for Cycles 3.13, for the three engines in a browser node, npm and Chromium, and a network for
+# the packages, which go to target/engines. 77: an engine cannot run here, and no other failed.
+set -eu
+here=$(cd "$(dirname "$0")" && pwd)
+root=$(cd "$here/../.." && pwd)
+. "$root/scripts/setup.sh"
+program=${SPLITSUM:-$root/target/release/splitsum}
+installed=${ENGINES:-$root/target/engines}
+refuse() {
+    echo "splitsum: $*" >&2
+    exit 2
+}
+
+known=$(cd "$here" && for script in */render.*; do printf '%s ' "${script%%/*}"; done)
+engines=
+while [ $# -gt 0 ] && [ "${1#-}" = "$1" ]; do
+    [ -f "$here/$1/render.py" ] || [ -f "$here/$1/render.js" ] || refuse "$1 is not an engine: expected $known"
+    engines="$engines $1"
+    shift
+done
+[ -n "$engines" ] && [ "${1:-}" = --out ] && [ $# -gt 1 ] ||
+    refuse "usage: sh scripts/engines/run.sh ENGINE... --out DIR [--map NAME|FILE.exr]... [--material M,...] [--roughness R,...] [--size N]"
+out=$2
+shift 2
+mkdir -p "$out" "$installed"
+out=$(cd "$out" && pwd)
+
+# Prints the first interpreter of at least this version, or fails.
+python_of() { # 3.N
+    for python in "python$1" "${PYENV_ROOT:-$HOME/.pyenv}"/versions/"$1".*/bin/python python3; do
+        if "$python" -c "import sys; sys.exit(sys.version_info[:2] $2 tuple(map(int, '$1'.split('.'))))" 2>/dev/null; then
+            echo "$python"
+            return
+        fi
+    done
+    return 1
+}
+
+# Makes the environment NAME with the packages of FILE. A stamp names what it holds.
+install_python() { # name, requirements, python
+    stamp=$installed/$1/requirements.txt
+    if ! cmp -s "$2" "$stamp"; then
+        "$3" -m venv "$installed/$1"
+        "$installed/$1/bin/python" -m pip install -q --disable-pip-version-check -r "$2" || return 1
+        cp "$2" "$stamp"
+    fi
+}
+
+render() { # engine: fails with 77 if it cannot run here
+    if [ -f "$here/$1/render.js" ]; then
+        sh "$here/browser.sh" "$1" "$out" "$installed"
+        return
+    fi
+    version=$(sed -n 's/^# python \([0-9.]*\)$/\1/p' "$here/$1/requirements.txt")
+    python=$(python_of "${version:-3.11}" "$([ -n "$version" ] && echo '!=' || echo '<')") || {
+        echo "$1: needs Python ${version:-3.11}"
+        return 77
+    }
+    install_python "$1" "$here/$1/requirements.txt" "$python" || { echo "$1: its packages cannot be installed"; return 77; }
+    if [ -f "$here/$1/bake.sh" ]; then
+        SPLITSUM=$program sh "$here/$1/bake.sh" "$out"
+    fi
+    "$installed/$1/bin/python" "$here/$1/render.py" "$out"
+}
+
+python=$(python_of 3.11 '<') || stop "needs Python 3.11 or newer"
+install_python tools "$here/requirements.txt" "$python" || stop "the packages of scripts/engines/requirements.txt cannot be installed"
+"$installed/tools/bin/python" "$here/spheres.py" "$out" --splitsum "$program" "$@"
+code=0
+for engine in $engines; do
+    rm -rf "${out:?}/$engine"
+    found=0
+    render "$engine" || found=$?
+    case $found in
+        0) "$installed/tools/bin/python" "$here/to_exr.py" "$out/$engine" || code=1 ;;
+        77) [ $code -ne 0 ] || code=77 ;;
+        *) echo "$engine: FAILED" >&2; code=1 ;;
+    esac
+done
+exit $code
