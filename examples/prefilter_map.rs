@@ -17,8 +17,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let baked = make(&making, Path::new(argument(3, "baked")))?;
     for level in &baked.levels {
         println!(
-            "level {}: {} texels a side, alpha {:.3}, relMSE {:.1e}",
-            level.name, level.side, level.alpha, level.relmse
+            "{}: {} texels a side, alpha {:.3}, relMSE {:.1e}",
+            level.part, level.side, level.alpha, level.relmse
         );
     }
     baked

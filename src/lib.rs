@@ -34,6 +34,7 @@
 //! - `exr` reads and writes OpenEXR; without it Radiance, KTX, KTX 2, DDS and PNG remain.
 //! - `view` has the window of `splitsum view`. It implies `cli`.
 #![doc = include_str!("../docs/bibliography.md")]
+#![cfg_attr(not(test), deny(clippy::unwrap_used))]
 
 pub mod base;
 pub mod instrument;

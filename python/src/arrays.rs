@@ -48,11 +48,7 @@ impl Source<'_> {
                 }
             })?,
             Self::Image(array) => {
-                let decoded = Decoded {
-                    rgb: image(array),
-                    alpha: None,
-                    warnings: Vec::new(),
-                };
+                let decoded = Decoded::new(image(array), Vec::new());
                 py.detach(|| checked("array", decoded, &LoadOptions::default()))
                     .map_err(value_error)?
             }

@@ -13,8 +13,9 @@ use splitsum::base::pixels::{Pixels, RgbImage};
 use splitsum::instrument::brdf::{Brdf, MaskingShadowing};
 use splitsum::instrument::environment::layout::MapLayout;
 use splitsum::instrument::precompute::PrecomputeSettings;
-use splitsum::instrument::precompute::dfg::reference::dfg;
-use splitsum::instrument::precompute::prefilter::{Kernel, LevelMapping, harmonic};
+use splitsum::instrument::precompute::dfg::DfgAxes;
+use splitsum::instrument::precompute::dfg::reference::{self, dfg};
+use splitsum::instrument::precompute::prefilter::{Kernel, LevelMapping, LevelSpacing, harmonic};
 use splitsum::instrument::precompute::taps::{
     Chain, Fit, LEVEL_MIN, Lobe, Tap, TapCount, TapTable, dielectric_share, first_guess,
 };
@@ -47,8 +48,28 @@ fn tap_count(count: i64) -> PyResult<TapCount> {
     found.ok_or_else(|| value_error(format!("count: {count}; expected 1, 2 or 4 taps")))
 }
 
+/// How the levels of a map are spaced: the name of a mapping, or the roughness of each level.
+#[derive(FromPyObject)]
+pub enum Mapping {
+    Name(String),
+    Roughnesses(Vec<f64>),
+}
+
+fn spacing(mapping: Mapping, levels: i64) -> PyResult<LevelSpacing> {
+    match mapping {
+        Mapping::Name(name) => {
+            let (mapping, level_count) = mapped(&name, levels)?;
+            Ok(LevelSpacing::Mapped {
+                mapping,
+                level_count,
+            })
+        }
+        Mapping::Roughnesses(roughnesses) => LevelSpacing::listed(roughnesses).map_err(value_error),
+    }
+}
+
 /// Parses a mapping and checks a number of levels by the rules of experiments.
-fn chain(mapping: &str, levels: i64) -> PyResult<(&'static LevelMapping, u32)> {
+fn mapped(mapping: &str, levels: i64) -> PyResult<(&'static LevelMapping, u32)> {
     let levels = u32::try_from(levels)
         .map_err(|_| value_error(format!("levels: {levels}; expected at least 2")))?;
     let settings = PrecomputeSettings {
@@ -63,11 +84,38 @@ fn chain(mapping: &str, levels: i64) -> PyResult<(&'static LevelMapping, u32)> {
 
 /// Returns the width of each level of a map.
 #[pyfunction]
-pub fn level_alphas(mapping: String, levels: i64) -> PyResult<Vec<f64>> {
-    let (mapping, levels) = chain(&mapping, levels)?;
-    Ok((0..levels)
-        .map(|level| mapping.alpha_from_mip(level.into(), levels))
+pub fn level_alphas(mapping: Mapping, levels: i64) -> PyResult<Vec<f64>> {
+    let spacing = spacing(mapping, levels)?;
+    Ok((0..spacing.level_count())
+        .map(|level| spacing.alpha_from_level(level.into()))
         .collect())
+}
+
+/// Returns the bend of a named mapping, whose level is `r (1 + bend (1 - r)) (levels - 1)`.
+#[pyfunction]
+pub fn level_bend(mapping: String) -> PyResult<f64> {
+    Ok(parse::<LevelMapping>(&mapping)?.bend)
+}
+
+/// Returns the factor of each degree by which a level of a width is made, to the degree that matters
+/// and at most to `degree`. Empty if the level is a mirror.
+#[pyfunction]
+pub fn level_factors<'py>(
+    py: Python<'py>,
+    alpha: f64,
+    degree: usize,
+    names: [String; 3],
+) -> PyResult<Array<'py, f64>> {
+    let kernel = kernel(&names)?;
+    let factors = py.detach(|| {
+        if has_width(alpha) {
+            harmonic::factors(kernel, alpha, harmonic::degree(alpha).min(degree))
+        } else {
+            Vec::new()
+        }
+    });
+    let count = factors.len();
+    shaped(py, factors, vec![count])
 }
 
 /// Prefilters a map for several widths, each level half the size of the one before; faces are below
@@ -133,13 +181,38 @@ pub fn prefilter<'py>(
         .collect()
 }
 
-/// Makes the table of (A, B) as `splitsum bake` does.
+/// Bound on the relative error of a table with nodes at fourth roots, as `bake` has it: true errors
+/// are at most 7.5e-5.
+const TABLE_WITHIN: f64 = 1e-2;
+
+/// Makes the table of (A, B) as `splitsum bake` does, or as `splitsum render` does: with nodes at
+/// fourth roots.
 #[pyfunction]
-pub fn dfg_table<'py>(py: Python<'py>, side: u32, names: [String; 2]) -> PyResult<Array<'py, f32>> {
+pub fn dfg_table<'py>(
+    py: Python<'py>,
+    side: u32,
+    axes: &str,
+    names: [String; 2],
+) -> PyResult<Array<'py, f32>> {
     let (model, masking) = lobe_of(&names)?;
-    let axes = Preset::listed("splitsum").convention().table_axes;
-    let table = py.detach(|| make::dfg(model, masking, axes, side));
-    let values = table.data.iter().flat_map(|[a, b, _]| [*a, *b]).collect();
+    let values: Vec<f32> = match axes {
+        "centres" => {
+            let axes = Preset::listed("splitsum").convention().table_axes;
+            let table = py.detach(|| make::dfg(model, masking, axes, side));
+            table.data.iter().flat_map(|[a, b, _]| [*a, *b]).collect()
+        }
+        "fourth-roots" => {
+            let axes = DfgAxes::FourthRoots;
+            let table = py.detach(|| reference::table(model, masking, axes, side, TABLE_WITHIN));
+            let pairs = table.data.iter();
+            pairs.flat_map(|pair| pair.as_vec2().to_array()).collect()
+        }
+        _ => {
+            return Err(value_error(format!(
+                "axes: {axes:?}; expected \"centres\" or \"fourth-roots\""
+            )));
+        }
+    };
     shaped(py, values, vec![side as usize, side as usize, 2])
 }
 
@@ -184,14 +257,14 @@ pub fn taps<'py>(
     py: Python<'py>,
     count: i64,
     levels: i64,
-    mapping: String,
+    mapping: Mapping,
     names: [String; 3],
 ) -> PyResult<Array<'py, f32>> {
     let count = tap_count(count)?;
-    let (mapping, levels) = chain(&mapping, levels)?;
+    let spacing = spacing(mapping, levels)?;
     let kernel = kernel(&names)?;
     let masking = *parse::<MaskingShadowing>(&names[2])?;
-    let texels = py.detach(|| paste::taps(kernel, masking, mapping, levels, count));
+    let texels = py.detach(|| paste::taps(kernel, masking, spacing, count));
     let shape = vec![texels.height as usize, texels.width as usize, 4];
     shaped(py, texels.data.into_flattened(), shape)
 }
@@ -245,13 +318,13 @@ pub fn fit_taps<'py>(
     view: [f64; 2],
     count: i64,
     levels: i64,
-    mapping: String,
+    mapping: Mapping,
     names: [String; 3],
 ) -> PyResult<(Array<'py, f64>, [f64; 2])> {
     let count = tap_count(count)?;
     let kernel = kernel(&names)?;
-    let (mapping, levels) = chain(&mapping, levels)?;
-    let chain = py.detach(|| Chain::new(kernel, mapping, levels));
+    let spacing = spacing(mapping, levels)?;
+    let chain = py.detach(|| Chain::spaced(kernel, spacing.clone()));
     let [n_dot_v, alpha] = view;
     let lobe_level = chain.level(alpha);
     if lobe_level < LEVEL_MIN {
@@ -286,9 +359,9 @@ pub fn fit_taps<'py>(
         .map(|taps| fit.objective(&fit.residuals(taps, &fit.kernels(taps))));
     let of_tap = |tap: &Tap| {
         [
-            tap.place(theta),
+            tap.mirror_share(theta),
             tap.level,
-            mapping.alpha_from_mip(tap.level, levels),
+            spacing.alpha_from_level(tap.level),
             tap.weight,
         ]
     };

@@ -101,3 +101,17 @@ def test_moments_and_taps_of_a_lobe():
         place, level, weight = splitsum.lookup_taps(splitsum.taps(count), n_dot_v, alpha).T
         np.testing.assert_allclose(fit.place @ fit.weight, place @ weight, atol=0.05)
         np.testing.assert_allclose(fit.level @ fit.weight, level @ weight, atol=0.1)
+
+
+def test_taps_of_listed_levels():
+    """A list with the roughness of a mapping's levels has the mapping's table; fits of other levels differ."""
+    even = [k / 3 for k in range(4)]
+    expected = splitsum.taps(1, levels=4, masking="correlated")
+    np.testing.assert_allclose(splitsum.taps(1, mapping=even, masking="correlated"), expected, rtol=0, atol=1e-6)
+    for level, alpha in zip(splitsum.prefilter(MAP, mapping=[0.1, 0.5, 1], size=(16, 16)), (0.01, 0.25, 1)):
+        side = level.shape[1]
+        np.testing.assert_array_equal(level, splitsum.prefilter(MAP, alpha, size=(side, side)))
+    # A lobe of roughness 0.5 between the levels 0.4 and 0.8.
+    fit = splitsum.fit_taps(lambda l: ggx(l, np.array([0.8, 0, 0.6]), 0.25)[0], 0.6, 0.25, mapping=[0.2, 0.4, 0.8])
+    assert 1 < fit.level[0] < 1.5
+    np.testing.assert_allclose(fit.alpha, (0.4 + 0.4 * (fit.level - 1)) ** 2, rtol=1e-6)

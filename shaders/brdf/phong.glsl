@@ -8,6 +8,9 @@
 #include "lib/smith_rational.glsl"
 #include "lib/visible_ggx.glsl"
 
+// For `printed-document-0`, which draws Phong's lobe by another exponent.
+#define BRDF_PHONG
+
 // D(h), 1/sr: (exponent + 2) / 2 pi cos^exponent, written with alpha and ln(1 - sin^2). [Walter07
 // eq. 30]
 float d_brdf(vec3 h_local, float alpha) {

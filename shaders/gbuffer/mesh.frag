@@ -1,6 +1,7 @@
 // The g-buffer texels of one mesh, shaded on both sides. Set 0: binding 1 materials, 2 albedo map,
-// 3 metallic map (blue), 4 roughness map (green), 5 normal map (1x1 that changes nothing without
-// one; trilinear). Push constants: GbufferParams. Front faces are counter-clockwise.
+// 3 metallic map (blue), 4 roughness map (green), 5 normal map, 6 map of f0, 7 map of the specular
+// weight (red) (1x1 that changes nothing without one; trilinear). Push constants: GbufferParams.
+// Front faces are counter-clockwise.
 #include "generated/constants.glsl"
 #include "gbuffer/surface.glsl"
 
@@ -9,6 +10,8 @@ layout(set = 0, binding = 2) uniform sampler2D albedo_map;
 layout(set = 0, binding = 3) uniform sampler2D metallic_map;
 layout(set = 0, binding = 4) uniform sampler2D roughness_map;
 layout(set = 0, binding = 5) uniform sampler2D normal_map;
+layout(set = 0, binding = 6) uniform sampler2D f0_map;
+layout(set = 0, binding = 7) uniform sampler2D specular_map;
 layout(push_constant) uniform Params { GbufferParams camera; };
 
 layout(location = 0) in vec3 position_world;
@@ -38,10 +41,13 @@ void main() {
     material.albedo_metallic *= vec4(looked_up(albedo_map, uv, across, down).rgb, looked_up(metallic_map, uv, across, down).b);
     float perceptual_roughness = looked_up(roughness_map, uv, across, down).g;
     material.f0_alpha.a = max(material.f0_alpha.a * (perceptual_roughness * perceptual_roughness), ALPHA_MIN);
+    material.f0_alpha.rgb = min(material.f0_alpha.rgb * looked_up(f0_map, uv, across, down).rgb, 1.0);
+    float specular = material.specular.x * looked_up(specular_map, uv, across, down).r;
     // Interpolated vectors are not unit vectors, and maps are baked for them [Mikkelsen08].
     vec3 mapped = looked_up(normal_map, uv, across, down).xyz;
     vec4 tangent = tangent_world;
-    if (material.tangent.w != 0.0) {
+    bool shows_tangents = material.tangent.w != 0.0;
+    if (shows_tangents) {
         tangent = tangent_or_east(tangent, normal_world);
         // Without a map the direction is +x: there the flat map has (0, 0, 1).
         vec2 direction = mapped.xy + vec2(mapped.z, 0.0);
@@ -51,10 +57,15 @@ void main() {
         mapped = vec3(turn.x * direction.x - turn.y * direction.y, turn.y * direction.x + turn.x * direction.y, 0.0);
         material.f0_alpha.a = material.tangent.z * strength;
     }
-    vec3 n = normalize(from_tangent_frame(mapped, tangent, normal_world));
     // Winding and normals agree (scene::Mesh): a back face is one whose normal points to the far
     // side.
-    GbufferTexels texels = gbuffer_texels(position_world, gl_FrontFacing ? n : -n, material, camera.material);
+    vec3 w = from_tangent_frame(mapped, tangent, normal_world);
+    w = gl_FrontFacing ? w : -w;
+    vec3 n = shows_tangents ? normalize(w) : visible_normal(w, direction_to_viewer(camera, position_world));
+    GbufferTexels texels = gbuffer_texels(position_world, n, material, camera.material);
+    if (specular < 1.0) {
+        texels.f0_material.rgb = weighted_f0(material, specular);
+    }
     position_mask = texels.position_mask;
     normal_alpha = texels.normal_alpha;
     albedo_metallic = texels.albedo_metallic;

@@ -18,5 +18,6 @@ void main() {
     normal_world = normal;
     uv_up = uv;
     tangent_world = tangent;
-    gl_Position = clip_from_camera(camera, camera_from_world(camera, position));
+    vec4 clip = clip_from_camera(camera, camera_from_world(camera, position));
+    gl_Position = limited_vertex(clip, vec2(camera.width, camera.height));
 }

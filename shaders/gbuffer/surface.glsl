@@ -1,15 +1,33 @@
 // The four texels of the g-buffer, laid out as in src/instrument/gbuffer/mod.rs.
+#include "generated/constants.glsl"
 #include "generated/layout.glsl"
+#include "lib/frame.glsl"
 
-// The east of spheres, as math::frame::east.
-vec3 east(vec3 n) {
-    float across = length(n.xz);
-    return across > 0.0 ? vec3(n.z, 0.0, -n.x) / across : vec3(1.0, 0.0, 0.0);
+// A tangent and its handedness: a mesh without tangents, or with tangents along n, has the east of
+// spheres.
+vec4 tangent_or_east(vec4 tangent, vec3 n) {
+    vec3 across = cross(n, tangent.xyz);
+    // Also false for numbers that are not finite.
+    bool is_usable = dot(across, across) > TILT_MIN * TILT_MIN * dot(n, n) * dot(tangent.xyz, tangent.xyz);
+    return is_usable ? tangent : vec4(east(normalize(n)), 1.0);
 }
 
-// A tangent and its handedness: a mesh without tangents has the east of spheres.
-vec4 tangent_or_east(vec4 tangent, vec3 n) {
-    return tangent.xyz == vec3(0.0) ? vec4(east(normalize(n)), 1.0) : tangent;
+// The unit vector from a position to the viewer.
+vec3 direction_to_viewer(GbufferParams camera, vec3 position_world) {
+    return camera.eye.w > 0.0 ? normalize(camera.eye.xyz - position_world) : -camera.forward.xyz;
+}
+
+// The unit normal of a visible surface along w, of any length. Normals of meshes may lean away from
+// the viewer, at outlines and by normal maps: they are bent towards v until n.v is COSINE_MIN, so
+// that every method and the reference shade one surface that exists.
+vec3 visible_normal(vec3 w, vec3 v) {
+    // Normals of vertices may cancel.
+    if (!(dot(w, w) > 0.0)) {
+        return v;
+    }
+    vec3 n = normalize(w);
+    float n_dot_v = dot(n, v);
+    return n_dot_v < 0.0 ? normalize(n + (COSINE_MIN - n_dot_v) * v) : n;
 }
 
 // A vector of the tangent frame in world axes.
@@ -30,4 +48,13 @@ GbufferTexels gbuffer_texels(vec3 position, vec3 n, MaterialData material, uint 
     float metallic = material.albedo_metallic.a;
     vec3 f0 = mix(material.f0_alpha.rgb, albedo, metallic);
     return GbufferTexels(vec4(position, 1.0), vec4(n, material.f0_alpha.a), vec4(albedo, metallic), vec4(f0, float(material_index)));
+}
+
+// The f0 whose Schlick term, times mix(weight, 1, metallic), is Fresnel's of a surface whose
+// dielectric interface reflects that share. A weight of 0 leaves a dielectric any f0.
+vec3 weighted_f0(MaterialData material, float weight) {
+    vec3 albedo = material.albedo_metallic.rgb;
+    float metallic = material.albedo_metallic.a;
+    float reflecting = mix(weight, 1.0, metallic);
+    return reflecting > 0.0 ? mix(weight * material.f0_alpha.rgb, albedo, metallic) / reflecting : material.f0_alpha.rgb;
 }

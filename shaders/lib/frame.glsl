@@ -8,3 +8,9 @@ mat3 frame_from_normal(vec3 n) {
     float b = n.x * n.y * a;
     return mat3(vec3(1.0 + s * n.x * n.x * a, s * b, -s * n.x), vec3(b, s + n.y * n.y * a, -n.y), n);
 }
+
+// The east of a sphere, as math::frame::east; +x at the poles.
+vec3 east(vec3 n) {
+    float across = length(n.xz);
+    return across > 0.0 ? vec3(n.z, 0.0, -n.x) / across : vec3(1.0, 0.0, 0.0);
+}

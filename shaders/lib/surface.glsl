@@ -40,9 +40,11 @@ bool surface_from_gbuffer(vec4 position, vec4 normal, vec4 albedo, vec4 f0, vec4
     return true;
 }
 
-// The surface with two widths: `tangent` is that texel of the g-buffer, with the strength in w.
+// The surface with two widths: `tangent` is that texel of the g-buffer, with the strength in w. A
+// tangent along n, which normal maps can cause, gives way to the east.
 Surface surface_with_tangent(Surface s, vec4 tangent) {
-    s.t = normalize(tangent.xyz - dot(tangent.xyz, s.n) * s.n);
+    vec3 t = tangent.xyz - dot(tangent.xyz, s.n) * s.n;
+    s.t = dot(t, t) > TILT_MIN * TILT_MIN ? normalize(t) : east(s.n);
     s.width = widths_from_strength(s.alpha, tangent.w);
     s.alpha = mean_width(s.width);
     return s;

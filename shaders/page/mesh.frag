@@ -6,6 +6,7 @@ in vec3 normal_world;
 in vec4 tangent_world;
 
 void main() {
-    vec3 n = normalize(gl_FrontFacing ? normal_world : -normal_world);
+    vec3 w = gl_FrontFacing ? normal_world : -normal_world;
+    vec3 n = visible_normal(w, direction_to_viewer(camera, position_world));
     write_surface(position_world, n, tangent_world, normal_world);
 }

@@ -1,15 +1,14 @@
-// Projects an environment onto nine spherical harmonics: L_lm = sum over all texels of L Y_lm
-// sin(theta) 2 pi^2 / (W H). [Kim22 "Irradiance mapping"] One invocation sums every (64 *
-// group_count)-th texel; each group leaves one partial sum a coefficient; sh9_reduce.comp adds
-// those. The order of every addition is fixed, so the result is the same bits in every run. Set 0:
-// 0 environment (level 0 is read); 1 partial sums, SH9_COUNT vec4 a group. Dispatch: group_count
-// groups.
+// Projects an environment onto nine spherical harmonics: L_lm is the sum over all texels of L times
+// the integral of Y_lm over the texel, or times its value at the centre [Kim22 "Irradiance
+// mapping"], as `projection` says. One invocation sums every (64 * group_count)-th texel; each group
+// leaves one partial sum a coefficient; sh9_reduce.comp adds those. The order of every addition is
+// fixed, so the result is the same bits in every run. Set 0: 0 environment (level 0 is read); 1
+// partial sums, SH9_COUNT vec4 a group. Dispatch: group_count groups.
 
 #include "generated/constants.glsl"
 #include "generated/layout.glsl"
 #include "lib/compensated_sum.glsl"
-#include "lib/equirect.glsl"
-#include "lib/sh.glsl"
+#include "lib/sh_projection.glsl"
 
 layout(local_size_x = GROUP_LINEAR) in;
 
@@ -33,17 +32,15 @@ void main() {
     }
     for (uint index = gl_GlobalInvocationID.x; index < texel_count; index += stride) {
         uvec2 texel = uvec2(index % params.width, index / params.width);
-        vec3 d = direction_from_uv(uv_from_texel(texel, uvec2(params.width, params.height)));
-        float sin_theta = sin_cos_turns(0.5 * (float(texel.y) + 0.5) / float(params.height)).x;
-        vec3 weighted = sin_theta * texelFetch(environment, ivec2(texel), 0).rgb;
-        float[SH9_COUNT] y = sh9_basis(d);
+        vec3 radiance = texelFetch(environment, ivec2(texel), 0).rgb;
+        uvec2 size = uvec2(params.width, params.height);
+        float[SH9_COUNT] y = params.projection == SH9_AT_CENTRES ? sh9_at_centre(texel, size) : sh9_over_texel(texel, size);
         for (uint k = 0u; k < SH9_COUNT; ++k) {
-            sums[k] = compensated_add(sums[k], y[k] * weighted);
+            sums[k] = compensated_add(sums[k], y[k] * radiance);
         }
     }
-    float omega = 2.0 * PI * PI / (float(params.width) * float(params.height));
     for (uint k = 0u; k < SH9_COUNT; ++k) {
-        group_sums[k][gl_LocalInvocationID.x] = omega * (sums[k].high + sums[k].low);
+        group_sums[k][gl_LocalInvocationID.x] = sums[k].high + sums[k].low;
     }
     for (uint half_count = GROUP_LINEAR / 2u; half_count > 0u; half_count /= 2u) {
         barrier();

@@ -1,12 +1,18 @@
 //! Meaning of a bake's numbers as data: conventions by name, and presets of known tools.
 
+use super::babylon_env;
+use super::map_form::MapForm;
+use super::playcanvas_atlas;
 use super::product::{LAST_SIDE, Product, SIDE};
+#[cfg(feature = "cli")]
+use crate::base::files::{RECORD_BYTES_MAX, read_text};
 use crate::base::names::{Listed, listed};
 use crate::instrument::brdf::MaskingShadowing;
-use crate::instrument::precompute::prefilter::{LevelMapping, WEIGHTS, Weight};
+use crate::instrument::precompute::prefilter::{LevelMapping, LevelSpacing, WEIGHTS, Weight};
 use glam::{BVec2, DVec2, DVec3, Vec2Swizzles};
 use serde::Deserialize;
 use std::fmt;
+use std::path::Path;
 use std::sync::LazyLock;
 
 /// World axes in file axes: in `-z+y+x` the world's x is the file's -z. A file's own axes are the
@@ -181,6 +187,9 @@ pub static TABLE_CHANNELS: &[TableChannels] = &[
     },
 ];
 
+/// Widest level of a bake. The BRDF's widths end at 1; a few engines filter wider.
+pub const ALPHA_MAX: f64 = 16.0;
+
 /// How to read the numbers of a bake.
 #[derive(Clone, Debug)]
 pub struct Convention {
@@ -188,6 +197,9 @@ pub struct Convention {
     /// Perceptual roughness of each level, unless `alphas` is set.
     pub mapping: &'static LevelMapping,
     pub alphas: Option<Vec<f64>>,
+    /// Levels per doubling of the width, in a chain down to one texel whose level k has the width
+    /// `2^(k/s)/n`, n the side of level 0; replaces the mapping.
+    pub levels_per_doubling: Option<f64>,
     /// Radiance of a texel of 1.
     pub scale: f64,
     /// Irradiance over π of a texel of 1 in an irradiance map.
@@ -210,6 +222,7 @@ pub struct Preset {
     axes: &'static str,
     level_mapping: &'static str,
     alphas: Option<Vec<f64>>,
+    levels_per_doubling: Option<f64>,
     scale: f64,
     irradiance_scale: f64,
     table_axes: &'static str,
@@ -228,6 +241,7 @@ impl Default for Preset {
             axes: "+x+y+z",
             level_mapping: "linear",
             alphas: None,
+            levels_per_doubling: None,
             scale: 1.0,
             irradiance_scale: 1.0,
             table_axes: TABLE_AXES[0].name,
@@ -260,6 +274,31 @@ listed!(
 );
 
 impl Preset {
+    /// Finds a listed preset, or reads a user's from a TOML file relative to `dir`.
+    pub fn open(name: &str, dir: &Path) -> Result<&'static Self, String> {
+        let Some(stem) = name.strip_suffix(".toml") else {
+            return Self::parse(name);
+        };
+        Self::from_toml(&dir.join(name), stem)
+    }
+
+    #[cfg(feature = "cli")]
+    fn from_toml(path: &Path, name: &str) -> Result<&'static Self, String> {
+        let toml = read_text(path, RECORD_BYTES_MAX)
+            .map_err(|error| format!("{}: {error}; expected a TOML file", path.display()))?;
+        let mut table: toml::Table = toml::from_str(&toml).map_err(|error| error.to_string())?;
+        table.entry("name").or_insert_with(|| name.into());
+        Self::from_json(serde_json::to_string(&table).map_err(|error| error.to_string())?)
+    }
+
+    #[cfg(not(feature = "cli"))]
+    fn from_toml(path: &Path, _name: &str) -> Result<&'static Self, String> {
+        let path = path.display();
+        Err(format!(
+            "{path}: TOML presets need a build with the feature cli"
+        ))
+    }
+
     /// Reads a user's preset from JSON. Fails on an unknown field, name or number.
     pub fn from_json(text: String) -> Result<&'static Self, String> {
         // The text is never freed, as listed presets are not. Its line and column are not the
@@ -275,18 +314,17 @@ impl Preset {
         })?;
         preset.parsed()?;
         if let Some(product) = &preset.product {
-            let excluded = if preset.alphas.is_some() {
-                Some("alphas")
-            } else if preset.scale != 1.0 {
-                Some("scale")
-            } else {
-                None
-            };
-            if let Some(name) = excluded {
-                return Err(format!(
-                    "{name}: a preset with [product] writes radiance by a level_mapping; leave it \
-                     out"
-                ));
+            if preset.scale != 1.0 {
+                return Err("scale: a preset with [product] writes radiance; leave it out".into());
+            }
+            if let Some(alphas) = &preset.alphas {
+                preset.convention().spacing(alphas.len())?;
+                if product.level_count != Some(alphas.len() as u32) {
+                    return Err(format!(
+                        "alphas: {} widths; a preset with [product] needs level_count = {0}",
+                        alphas.len()
+                    ));
+                }
             }
             product
                 .check()
@@ -312,6 +350,9 @@ impl Preset {
     /// Returns the default side of a face, texels: the last level that the engine reads has
     /// [`LAST_SIDE`].
     pub fn side(&self) -> u32 {
+        if let MapForm::PlayCanvasAtlas = MapForm::of(self.product().specular) {
+            return playcanvas_atlas::SIDE;
+        }
         let count = self
             .product()
             .level_count
@@ -325,8 +366,14 @@ impl Preset {
     }
 
     fn parsed(&self) -> Result<Convention, String> {
-        if let Some(bad) = [self.scale, self.irradiance_scale]
+        let positive = [
+            Some(self.scale),
+            Some(self.irradiance_scale),
+            self.levels_per_doubling,
+        ];
+        if let Some(bad) = positive
             .iter()
+            .flatten()
             .find(|scale| !(scale.is_finite() && **scale > 0.0))
         {
             return Err(format!(
@@ -336,16 +383,17 @@ impl Preset {
         if let Some(alphas) = self
             .alphas
             .as_ref()
-            .filter(|all| !all.is_sorted() || all.iter().any(|x| !(0.0..=1.0).contains(x)))
+            .filter(|all| !all.is_sorted() || all.iter().any(|x| !(0.0..=ALPHA_MAX).contains(x)))
         {
             return Err(format!(
-                "alphas: {alphas:?}; expected ascending widths from 0 to 1"
+                "alphas: {alphas:?}; expected ascending widths from 0 to {ALPHA_MAX}"
             ));
         }
         Ok(Convention {
             axes: Axes::parse(self.axes)?,
             mapping: LevelMapping::parse(self.level_mapping)?,
             alphas: self.alphas.clone(),
+            levels_per_doubling: self.levels_per_doubling,
             scale: self.scale,
             irradiance_scale: self.irradiance_scale,
             table_axes: TableAxes::parse(self.table_axes)?,
@@ -359,6 +407,9 @@ impl Preset {
 impl Convention {
     /// Returns the width of each of `count` levels.
     pub fn alphas(&self, count: usize) -> Result<Vec<f64>, String> {
+        if let (None, Some(scale)) = (&self.alphas, self.levels_per_doubling) {
+            return Ok(babylon_env::alphas(1 << (count - 1), count, scale));
+        }
         match &self.alphas {
             Some(alphas) if alphas.len() == count && alphas.is_sorted() => Ok(alphas.clone()),
             Some(alphas) if alphas.len() == count => {
@@ -381,8 +432,32 @@ impl Convention {
         }
     }
 
+    /// Returns the roughness of `count` levels for lookups: of listed widths, else by the mapping.
+    pub fn spacing(&self, count: usize) -> Result<LevelSpacing, String> {
+        match &self.alphas {
+            Some(alphas) => {
+                let roughness = alphas.iter().map(|alpha| alpha.sqrt());
+                LevelSpacing::listed(roughness.collect())
+            }
+            None => Ok(LevelSpacing::Mapped {
+                mapping: self.mapping,
+                level_count: self.mapping_levels(count),
+            }),
+        }
+    }
+
+    /// Whether widths follow from a mapping of levels.
+    pub fn has_mapping(&self) -> bool {
+        self.alphas.is_none() && self.levels_per_doubling.is_none()
+    }
+
     /// Returns the number of levels that the engine reads of `count`.
     pub fn mapping_levels(&self, count: usize) -> u32 {
+        if let Some(scale) = self.levels_per_doubling {
+            // The level of width 1, and the next, which lookups blend with it.
+            let last = (scale * (count as f64 - 1.0)).ceil();
+            return (last as u32 + 1).min(count as u32);
+        }
         self.mapping.engine_levels.unwrap_or(count as u32)
     }
 }

@@ -5,7 +5,6 @@ use super::convention::{Convention, PRESETS, Preset};
 use super::parts::{Bake, Map};
 use super::source::{Reading, read};
 use crate::base::glsl::constants::FILE_PREFIX;
-use crate::base::names::Listed;
 use crate::base::pixels::RgbImage;
 use crate::instrument::environment::layout::LAYOUTS;
 use crate::instrument::precompute::given::{CENTRES, Given, GivenMap, GivenTable, OWN};
@@ -78,7 +77,7 @@ impl<'v> Opened<'v> {
         let name = preset
             .or(bake.stated.preset.as_deref())
             .unwrap_or(PRESETS[0].name);
-        let preset = Preset::parse(name).map_err(|fault| format!("{value}: {fault}"))?;
+        let preset = Preset::open(name, dir).map_err(|fault| format!("{value}: {fault}"))?;
         let mut convention = preset.convention();
         convention.alphas = bake.stated.alphas.clone().or(convention.alphas);
         Ok(Some(Self {
@@ -194,7 +193,7 @@ fn converted(faces: &[RgbImage], convention: &Convention) -> Vec<[f32; 4]> {
         let centre = DVec2::new((index % side).into(), (index / side % side).into()) + 0.5;
         // Orientations of a cube map texel centres to texel centres.
         let world = (layout.direction)(index / (side * side), centre / f64::from(side));
-        let (face, uv) = (layout.place)(convention.axes.to_file(world));
+        let (face, uv) = (layout.face_uv)(convention.axes.to_file(world));
         let [x, y] = pixel(uv, side);
         let [r, g, b] = faces[face as usize]
             .get(x, y)

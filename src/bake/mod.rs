@@ -5,16 +5,22 @@
 //! directions, levels and channels, [`judge`] scores parts against exact integrals, [`make`] bakes
 //! for engines, [`plain`] for any program.
 
+mod babylon_env;
 pub mod container;
 pub mod convention;
+mod cube_environment;
 pub mod given;
 pub mod judge;
 pub mod make;
+mod map_form;
+mod packed;
 mod parts;
 pub mod paste;
 pub mod plain;
+mod playcanvas_atlas;
 pub mod product;
 pub mod sh;
 pub mod source;
 
-pub use parts::{Bake, Map, Stated, TexelOrder};
+pub use cube_environment::ENVIRONMENT_FORMATS;
+pub use parts::{Bake, FileWarning, Map, Stated, TexelOrder};

@@ -4,6 +4,7 @@ use super::sh::Coefficients;
 use crate::base::pixels::RgbImage;
 use crate::instrument::environment::layout::MapLayout;
 use serde::{Deserialize, Serialize};
+use std::path::{Path, PathBuf};
 
 /// A map of radiance or irradiance.
 #[derive(Clone, Debug)]
@@ -77,6 +78,27 @@ pub struct Bake {
     pub dfg: Option<RgbImage>,
     pub sh: Option<Coefficients>,
     pub stated: Stated,
+    /// What reading changed or ignored.
+    pub warnings: Vec<FileWarning>,
+}
+
+/// A warning of a file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FileWarning {
+    pub path: PathBuf,
+    /// One sentence.
+    pub text: String,
+}
+
+impl Bake {
+    /// Adds the warnings of a file.
+    pub(super) fn warn(&mut self, path: &Path, warnings: Vec<String>) {
+        self.warnings
+            .extend(warnings.into_iter().map(|text| FileWarning {
+                path: path.to_owned(),
+                text,
+            }));
+    }
 }
 
 /// Conventions stated in the manifest of `splitsum bake`, or in the metadata of its KTX files.
@@ -95,6 +117,12 @@ pub struct Stated {
 pub const KEY: &str = "splitsum.";
 
 impl Stated {
+    /// States the conventions of an engine's own file, unless something stated others before.
+    pub(super) fn state(&mut self, preset: &str, alphas: Option<Vec<f64>>) {
+        self.preset.get_or_insert_with(|| preset.to_owned());
+        self.alphas = self.alphas.take().or(alphas);
+    }
+
     /// Takes statements of a file's metadata that nothing stated before.
     pub(super) fn add(&mut self, keys: &[(String, String)]) {
         let value = |name: &str| {

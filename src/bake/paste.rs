@@ -3,7 +3,7 @@
 use crate::base::names::Listed;
 use crate::base::pixels::Pixels;
 use crate::instrument::brdf::{Brdf, Ggx, MaskingShadowing};
-use crate::instrument::precompute::prefilter::{Kernel, LevelMapping};
+use crate::instrument::precompute::prefilter::{Kernel, LevelSpacing};
 use crate::instrument::precompute::taps::{Chain, TapCount, TapTable};
 use half::f16;
 use ruzstd::decoding::StreamingDecoder;
@@ -37,10 +37,32 @@ static FITTED: [(&str, &[u8]); 8] = fitted![
 pub fn taps(
     kernel: Kernel,
     masking: MaskingShadowing,
-    mapping: &'static LevelMapping,
-    level_count: u32,
+    spacing: LevelSpacing,
     count: TapCount,
 ) -> Pixels<[f32; 4]> {
+    match fitted(kernel, masking, &spacing, count) {
+        Some(packed) => unpacked(packed, count),
+        None => {
+            let chain = Chain::spaced(kernel, spacing);
+            TapTable::fit(&chain, kernel.brdf, masking, count).texels
+        }
+    }
+}
+
+/// The fitted table of these levels, packed, if there is one.
+fn fitted(
+    kernel: Kernel,
+    masking: MaskingShadowing,
+    spacing: &LevelSpacing,
+    count: TapCount,
+) -> Option<&'static [u8]> {
+    let LevelSpacing::Mapped {
+        mapping,
+        level_count,
+    } = spacing
+    else {
+        return None;
+    };
     let name = format!(
         "{}-{}-{}-{}-{level_count}",
         count.word(),
@@ -48,17 +70,11 @@ pub fn taps(
         kernel.weight.name,
         mapping.name
     );
-    let fitted = FITTED
+    let known = FITTED
         .iter()
         .filter(|_| kernel.brdf.name() == Ggx.name())
         .find(|(fitted, _)| *fitted == name);
-    match fitted {
-        Some((_, packed)) => unpacked(packed, count),
-        None => {
-            let chain = Chain::new(kernel, mapping, level_count);
-            TapTable::fit(&chain, kernel.brdf, masking, count).texels
-        }
-    }
+    known.map(|(_, packed)| *packed)
 }
 
 /// Unpacks a fitted table.

@@ -11,11 +11,11 @@ use super::source::MANIFEST;
 use crate::base::files::{RECORD_BYTES_MAX, names_in, read_text};
 use crate::base::math::harmonics::Harmonics;
 use crate::base::names::Listed;
-use crate::base::pixels::{Fault, Pixels, PixelsError, exr};
+use crate::base::pixels::{Content, Fault, Pixels, PixelsError, exr};
 use crate::instrument::brdf::{Brdf, MaskingShadowing};
 use crate::instrument::environment::Environment;
 use crate::instrument::environment::layout::MapLayout;
-use crate::instrument::precompute::prefilter::{Kernel, harmonic};
+use crate::instrument::precompute::prefilter::{Kernel, LevelSpacing, harmonic};
 use crate::instrument::precompute::sh9::reference::project_bilinear;
 use crate::instrument::precompute::taps::TapCount;
 use crate::instrument::precompute::{PrecomputeSettings, exact_quadrature};
@@ -74,7 +74,7 @@ impl Baking<'_> {
     /// the levels of an earlier bake, which may have more of them.
     pub fn bake(&self, out: &Path) -> Result<Vec<PathBuf>, PixelsError> {
         std::fs::create_dir_all(out).map_err(|error| {
-            Fault::new(format!("cannot be created ({error})"), "a folder").at(out)
+            Fault::new(format!("cannot be created ({error})"), "a folder").in_file(out)
         })?;
         self.remove_earlier(out)?;
         let settings = &self.settings;
@@ -90,8 +90,8 @@ impl Baking<'_> {
         let irradiance = harmonic::texels(&harmonics, &cosine, settings.layout, size);
         files.image(
             "irradiance_over_pi.exr",
+            Content::Radiance,
             &faces(settings.layout, size, irradiance),
-            &["R", "G", "B"],
         )?;
         for brdf in self.brdfs {
             self.bake_levels(*brdf, &harmonics, &mut files)?;
@@ -107,7 +107,8 @@ impl Baking<'_> {
         let manifest = read_text(&out.join(MANIFEST), RECORD_BYTES_MAX).unwrap_or_default();
         if serde_json::from_str::<Stated>(&manifest).is_ok_and(|stated| stated.preset.is_some()) {
             return Err(
-                Fault::new("has the files of `bake --for`", "a new or an empty folder").at(out),
+                Fault::new("has the files of `bake --for`", "a new or an empty folder")
+                    .in_file(out),
             );
         }
         let prefixes: Vec<String> = self
@@ -120,7 +121,7 @@ impl Baking<'_> {
             if name == MANIFEST || is_level {
                 let path = out.join(name);
                 std::fs::remove_file(&path).map_err(|error| {
-                    Fault::new(format!("cannot be replaced ({error})"), "a file").at(&path)
+                    Fault::new(format!("cannot be replaced ({error})"), "a file").in_file(&path)
                 })?;
             }
         }
@@ -163,8 +164,8 @@ impl Baking<'_> {
             };
             files.image(
                 &format!("prefiltered_{}_{level}.exr", brdf.name()),
+                Content::Radiance,
                 &faces(layout, size, texels),
-                &["R", "G", "B"],
             )?;
         }
         Ok(())
@@ -175,19 +176,22 @@ impl Baking<'_> {
         let name = brdf.name();
         let table = dfg(brdf, self.masking, &TABLE_AXES[0], self.settings.dfg_size)
             .map(|[a, b, _]| [a, b, 0.0, 0.0]);
-        // Viewers show nothing for channels named A and B.
-        files.image(&format!("dfg_{name}.exr"), &table, &["R", "G"])?;
+        // Viewers show nothing for channels named A and B, and ffmpeg refuses two channels.
+        files.image(&format!("dfg_{name}.exr"), Content::Data, &table)?;
         for count in TapCount::ALL {
             let word = count.word();
             let taps = paste::taps(
                 self.kernel(brdf),
                 self.masking,
-                self.settings.level_mapping,
-                self.settings.prefilter_level_count,
+                LevelSpacing::Mapped {
+                    mapping: self.settings.level_mapping,
+                    level_count: self.settings.prefilter_level_count,
+                },
                 count,
             );
-            files.image(
+            files.channels(
                 &format!("taps_{word}_{name}.exr"),
+                Content::Data,
                 &taps,
                 &["R", "G", "B", "A"],
             )?;
@@ -203,7 +207,7 @@ impl Baking<'_> {
             .collect();
         json!({
             "version": format!("splitsum {}", env!("CARGO_PKG_VERSION")),
-            "environment": self.environment.name,
+            "environment": self.environment.file_name(),
             "environment_hash": self.environment.hash,
             "masking_shadowing": self.masking.name(),
             "layout": settings.layout.name,
@@ -251,10 +255,21 @@ impl Files<'_> {
         self.bytes(name, format!("{value:#}\n").as_bytes())
     }
 
-    /// Writes the first channels of an image by these names.
+    /// Writes red, green and blue of an image.
     fn image(
         &mut self,
         name: &str,
+        content: Content,
+        texels: &Pixels<[f32; 4]>,
+    ) -> Result<(), PixelsError> {
+        self.channels(name, content, texels, &["R", "G", "B"])
+    }
+
+    /// Writes the first channels of an image by these names.
+    fn channels(
+        &mut self,
+        name: &str,
+        content: Content,
         texels: &Pixels<[f32; 4]>,
         channels: &[&str],
     ) -> Result<(), PixelsError> {
@@ -263,7 +278,7 @@ impl Files<'_> {
             .iter()
             .enumerate()
             .map(|(i, name)| ((*name).to_owned(), texels.map(|texel| texel[i])));
-        exr::write_channels(&path, channels.collect())?;
+        exr::write_channels(&path, content, channels.collect())?;
         self.paths.push(path);
         Ok(())
     }
@@ -277,7 +292,7 @@ fn faces(layout: &MapLayout, [width, height]: [u32; 2], texels: Vec<[f32; 4]>) -
 fn sh9(environment: &Environment) -> serde_json::Value {
     let radiance = project_bilinear(&exact_quadrature(&environment.image));
     json!({
-        "environment": environment.name,
+        "environment": environment.file_name(),
         "environment_hash": environment.hash,
         "basis": "real spherical harmonics of the world direction (y up), no Condon-Shortley sign",
         "order": [

@@ -1,6 +1,7 @@
 //! Output for each engine as data ([`super::convention::PRESETS`]).
 
 use super::container::Texel;
+use super::map_form::MapForm;
 use super::paste::{TAPS, code};
 use super::source::MANIFEST;
 use crate::base::names::{Listed, not_one_of};
@@ -29,6 +30,9 @@ pub struct Product {
     pub sh: Option<&'static str>,
     /// Default pixel format of the cubes.
     pub texel: &'static str,
+    /// Pixel formats that the container holds but the engine does not draw.
+    #[serde(borrow = "'static")]
+    pub excluded_texels: Vec<&'static str>,
     /// Whether KTX 2 levels are compressed by zstd.
     pub is_packed: bool,
     /// Side down to which levels halve by default, texels; two levels at least.
@@ -54,6 +58,7 @@ impl Default for Product {
             language: "GLSL",
             sh: None,
             texel: "rgba16f",
+            excluded_texels: Vec::new(),
             is_packed: false,
             last_side: LAST_SIDE,
             level_count: None,
@@ -68,6 +73,9 @@ impl Product {
         self.check_names()?;
         self.check_extensions()?;
         Texel::parse(self.texel).map_err(|fault| format!("texel: {fault}"))?;
+        for name in &self.excluded_texels {
+            Texel::parse(name).map_err(|fault| format!("excluded_texels: {fault}"))?;
+        }
         if code(self.language, "split-sum-two").is_none() {
             let known = ["GLSL", "HLSL", "WGSL"];
             let fault = not_one_of("shading language", self.language, &known, "");
@@ -128,6 +136,13 @@ impl Product {
             check_extension("tables", name, &["exr", "ktx2", "dds", "png"])?;
         }
         Ok(())
+    }
+
+    /// Returns the default pixel format.
+    pub fn texel(&self) -> &'static Texel {
+        let texels = MapForm::of(self.specular).texels();
+        let named = texels.iter().find(|texel| texel.name == self.texel);
+        named.copied().unwrap_or(texels[0])
     }
 
     /// Returns the number of levels of faces with this side.

@@ -17,29 +17,59 @@ pub struct Coefficients {
     pub factors: [f64; COUNT],
 }
 
-/// Reads `.json` as ours and other text as cmgen's.
-pub fn read(path: &Path) -> Result<Coefficients, PixelsError> {
+/// Reads `.json` as ours and other text as cmgen's. Numbers alone are read as cmgen's, with a
+/// warning.
+pub fn read(path: &Path, warnings: &mut Vec<String>) -> Result<Coefficients, PixelsError> {
     let text = read_text(path, TEXT_BYTES_MAX).map_err(|error| {
         Fault::new(
             format!("cannot be read ({error})"),
             "a text of nine coefficients",
         )
-        .at(path)
+        .in_file(path)
     })?;
-    parse(path, &text)
+    let found = parse(path, &text)?;
+    if is_bare(path, &text) {
+        warnings.push(
+            "its numbers have no comment; they are read as cmgen's, which multiply polynomials in \
+             irradiance over pi"
+                .to_owned(),
+        );
+    }
+    Ok(found)
+}
+
+fn is_json(path: &Path) -> bool {
+    path.extension()
+        .is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
+}
+
+/// Whether a text has numbers but no words.
+fn is_bare(path: &Path, text: &str) -> bool {
+    let is_word = |word: &str| word.chars().any(char::is_alphabetic) && number(word).is_none();
+    !is_json(path) && !words_of(text).any(is_word)
+}
+
+/// Splits a text at all that is not part of a number or a word.
+fn words_of(text: &str) -> impl Iterator<Item = &str> {
+    text.split(|c: char| !(c.is_alphanumeric() || matches!(c, '.' | '+' | '-' | '_')))
+        .filter(|word| !word.is_empty())
+}
+
+/// Parses a number, which may end in the f of a literal.
+fn number(word: &str) -> Option<f64> {
+    word.trim_end_matches('f').parse().ok()
 }
 
 /// Parses the text of the file at `path`.
 pub fn parse(path: &Path, text: &str) -> Result<Coefficients, PixelsError> {
-    let is_json = path
-        .extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("json"));
-    let found = if is_json {
+    let found = if is_json(path) {
         from_json(text)
+    } else if is_bare(path, text) {
+        from_numbers(text)
     } else {
         from_cmgen(text)
     };
-    found.map_err(|fault| fault.at(path))
+    found.map_err(|fault| fault.in_file(path))
 }
 
 fn from_json(text: &str) -> Result<Coefficients, Fault> {
@@ -79,14 +109,39 @@ fn from_cmgen(text: &str) -> Result<Coefficients, Fault> {
         };
         found.push(triple);
     }
-    let count = found.len();
-    let scaled = Sh9::try_from(found)
-        .map_err(|_| Fault::new(format!("it has {count} coefficients"), EXPECTED))?;
+    from_scaled(found, EXPECTED)
+}
+
+/// Parses nine triples of numbers without a word.
+fn from_numbers(text: &str) -> Result<Coefficients, Fault> {
+    const EXPECTED: &str = "nine triples of red, green and blue";
+    let numbers: Vec<f64> = words_of(text).filter_map(number).collect();
+    let (triples, rest) = numbers.as_chunks::<3>();
+    if !rest.is_empty() || numbers.len() != words_of(text).count() {
+        let what = format!("it has {} numbers", numbers.len());
+        return Err(Fault::new(what, EXPECTED));
+    }
+    from_scaled(
+        triples.iter().map(|rgb| DVec3::from_array(*rgb)).collect(),
+        EXPECTED,
+    )
+}
+
+/// Takes factors of cmgen's polynomials, such as `3 z² - 1`, in irradiance over π.
+pub fn from_irradiance_terms(scaled: Sh9) -> Coefficients {
     let factors = prescaled();
-    finite(Coefficients {
+    Coefficients {
         radiance: std::array::from_fn(|k| scaled[k] / factors[k]),
         factors,
-    })
+    }
+}
+
+/// Divides by the factors of cmgen.
+fn from_scaled(found: Vec<DVec3>, expected: &str) -> Result<Coefficients, Fault> {
+    let count = found.len();
+    let scaled = Sh9::try_from(found)
+        .map_err(|_| Fault::new(format!("it has {count} coefficients"), expected))?;
+    finite(from_irradiance_terms(scaled))
 }
 
 /// Parses the numbers of a line that starts with `(r, g, b)`.

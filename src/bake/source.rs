@@ -4,6 +4,7 @@
 //! image is a DFG table; text is SH. `irradiance=FILE` and so on override this.
 
 use super::container::{FACE_COUNT, FORMATS, Texture, read_texture};
+use super::packed::{self, Packed};
 use super::parts::{Bake, Manifest, Map};
 use super::sh;
 use crate::base::files::{RECORD_BYTES_MAX, inside, names_in, read_text};
@@ -77,7 +78,7 @@ fn part_and_path(file: &str) -> Result<(Option<Part>, PathBuf), PixelsError> {
                 .collect();
             Err(
                 Fault::new("is neither a file nor a part of a bake", known.join(", "))
-                    .at(Path::new(file)),
+                    .in_file(Path::new(file)),
             )
         }
         None => Ok((None, file.into())),
@@ -92,8 +93,15 @@ fn once<T>(part: &mut Option<T>, value: T, what: &str, path: &Path) -> Result<()
             format!("is the second {what} of this bake"),
             "one; check them separately",
         )
-        .at(path)),
+        .in_file(path)),
     }
+}
+
+fn add_sh(bake: &mut Bake, path: &Path) -> Result<(), PixelsError> {
+    let mut warnings = Vec::new();
+    let found = sh::read(path, &mut warnings)?;
+    bake.warn(path, warnings);
+    once(&mut bake.sh, found, "SH", path)
 }
 
 fn add_file(
@@ -107,19 +115,29 @@ fn add_file(
         .map(|extension| extension.to_string_lossy().to_lowercase());
     let is_text = matches!(extension.as_deref(), Some("txt" | "json"));
     if part == Some(Part::Sh) || (part.is_none() && is_text) {
-        return once(&mut bake.sh, sh::read(path)?, "SH", path);
+        return add_sh(bake, path);
     }
-    let Texture { levels, keys, .. } = read_texture(path)?;
+    let is_map = part == Some(Part::Specular);
+    if let Some(found) = packed::read(path, part.is_none() || is_map, is_map)? {
+        return add_packed(bake, found, path);
+    }
+    let Texture {
+        levels,
+        keys,
+        warnings,
+        ..
+    } = read_texture(path)?;
     bake.stated.add(&keys);
+    bake.warn(path, warnings);
     let first = &levels[0][0];
     let is_square_image = levels[0].len() == 1 && first.width == first.height;
     let is_table = part.is_none() && is_square_image && reading.layout.is_none();
     if part == Some(Part::Dfg) || is_table {
-        let table = table(levels).map_err(|fault| fault.at(path))?;
+        let table = table(levels).map_err(|fault| fault.in_file(path))?;
         return once(&mut bake.dfg, table, "DFG table", path);
     }
     let is_cube = levels[0].len() == FACE_COUNT;
-    let map = map(levels, reading.layout).map_err(|fault| fault.at(path))?;
+    let map = map(levels, reading.layout).map_err(|fault| fault.in_file(path))?;
     // A single level in a cube or container is irradiance.
     let is_irradiance = match part {
         Some(part) => part == Part::Irradiance,
@@ -129,6 +147,18 @@ fn add_file(
         return once(&mut bake.irradiance, map, "irradiance map", path);
     }
     add_levels(&mut bake.specular, map, path)
+}
+
+fn add_packed(bake: &mut Bake, found: Packed, path: &Path) -> Result<(), PixelsError> {
+    once(&mut bake.specular, found.specular, "prefiltered map", path)?;
+    if let Some(irradiance) = found.irradiance {
+        once(&mut bake.irradiance, irradiance, "irradiance map", path)?;
+    }
+    if let Some(sh) = found.sh {
+        once(&mut bake.sh, sh, "SH", path)?;
+    }
+    bake.stated.state(found.preset, found.alphas);
+    Ok(())
 }
 
 /// Returns the image of a DFG table.
@@ -184,7 +214,7 @@ fn add_levels(specular: &mut Option<Map>, map: Map, path: &Path) -> Result<(), P
                     format!("its level is {width} wide, the one before {before}"),
                     "levels from the smoothest, the widest, on",
                 )
-                .at(path));
+                .in_file(path));
             }
             chain.levels.extend(map.levels);
             Ok(())
@@ -228,7 +258,7 @@ fn read_folder(
         .iter()
         .find(|(_, known)| part == Some(*known) && matches!(known, Part::Dfg | Part::Sh))
     {
-        return Err(Fault::new("is a folder", format!("a file for {name}=")).at(path));
+        return Err(Fault::new("is a folder", format!("a file for {name}=")).in_file(path));
     }
     if names.iter().any(|name| name == MANIFEST) {
         return read_ours(path, &names, reading, bake);
@@ -252,7 +282,7 @@ fn read_folder(
     }
     add_faces(bake, path, part)?;
     if names.iter().any(|name| name == "sh.txt") {
-        once(&mut bake.sh, sh::read(&path.join("sh.txt"))?, "SH", path)?;
+        add_sh(bake, &path.join("sh.txt"))?;
     }
     Ok(())
 }
@@ -310,7 +340,7 @@ impl FaceFolder<'_> {
             "one file a face, m0_px.exr, m0_nx.exr, ... of each level from 0, or the folder of \
              splitsum bake",
         )
-        .at(self.path)
+        .in_file(self.path)
     }
 
     /// Reads a face; faces come in order.
@@ -369,7 +399,7 @@ fn read_face(file: &Path, side: Option<u32>) -> Result<RgbImage, PixelsError> {
             format!("{level_count} levels")
         };
         let what = format!("it is {levels} of {width}x{height}");
-        return Err(Fault::new(what, format!("one square face of {side}x{side}")).at(file));
+        return Err(Fault::new(what, format!("one square face of {side}x{side}")).in_file(file));
     }
     Ok(texture.levels.swap_remove(0).swap_remove(0))
 }
@@ -389,7 +419,8 @@ fn read_ours(
         prefilter_alphas: Vec<f64>,
     }
     let manifest = path.join(MANIFEST);
-    let refuse = |what: String| Fault::new(what, "the bake.json of splitsum bake").at(&manifest);
+    let refuse =
+        |what: String| Fault::new(what, "the bake.json of splitsum bake").in_file(&manifest);
     let not_read = |error: serde_json::Error| refuse(format!("cannot be read ({error})"));
     let text = read_text(&manifest, RECORD_BYTES_MAX)
         .map_err(|error| refuse(format!("cannot be read ({error})")))?;
@@ -436,7 +467,7 @@ fn read_engines(
         let what = format!("its model is {}", file.brdf);
         return Err(
             Fault::new(what, format!("{}; --brdf selects another", reading.brdf))
-                .at(&path.join(MANIFEST)),
+                .in_file(&path.join(MANIFEST)),
         );
     }
     let maps = [
@@ -447,8 +478,9 @@ fn read_engines(
         .into_iter()
         .filter_map(|(name, part)| Some((name?, part)));
     let named = |name: &str| {
-        inside(path, name)
-            .map_err(|what| Fault::new(what, "files beside bake.json").at(&path.join(MANIFEST)))
+        inside(path, name).map_err(|what| {
+            Fault::new(what, "files beside bake.json").in_file(&path.join(MANIFEST))
+        })
     };
     // One table format is enough.
     let table = file.tables.first().map(|name| (name, Part::Dfg));

@@ -175,3 +175,6 @@ impl Chromaticities {
         .all(|(a, b)| (*a - *b).abs().max_element() <= 1e-3)
     }
 }
+
+#[cfg(test)]
+mod tests;

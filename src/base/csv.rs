@@ -14,6 +14,13 @@ use std::path::{Path, PathBuf};
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
     Text(String),
+    /// A number in words, with its unit or its interval: "12 (95 % 8.1 to 17)".
+    Quantity(String),
+    /// The code name of an entry of a list: the name is for files, the label for readers.
+    Named {
+        name: String,
+        label: String,
+    },
     Number(f64),
     Integer(u64),
     Missing,
@@ -49,7 +56,9 @@ impl<T: Into<Cell>> From<Option<T>> for Cell {
 impl Cell {
     fn field(&self) -> String {
         match self {
-            Self::Text(text) => text.clone(),
+            Self::Text(text) | Self::Quantity(text) | Self::Named { name: text, .. } => {
+                text.clone()
+            }
             Self::Number(number) => shortest(*number),
             Self::Integer(integer) => integer.to_string(),
             Self::Missing => String::new(),
@@ -304,3 +313,6 @@ fn file_error(path: &Path, source: std::io::Error) -> TableError {
         source,
     }
 }
+
+#[cfg(test)]
+mod tests;

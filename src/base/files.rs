@@ -123,24 +123,12 @@ pub fn relative(from: &Path, to: &Path) -> String {
         (true, Some(parent), Some(name)) => whole(parent).join(name),
         _ => whole(to),
     };
-    let from = whole(from);
-    let common = from
-        .components()
-        .zip(to.components())
-        .take_while(|(a, b)| a == b)
-        .count();
-    if common == 0 {
+    let Some(path) = pathdiff::diff_paths(&to, whole(from)) else {
         return to.display().to_string();
+    };
+    if path.as_os_str().is_empty() {
+        return ".".to_owned();
     }
-    let up = from.components().skip(common).map(|_| "..".to_owned());
-    let down = to
-        .components()
-        .skip(common)
-        .map(|part| part.as_os_str().to_string_lossy().into_owned());
-    let parts: Vec<String> = up.chain(down).collect();
-    if parts.is_empty() {
-        ".".to_owned()
-    } else {
-        parts.join("/")
-    }
+    let parts: Vec<_> = path.iter().map(|part| part.to_string_lossy()).collect();
+    parts.join("/")
 }

@@ -74,3 +74,6 @@ pub fn short_number(text: &str) -> Cow<'_, str> {
         text.into()
     }
 }
+
+#[cfg(test)]
+mod tests;

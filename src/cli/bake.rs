@@ -1,5 +1,6 @@
 //! `splitsum bake`: precomputed tables as files.
 
+use super::completed::listed;
 use super::shared::{InputFlags, preset};
 use super::{Failure, print, progress};
 use clap::Args;
@@ -43,8 +44,17 @@ pub struct Arguments {
     #[arg(long = "for", value_name = "ENGINE", long_help = engines_help(), value_parser = parse_engine)]
     engine: Option<&'static Preset>,
     /// Set the pixel format of --for's cubes: rgba16f, rgba32f, rgb9e5, ...
-    #[arg(long, value_name = "NAME", requires = "engine", value_parser = Texel::parse)]
+    #[arg(
+        long,
+        value_name = "NAME",
+        requires = "engine",
+        value_parser = listed::<Texel>(),
+        hide_possible_values = true,
+    )]
     format: Option<&'static Texel>,
+    /// Fail if the pixel format cuts or rounds a level so that a warning names it.
+    #[arg(long, requires = "engine")]
+    fail_on_loss: bool,
 }
 
 fn parse_engine(text: &str) -> Result<&'static Preset, String> {
@@ -134,7 +144,16 @@ fn execute_for(
     making.check().map_err(Failure::input)?;
     progress::phase("baking");
     let baked = make::make(&making, &arguments.out).map_err(Failure::input)?;
-    report(&baked)
+    report(&baked)?;
+    let lossy: Vec<String> = baked
+        .levels
+        .iter()
+        .filter_map(|level| Some(format!("{}: {}", level.part, level.loss?)))
+        .collect();
+    if arguments.fail_on_loss && !lossy.is_empty() {
+        return Err(Failure::failed(lossy.join("\n")));
+    }
+    Ok(())
 }
 
 /// Refuses axes that the engine determines.
@@ -188,17 +207,17 @@ fn making<'e>(
     Ok(making)
 }
 
+/// Smallest bias of a level that the summary mentions.
+const BIAS_MENTIONED: f64 = 1e-3;
+
 /// Prints the files and how exact they are.
 fn report(baked: &Baked) -> Result<(), Failure> {
     for path in &baked.files {
         print(&format!("{}\n", path.display()))?;
     }
     for level in &baked.levels {
-        if let Some(why) = &level.why {
-            super::warn(
-                &format!("level {}", level.name),
-                &format!("relmse {:.1e}: {why}", level.relmse),
-            );
+        if let Some(loss) = &level.loss {
+            super::warn(&level.part.to_string(), &loss.to_string());
         }
     }
     let LastBetween {
@@ -216,14 +235,24 @@ fn report(baked: &Baked) -> Result<(), Failure> {
         .iter()
         .map(|level| level.relmse)
         .fold(0.0, f64::max);
+    let bias = baked
+        .levels
+        .iter()
+        .map(|level| level.bias_rel.abs())
+        .fold(0.0, f64::max);
+    let light = if bias > BIAS_MENTIONED {
+        format!(" and {:.2} % of its light", 100.0 * bias)
+    } else {
+        String::new()
+    };
     let table = match baked.table_error {
         None => String::new(),
         Some(0.0) => ", the table is exact".to_owned(),
         Some(error) => format!(", the table is within {error:.0e}"),
     };
     print(&format!(
-        "As written, every level is within relmse {worst:.1e} of its integral; lookups between \
-         the texels of the last level are within {between:.1e}{table}.\n"
+        "As written, every level is within relmse {worst:.1e}{light} of its integral; lookups \
+         between the texels of the last level are within {between:.1e}{table}.\n"
     ))
 }
 

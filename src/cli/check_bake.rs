@@ -1,9 +1,10 @@
 //! `splitsum check-bake`: how wrong a bake is.
 
+use super::completed::listed;
 use super::shared::{InputFlags, preset};
 use super::{Failure, print, print_data, progress};
 use clap::Args;
-use splitsum::bake::convention::{Axes, PRESETS, Preset, TableAxes, TableChannels};
+use splitsum::bake::convention::{ALPHA_MAX, Axes, PRESETS, Preset, TableAxes, TableChannels};
 use splitsum::bake::judge::level::LevelScore;
 use splitsum::bake::judge::{Clause, GOOD, Judged, Judging, Limits, Part, as_json, joined};
 use splitsum::bake::source::{Reading, read};
@@ -48,7 +49,12 @@ pub struct Arguments {
     #[arg(long, value_parser = Axes::parse, allow_hyphen_values = true)]
     axes: Option<Axes>,
     /// Set the roughness of each level (`splitsum list level-mappings`).
-    #[arg(long, value_name = "NAME", value_parser = LevelMapping::parse)]
+    #[arg(
+        long,
+        value_name = "NAME",
+        value_parser = listed::<LevelMapping>(),
+        hide_possible_values = true,
+    )]
     level_mapping: Option<&'static LevelMapping>,
     /// Set the width alpha of each level, such as 0,0.0625,0.25,1.
     #[arg(long, value_name = "LIST", value_delimiter = ',', value_parser = alpha)]
@@ -63,19 +69,45 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME", value_parser = TableAxes::parse)]
     table_axes: Option<&'static TableAxes>,
     /// Set the table's channels: scale-bias, bias-scale or bias-albedo.
-    #[arg(long, value_name = "NAME", value_parser = TableChannels::parse)]
+    #[arg(
+        long,
+        value_name = "NAME",
+        value_parser = listed::<TableChannels>(),
+        hide_possible_values = true,
+    )]
     table_channels: Option<&'static TableChannels>,
     /// Set the DFG table's masking-shadowing.
-    #[arg(long, value_name = "NAME", value_parser = MaskingShadowing::parse)]
+    #[arg(
+        long,
+        value_name = "NAME",
+        value_parser = listed::<MaskingShadowing>(),
+        hide_possible_values = true,
+    )]
     masking: Option<&'static MaskingShadowing>,
     /// Set the map's weight (`splitsum list prefilter-weights`).
-    #[arg(long, value_name = "NAME", value_parser = Weight::parse)]
+    #[arg(
+        long,
+        value_name = "NAME",
+        value_parser = listed::<Weight>(),
+        hide_possible_values = true,
+    )]
     weight: Option<&'static Weight>,
     /// Set the baked model.
-    #[arg(long, value_name = "NAME", default_value = "ggx", value_parser = <dyn Brdf>::parse)]
+    #[arg(
+        long,
+        value_name = "NAME",
+        default_value = "ggx",
+        value_parser = listed::<dyn Brdf>(),
+        hide_possible_values = true,
+    )]
     brdf: &'static dyn Brdf,
     /// Set the layout of images that are neither lat-long nor six faces in a column.
-    #[arg(long, value_name = "NAME", value_parser = MapLayout::parse)]
+    #[arg(
+        long,
+        value_name = "NAME",
+        value_parser = listed::<MapLayout>(),
+        hide_possible_values = true,
+    )]
     layout: Option<&'static MapLayout>,
     /// Print JSON.
     #[arg(long)]
@@ -105,6 +137,10 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         brdf: arguments.brdf.name(),
     };
     let bake = read(&arguments.files, reading).map_err(Failure::input)?;
+    for warning in &bake.warnings {
+        let name = warning.path.display().to_string();
+        super::warn(&name, &super::with_guide(&warning.text));
+    }
     let has_map = has_map(&bake);
     check_limits(&arguments.limits, &bake)?;
     // The light does not reach a DFG table.
@@ -216,8 +252,9 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 fn alpha(text: &str) -> Result<f64, String> {
-    let number = text.parse::<f64>().ok().filter(|x| (0.0..=1.0).contains(x));
-    number.ok_or_else(|| format!("{text} is outside [0, 1]"))
+    let widths = 0.0..=ALPHA_MAX;
+    let number = text.parse::<f64>().ok().filter(|x| widths.contains(x));
+    number.ok_or_else(|| format!("{text} is outside [0, {ALPHA_MAX}]"))
 }
 
 fn as_text(judged: &Judged) -> String {
@@ -273,6 +310,11 @@ fn maps_as_text(judged: &Judged) -> String {
     let mut text = String::new();
     if !rows.is_empty() {
         text += &table_of_maps(&rows).to_string();
+    }
+    for MapRow { name, score } in &rows {
+        if let Some(texels) = score.negative {
+            text += &format!("Level {name}: {texels}\n");
+        }
     }
     if let Some(MapRow { name, score }) = worst {
         let worst = &score.worst;
@@ -346,6 +388,30 @@ fn shortened(mut clauses: Vec<Clause>) -> String {
             return line;
         }
     }
-    // The detail of a long list is in a line above.
-    format!("{}; ...", first.without_detail())
+    // A single clause may take several lines; its flag comes last.
+    let rest = if clauses.len() > 1 { "; ..." } else { "" };
+    wrapped(&format!("{first}{rest}"))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The flag behind the last ": " of a single long clause.
+    #[test]
+    fn a_long_first_clause_keeps_its_flag() {
+        let flag = format!("--alphas {}", ["0.1234"; 12].join(","));
+        let long = Clause::detailed("wrong: each level has the width of the next one", &flag);
+        let line = shortened(vec![long, Clause::new("nothing else")]);
+        assert!(
+            line.replace("\n    ", " ")
+                .ends_with(&format!("{flag}; ..."))
+        );
+        assert!(
+            line.lines().all(|line| line.chars().count() <= WIDTH),
+            "{line}"
+        );
+        let short = shortened(vec![Clause::new("good"), Clause::new("x".repeat(WIDTH))]);
+        assert_eq!(short, "Verdict: good; ...");
+    }
 }

@@ -1,5 +1,6 @@
 //! `splitsum check-shader`: how wrong a function of a shader is.
 
+use super::completed::listed;
 use super::flags::coordinates;
 use super::shared::DeviceFlag;
 use super::{Failure, print, print_data, progress};
@@ -34,7 +35,13 @@ pub struct Arguments {
     #[arg(long, value_name = "NAME", default_value = from_file::FUNCTION, value_parser = entry)]
     entry: String,
     /// Set the lobe's masking-shadowing, and the DFG table's.
-    #[arg(long, value_name = "NAME", default_value = MaskingShadowing::names()[0], value_parser = MaskingShadowing::parse)]
+    #[arg(
+        long,
+        value_name = "NAME",
+        default_value = MaskingShadowing::names()[0],
+        value_parser = listed::<MaskingShadowing>(),
+        hide_possible_values = true,
+    )]
     masking: &'static MaskingShadowing,
     /// Print JSON.
     #[arg(long)]

@@ -97,7 +97,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     log(&format!(
         "relative metrics: mean luminance {}, epsilon {:e}",
         epsilon.mean(),
-        epsilon.beside_square()
+        epsilon.squared_epsilon()
     ));
     let scores = comparison.evaluate_all();
     if arguments.json {

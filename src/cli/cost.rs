@@ -1,7 +1,7 @@
 //! `splitsum cost`, and the hidden command of its child.
 
 use super::flags::AxisFlags;
-use super::shared::{check_out, own_method};
+use super::shared::{check_out, load_file_method};
 use super::{Failure, log, print};
 use clap::builder::ValueParser;
 use clap::{Arg, ArgAction, Args};
@@ -145,7 +145,7 @@ fn points(arguments: &Arguments) -> Result<Vec<Point>, Failure> {
             .collect();
     }
     let point = |method: Value| {
-        own_method(method.text())?;
+        load_file_method(method.text())?;
         let mut point = axes.point();
         point[METHOD] = method;
         if !point.method().has_pass() {

@@ -1,6 +1,7 @@
 //! Flags of `render` and `view`: the view, and one for each axis, made from the list of axes.
 
 use super::Failure;
+use super::completed::Completed;
 use super::shared::{DeviceFlag, InputFlags};
 use clap::builder::ValueParser;
 use clap::{Arg, ArgMatches, Args, Command, Error, FromArgMatches};
@@ -161,7 +162,12 @@ fn flag(named: Named) -> Arg {
         .allow_hyphen_values(
             named.kind().has_negative() || matches!(named.kind(), Kind::Pair { .. }),
         )
-        .value_parser(ValueParser::new(move |text: &str| named.parse_text(text)));
+        // The help has the names of short lists already.
+        .hide_possible_values(true)
+        .value_parser(Completed::new(
+            move |text: &str| named.parse_text(text),
+            named.kind().only_names(),
+        ));
     if named.is_second() {
         arg.conflicts_with(AXES[named.axis].name)
     } else {

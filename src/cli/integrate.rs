@@ -5,7 +5,7 @@ use super::{Failure, log, print_data, progress};
 use clap::Args;
 use splitsum::base::math::quadrature::Tolerance;
 use splitsum::base::names::Listed;
-use splitsum::instrument::brdf::{Brdf, MaskingShadowing, SheenVisibility, WidthLaw};
+use splitsum::instrument::brdf::{Brdf, IOR_MAX, MaskingShadowing, SheenVisibility, WidthLaw};
 use splitsum::instrument::precompute::prefilter::Weight;
 use splitsum::instrument::shade::coat::CoatLayering;
 use splitsum::instrument::shade::reference::TOLERANCE;
@@ -77,9 +77,10 @@ Kinds, their columns (any order; [optional]) and what is added (_r _g _b, then _
   sh9         environment [id] -> l00,l1m1,l10,l11,l2m2,l2m1,l20,l21,l22
               (y up, no Condon-Shortley sign)
 
-Cells: environment is builtin:NAME or an .hdr or .exr file, relative to QUERIES.csv; FILE.exr#NAME
-is a layer. alpha in [{ALPHA_MIN}, 1]; f0 and sheen_color one number or R:G:B in [0, 1]; n, v and r
-unit vectors within 1e-5, y up, v above the horizon of n; id any text, copied; brdf {models}.
+Cells: environment is builtin:NAME or a file (`splitsum list`), relative to QUERIES.csv;
+FILE.exr#NAME is a layer. alpha in [{ALPHA_MIN}, 1]; f0 and sheen_color one number or R:G:B in [0, 1]; ior, in place
+of f0, the index of refraction in [1, {IOR_MAX}]: f0 = ((1 - ior)/(1 + ior))^2; n, v and r unit vectors within 1e-5, y
+up, v above the horizon of n; id any text, copied; brdf {models}.
 The first is the default: masking {maskings};
 weight {weights}; anisotropy_widths {laws};
 coat_layering {layerings}; sheen_visibility {visibilities}.
@@ -114,7 +115,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     .map_err(Failure::input)?;
     queries
         .warnings()
-        .for_each(|(name, warning)| super::warn(name, warning));
+        .for_each(|(name, warning)| super::warn(name, &super::with_guide(warning)));
     if queries.is_empty() {
         return Err(Failure::nothing_to_do(format!(
             "{}: no query below the header",

@@ -2,6 +2,7 @@
 
 use super::{Failure, print, print_data};
 use clap::{Args, ValueEnum};
+use splitsum::bake::ENVIRONMENT_FORMATS;
 use splitsum::base::math::sequence::SEQUENCES;
 use splitsum::base::names::Listed;
 use splitsum::draw::markdown::{Align, MarkdownTable};
@@ -155,7 +156,7 @@ fn environments() -> Vec<(String, String)> {
             entries.push((format!("{name}:{}=", parameter.name), about));
         }
     }
-    for format in FORMATS {
+    for format in FORMATS.iter().chain(ENVIRONMENT_FORMATS) {
         entries.push((
             format!("FILE.{}", format.extension),
             format.about.to_owned(),

@@ -97,12 +97,8 @@ fn missing(arguments: &Arguments, merged: &Merged) -> Option<String> {
             .filter(|more| *more > 0)
             .map(|more| format!("  {more} more")),
     );
-    let clamp = if arguments.inputs.clamp_invalid {
-        " --clamp-invalid"
-    } else {
-        ""
-    };
-    let run = format!("splitsum run {dir}/{EXPERIMENT_FILE}{clamp} --out {dir}");
+    let flags = arguments.inputs.text();
+    let run = format!("splitsum run {dir}/{EXPERIMENT_FILE}{flags} --out {dir}");
     let shards = missing
         .shards
         .iter()

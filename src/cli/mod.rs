@@ -6,6 +6,7 @@ mod cache;
 mod check_bake;
 mod check_shader;
 mod compare;
+mod completed;
 mod cost;
 mod devices;
 mod flags;
@@ -31,6 +32,7 @@ use clap::error::{ContextKind, ContextValue, ErrorKind};
 use clap::{CommandFactory, Parser, Subcommand};
 use splitsum::base::names::{not_listed, not_one_of, printable};
 use splitsum::cost::child::COMMAND;
+use splitsum::instrument::environment::GUIDE;
 use splitsum::run::{RenderFault, RunError};
 use std::error::Error;
 use std::num::ParseIntError;
@@ -358,10 +360,16 @@ fn log(text: &str) {
     let _ = progress::without_bar(|| writeln!(std::io::stderr(), "{}", lines.join("\n")));
 }
 
-fn warn_all(name: &str, warnings: &[String]) {
+/// Prints warnings of an environment or a model.
+fn warn_of_input(name: &str, warnings: &[String]) {
     for warning in warnings {
-        warn(name, warning);
+        warn(name, &with_guide(warning));
     }
+}
+
+/// Adds the page about the ways into the program to a warning of an input.
+fn with_guide(warning: &str) -> String {
+    format!("{warning} ({GUIDE})")
 }
 
 fn warn(name: &str, warning: &str) {

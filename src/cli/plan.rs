@@ -56,7 +56,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         log(&format!("warning: {warning}"));
     }
     let dir = arguments.subject.dir(&plan);
-    let store = Store::at(&dir);
+    let store = Store::read_only(&dir);
     store.check_identity(&plan).map_err(Failure::input)?;
     let states = plan
         .cells
@@ -114,12 +114,15 @@ fn forecast(
         cache.set_device(device);
     }
     let is_kept = |cell: &Cell| {
-        let request = plan.reference_request(&plan.reference_point(&cell.point));
-        cache.as_ref().is_some_and(|cache| is_kept(cache, &request))
+        let request = plan
+            .judge_of(cell)
+            .map(|point| plan.reference_request(&point));
+        let known = cache.as_ref().zip(request);
+        known.is_some_and(|(cache, request)| is_kept(cache, &request))
     };
     let first_of_each: BTreeMap<&str, &Cell> = open
         .iter()
-        .map(|cell| (cell.reference.as_str(), *cell))
+        .filter_map(|cell| Some((cell.reference.as_deref()?, *cell)))
         .collect();
     let kept = first_of_each
         .iter()
@@ -146,7 +149,7 @@ impl Shown<'_> {
             (
                 *count,
                 e.why.as_str(),
-                e.place.words(&self.plan.config.path, &lines),
+                e.location.words(&self.plan.config.path, &lines),
             )
         })
     }
@@ -162,9 +165,13 @@ impl Shown<'_> {
         let mut lines = vec![
             format!("{}: {}", plan.config.name, plan.config.question),
             format!(
-                "{} cells from {radiances} images and {} references; {states} in {}",
+                "{} cells from {radiances} images and {}; {states} in {}",
                 plan.cells.len(),
-                groups.len(),
+                if plan.config.is_scored {
+                    format!("{} references", groups.len())
+                } else {
+                    "no references: they are not scored".to_owned()
+                },
                 dir.display()
             ),
         ];

@@ -1,7 +1,7 @@
 //! `splitsum render`: one image.
 
 use super::flags::{AxisFlag, AxisFlags, ViewFlags};
-use super::shared::{check_out, own_method, scene};
+use super::shared::{check_out, load_file_method, scene};
 use super::{Failure, log, print, progress};
 use clap::Args;
 use splitsum::bake::given;
@@ -108,8 +108,8 @@ fn loaded(
         }
     };
     arguments.view.check(&scene)?;
-    super::warn_all(&environment.name, &environment.warnings);
-    super::warn_all(&scene.name, &scene.warnings);
+    super::warn_of_input(&environment.name, &environment.warnings);
+    super::warn_of_input(&scene.name, &scene.warnings);
     Ok((Arc::new(environment), scene))
 }
 
@@ -140,7 +140,7 @@ fn inputs(arguments: &Arguments) -> impl Iterator<Item = PathBuf> {
 /// count.
 fn point(arguments: &Arguments) -> Result<Point, Failure> {
     let mut point = arguments.axes.point();
-    own_method(point[METHOD].text())?;
+    load_file_method(point[METHOD].text())?;
     if arguments.axes.get(SAMPLES).is_none() && point.method().is_integrated() {
         point[SAMPLES] = Value::Count(Reference::default().samples);
     }

@@ -75,7 +75,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         companions: COMPANIONS,
     };
     let is_whole = arguments.shard.is_none();
-    if let Some(printed) = Store::at(&options.dir)
+    if let Some(printed) = Store::read_only(&options.dir)
         .printed_when_done(&plan)
         .filter(|_| is_whole)
     {
@@ -118,7 +118,9 @@ pub fn command_line() -> Vec<String> {
 /// Prints warnings and handles Ctrl-C.
 fn begin(plan: &Plan) -> Result<Terminal, Failure> {
     let mut progress = Terminal;
-    for warning in plan.inputs.warnings().into_iter().chain(plan.warnings()) {
+    let of_inputs = plan.inputs.warnings();
+    let of_inputs = of_inputs.iter().map(|warning| super::with_guide(warning));
+    for warning in of_inputs.chain(plan.warnings()) {
         progress.note(&format!("warning: {warning}"));
     }
     stop::listen()?;
@@ -151,7 +153,7 @@ pub fn conclude(plan: &Plan, outcome: &Outcome) -> Result<Option<Failure>, Failu
     };
     print(&line)?;
     if failed.is_none() && !outcome.is_stopped {
-        Store::at(&outcome.dir)
+        Store::read_only(&outcome.dir)
             .mark_done(plan, &(printed + &line))
             .map_err(RunError::from)?;
     }

@@ -1,10 +1,10 @@
 //! Flags and checks of several commands.
 
-use super::{Failure, warn_all};
-use clap::Args;
+use super::{Failure, warn_of_input};
+use clap::{Args, ValueEnum};
+use splitsum::bake::ENVIRONMENT_FORMATS;
 use splitsum::bake::convention::Preset;
-use splitsum::base::files::{RECORD_BYTES_MAX, read_text};
-use splitsum::base::names::Listed;
+use splitsum::base::pixels::TexelPosition;
 use splitsum::instrument::environment::{Environment, LoadOptions};
 use splitsum::instrument::pipeline::{DeviceChoice, Options, Pipeline};
 use splitsum::instrument::scene::Scene;
@@ -15,30 +15,68 @@ use std::path::{Path, PathBuf};
 #[derive(Args, Clone, Copy, Debug)]
 pub struct InputFlags {
     /// Set NaN and negative texels of environments to 0, and infinite ones to the largest finite
-    /// value, with a warning.
+    /// value, with a warning. docs/bringing-maps.md names the programs that write such texels.
     #[arg(long)]
     pub clamp_invalid: bool,
+    /// Say where the outermost texel centres of environment files lie: half a texel inside the map
+    /// (centres), or on its edges, as in files of exrenvmap (docs/bringing-maps.md) [default: by the
+    /// format].
+    #[arg(long, value_name = "WHERE", value_enum)]
+    pub texels: Option<Texels>,
+}
+
+/// Names of texel positions.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum Texels {
+    Centres,
+    Edges,
+}
+
+impl From<Texels> for TexelPosition {
+    fn from(texels: Texels) -> Self {
+        match texels {
+            Texels::Centres => Self::Centres,
+            Texels::Edges => Self::Edges,
+        }
+    }
 }
 
 impl InputFlags {
     pub fn options(self) -> LoadOptions {
         LoadOptions {
             clamp_invalid: self.clamp_invalid,
+            texels: self.texels.map(Into::into),
+            more_formats: ENVIRONMENT_FORMATS,
             ..LoadOptions::default()
         }
+    }
+
+    /// Writes the flags as typed, each after a space.
+    pub fn text(self) -> String {
+        let clamp = if self.clamp_invalid {
+            " --clamp-invalid"
+        } else {
+            ""
+        };
+        let texels = match self.texels {
+            None => "",
+            Some(Texels::Centres) => " --texels centres",
+            Some(Texels::Edges) => " --texels edges",
+        };
+        format!("{clamp}{texels}")
     }
 
     /// Loads an environment relative to the current folder and prints its warnings.
     pub fn environment(self, name: &str) -> Result<Environment, Failure> {
         let environment =
             Environment::load(name, Path::new(""), &self.options()).map_err(Failure::input)?;
-        warn_all(&environment.name, &environment.warnings);
+        warn_of_input(&environment.name, &environment.warnings);
         Ok(environment)
     }
 }
 
 /// Compiles a method in a file, `file:PATH`; does nothing for a listed one.
-pub fn own_method(name: &str) -> Result<(), Failure> {
+pub fn load_file_method(name: &str) -> Result<(), Failure> {
     let Some(path) = name.strip_prefix(FILE_PREFIX) else {
         return Ok(());
     };
@@ -57,14 +95,7 @@ pub fn own_method(name: &str) -> Result<(), Failure> {
 
 /// Finds a preset by its name, or reads it from a TOML file relative to the current folder.
 pub fn preset(text: &str) -> Result<&'static Preset, String> {
-    let Some(name) = text.strip_suffix(".toml") else {
-        return Preset::parse(text);
-    };
-    let toml = read_text(Path::new(text), RECORD_BYTES_MAX)
-        .map_err(|error| format!("{error}; expected a TOML file"))?;
-    let mut table: toml::Table = toml::from_str(&toml).map_err(|error| error.to_string())?;
-    table.entry("name").or_insert_with(|| name.into());
-    Preset::from_json(serde_json::to_string(&table).map_err(|error| error.to_string())?)
+    Preset::open(text, Path::new(""))
 }
 
 /// Loads a scene: a name or a file relative to the current folder.

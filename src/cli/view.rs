@@ -2,7 +2,7 @@
 
 use super::Failure;
 use super::flags::{AxisFlags, ViewFlags};
-use super::shared::{own_method, scene};
+use super::shared::{load_file_method, scene};
 use clap::Args;
 use splitsum::base::names::Listed;
 use splitsum::experiment::axis::{
@@ -66,7 +66,7 @@ fn after_help() -> String {
         values under the pointer; \
         [ ] exposure; + - 0 and arrows the camera; shift+arrows the light; 1 to 9 the left method; \
         f the whole screen; ctrl+S saves.\n\n\
-        Open an environment (.hdr, .exr) or a model ({}) with the buttons Open, or drop it on the \
+        Open an environment (.hdr, .exr, ...) or a model ({}) with the buttons Open, or drop it on the \
         window. Saving makes a folder view-N \
         with the picture, linear images, and the `view` and `render` commands.\n\n\
         Exit codes: 2 no display or bad input; 75 the device or the window was lost.\n\n\
@@ -79,8 +79,8 @@ fn after_help() -> String {
 
 pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let state = state(arguments);
-    own_method(state.point[METHOD].text())?;
-    own_method(state.right.text())?;
+    load_file_method(state.point[METHOD].text())?;
+    load_file_method(state.right.text())?;
     if let Some(axis) = [PREFILTERED, DFG_TABLE]
         .into_iter()
         .find(|axis| state.point[*axis].to_string().starts_with(FILE_PREFIX))
@@ -94,7 +94,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let settings = state.point.settings();
     arguments.view.inputs.environment(&settings.environment)?;
     let scene = scene(&settings.scene).map_err(Failure::input)?;
-    super::warn_all(&scene.name, &scene.warnings);
+    super::warn_of_input(&scene.name, &scene.warnings);
     arguments.view.check(&scene)?;
     if !arguments.out.is_dir() {
         return Err(Failure::input(format!(

@@ -33,14 +33,14 @@ pub enum CompileFault {
         "no Vulkan driver here compiles for AMD GPUs: Mesa's RADV is missing or does not open \
          (Debian: apt-get install \
          mesa-vulkan-drivers; check VK_DRIVER_FILES and VK_ICD_FILENAMES where they are set){}",
-        .said.lines().last().map_or_else(String::new, |line| format!("; it said: {line}"))
+        .stderr.lines().last().map_or_else(String::new, |line| format!("; it said: {line}"))
     )]
-    NoRadv { said: String },
-    #[error("{family}: '{shader}' does not compile: {said}")]
+    NoRadv { stderr: String },
+    #[error("{family}: '{shader}' does not compile: {stderr}")]
     Shader {
         family: &'static str,
         shader: String,
-        said: String,
+        stderr: String,
     },
 }
 
@@ -71,7 +71,7 @@ fn try_name(program: &Path, name: &str, variants: &[ShaderVariant]) -> Result<An
     Ok(Answer {
         compiler,
         results,
-        said: String::from_utf8_lossy(&output.stderr).trim().to_owned(),
+        stderr: String::from_utf8_lossy(&output.stderr).trim().to_owned(),
     })
 }
 
@@ -80,7 +80,7 @@ struct Answer {
     compiler: Option<Compiler>,
     /// Results up to the child's end.
     results: Vec<Result<Vec<Executable>, String>>,
-    said: String,
+    stderr: String,
 }
 
 /// Runs children until the driver knows one of the family's names.
@@ -89,7 +89,7 @@ fn compiled(
     family: &Family,
     variants: &[ShaderVariant],
 ) -> Result<(Compiler, Answer), CompileFault> {
-    let mut said = String::new();
+    let mut stderr = String::new();
     for name in family.driver_names {
         let mut answer =
             try_name(program, name, variants).map_err(|source| CompileFault::Start {
@@ -99,9 +99,9 @@ fn compiled(
         if let Some(compiler) = answer.compiler.take() {
             return Ok((compiler, answer));
         }
-        said = answer.said;
+        stderr = answer.stderr;
     }
-    Err(CompileFault::NoRadv { said })
+    Err(CompileFault::NoRadv { stderr })
 }
 
 /// Lists the families that the installed driver compiles for; an error if there are none.
@@ -129,18 +129,21 @@ pub fn compile(
     variants: &[ShaderVariant],
 ) -> Result<Vec<Vec<Executable>>, CompileFault> {
     let (_, answer) = compiled(program, family, variants)?;
-    let fault = |index: usize, said: &str| CompileFault::Shader {
+    let fault = |index: usize, stderr: &str| CompileFault::Shader {
         family: family.name,
         shader: variants[index].shader.clone(),
-        said: said.to_owned(),
+        stderr: stderr.to_owned(),
     };
     let count = answer.results.len();
     if count < variants.len() && answer.results.iter().all(Result::is_ok) {
-        return Err(fault(count, &format!("the compiler died; {}", answer.said)));
+        return Err(fault(
+            count,
+            &format!("the compiler died; {}", answer.stderr),
+        ));
     }
     let results = answer.results.into_iter().enumerate();
     results
-        .map(|(index, result)| result.map_err(|said| fault(index, &said)))
+        .map(|(index, result)| result.map_err(|stderr| fault(index, &stderr)))
         .collect()
 }
 

@@ -13,10 +13,10 @@ pub fn passes(
 ) -> Result<Vec<Pass>, CompileFault> {
     let compiled = compile(program, family, variants)?;
     let pass = |(variant, stages): (&ShaderVariant, &Vec<Executable>)| {
-        let fault = |said: String| CompileFault::Shader {
+        let fault = |stderr: String| CompileFault::Shader {
             family: family.name,
             shader: variant.shader.clone(),
-            said,
+            stderr,
         };
         let pass =
             Pass::new(stages).ok_or_else(|| fault("the driver gives no assembly".to_owned()))?;

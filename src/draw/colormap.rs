@@ -145,3 +145,6 @@ impl ColorScale {
         })
     }
 }
+
+#[cfg(test)]
+mod tests;

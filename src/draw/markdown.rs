@@ -185,3 +185,6 @@ impl fmt::Display for MarkdownTable {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -5,6 +5,6 @@ pub mod colormap;
 #[cfg(feature = "cli")]
 pub mod figure;
 pub mod markdown;
-pub mod method_titles;
+pub mod variant;
 #[cfg(feature = "cli")]
 pub mod words;

@@ -2,9 +2,7 @@
 //! spans for the page.
 
 use super::markdown::significant;
-use super::method_titles::words_in;
-use crate::base::names::Listed;
-use crate::instrument::shade::Method;
+use super::variant::Variant;
 use serde::Serialize;
 use std::fmt;
 
@@ -42,6 +40,13 @@ impl Number {
     }
 }
 
+impl Number {
+    /// Whether a noun after it is singular: "1 sample", "at most 1 sample", but "1.0 samples".
+    fn is_one(self) -> bool {
+        matches!(self, Self::Count(1) | Self::AtMost(1) | Self::MoreThan(1))
+    }
+}
+
 impl fmt::Display for Number {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
         match *self {
@@ -63,7 +68,7 @@ pub struct Extent {
 
 impl Extent {
     /// The extent of positive numbers.
-    pub fn of(values: impl IntoIterator<Item = f64>) -> Self {
+    pub fn from_values(values: impl IntoIterator<Item = f64>) -> Self {
         let mut least = f64::INFINITY;
         let mut most = 0.0;
         for value in values {
@@ -130,12 +135,53 @@ impl fmt::Display for Interval {
     }
 }
 
+/// What is counted or measured: written after a number, with the blank before it.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Unit {
+    /// After the count 1, and after a bound of 1.
+    pub one: &'static str,
+    /// After other numbers.
+    pub many: &'static str,
+}
+
+impl Unit {
+    pub const SAMPLES: Self = Self {
+        one: " sample",
+        many: " samples",
+    };
+    pub const SAMPLES_PER_PIXEL: Self = Self {
+        one: " sample per pixel",
+        many: " samples per pixel",
+    };
+    pub const FRAMES: Self = Self {
+        one: " frame",
+        many: " frames",
+    };
+
+    fn after(self, extent: &Extent) -> &'static str {
+        if extent.is_single() && extent.most.is_one() {
+            self.one
+        } else {
+            self.many
+        }
+    }
+}
+
+impl From<&'static str> for Unit {
+    /// A unit without a plural: " ms", " %".
+    fn from(unit: &'static str) -> Self {
+        Self {
+            one: unit,
+            many: unit,
+        }
+    }
+}
+
 /// A measured number with its unit and its uncertainty.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Quantity {
     pub extent: Extent,
-    /// After the number, with the blank before it: " times", " ms"; may be empty.
-    pub unit: &'static str,
+    pub unit: Unit,
     pub interval: Option<Interval>,
     /// Whether the number and its unit are emphasised.
     pub is_strong: bool,
@@ -145,7 +191,7 @@ impl Quantity {
     pub fn new(extent: impl Into<Extent>) -> Self {
         Self {
             extent: extent.into(),
-            unit: "",
+            unit: Unit::default(),
             interval: None,
             is_strong: false,
         }
@@ -156,8 +202,11 @@ impl Quantity {
         Self::new(Number::rounded(value))
     }
 
-    pub fn unit(self, unit: &'static str) -> Self {
-        Self { unit, ..self }
+    pub fn unit(self, unit: impl Into<Unit>) -> Self {
+        Self {
+            unit: unit.into(),
+            ..self
+        }
     }
 
     pub fn interval(self, interval: Option<Interval>) -> Self {
@@ -172,7 +221,7 @@ impl Quantity {
     }
 
     fn number_and_unit(&self) -> String {
-        format!("{}{}", self.extent, self.unit)
+        format!("{}{}", self.extent, self.unit.after(&self.extent))
     }
 
     fn interval_text(&self) -> String {
@@ -193,8 +242,7 @@ impl fmt::Display for Quantity {
 pub enum Phrase {
     Words(String),
     Quantity(Quantity),
-    /// The code name of a method, with its sample count if it has one: "sampled 16".
-    Method(String),
+    Method(Variant),
     Metric(&'static str),
     /// A value on an axis of the experiment, labelled: "alpha 0.25".
     AxisValue {
@@ -313,16 +361,18 @@ pub fn markdown<'s>(statements: impl IntoIterator<Item = &'s Statement>) -> Stri
             text += "**";
             is_strong = piece.is_strong;
         }
-        if piece.is_code {
-            text += &format!("`{}`", piece.text);
-        } else {
-            text += &piece.text;
-        }
+        text += &piece.markdown();
     }
     if is_strong {
         text += "**";
     }
     text
+}
+
+/// As [`markdown`], without emphasis: for text that is emphasised as a whole.
+pub fn plain_markdown<'s>(statements: impl IntoIterator<Item = &'s Statement>) -> String {
+    let pieces = paragraph(statements);
+    pieces.iter().map(Piece::markdown).collect()
 }
 
 /// Text of the page in one style.
@@ -341,7 +391,7 @@ pub fn spans<'s>(statements: impl IntoIterator<Item = &'s Statement>) -> Vec<Spa
     let pieces = paragraph(statements);
     let mut spans = Vec::with_capacity(pieces.len());
     for piece in pieces {
-        let title = piece.is_method.then(|| method_title(&piece.text));
+        let title = piece.method.map(|variant| variant.title());
         let title = title.filter(|title| *title != piece.text);
         spans.push(Span {
             is_strong: piece.is_strong,
@@ -357,17 +407,23 @@ pub fn spans<'s>(statements: impl IntoIterator<Item = &'s Statement>) -> Vec<Spa
     spans
 }
 
-/// "Sampling, 16 samples" for "sampled 16".
-fn method_title(name: &str) -> String {
-    Method::by_name(name).map_or_else(|| words_in(name), |method| method.title.to_owned())
-}
-
 /// Text in one style.
 struct Piece {
     text: String,
     is_strong: bool,
     is_code: bool,
-    is_method: bool,
+    method: Option<Variant>,
+}
+
+impl Piece {
+    /// Without emphasis.
+    fn markdown(&self) -> String {
+        if self.is_code {
+            format!("`{}`", self.text)
+        } else {
+            self.text.clone()
+        }
+    }
 }
 
 /// The statements in order, with a blank between two; neighbours in one style are one piece.
@@ -396,9 +452,11 @@ impl Pieces {
                     self.words(&quantity.number_and_unit(), is_strong || quantity.is_strong);
                     self.words(&quantity.interval_text(), is_strong);
                 }
-                Phrase::Method(name) => self.code(name, is_strong, true),
-                Phrase::Metric(name) => self.code(name, is_strong, false),
-                Phrase::Code(text) => self.code(text, is_strong, false),
+                Phrase::Method(variant) => {
+                    self.code(&variant.to_string(), is_strong, Some(variant.clone()));
+                }
+                Phrase::Metric(name) => self.code(name, is_strong, None),
+                Phrase::Code(text) => self.code(text, is_strong, None),
                 Phrase::Strong(group) => self.statement(group, true),
             }
         }
@@ -412,17 +470,20 @@ impl Pieces {
                 text: text.to_owned(),
                 is_strong,
                 is_code: false,
-                is_method: false,
+                method: None,
             }),
         }
     }
 
-    fn code(&mut self, text: &str, is_strong: bool, is_method: bool) {
+    fn code(&mut self, text: &str, is_strong: bool, method: Option<Variant>) {
         self.0.push(Piece {
             text: text.to_owned(),
             is_strong,
             is_code: true,
-            is_method,
+            method,
         });
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,12 +1,12 @@
 //! Checks of values together: combinations, sizes, exclusions.
 
 use super::axis::{
-    ALBEDO, ALPHA, ANISOTROPY, AXES, AxisId, COAT, COMPENSATION, DFG_TABLE, FRAMES, Layer,
+    ALBEDO, ALPHA, ANISOTROPY, AXES, AxisId, COAT, COMPENSATION, DFG_TABLE, F0, FRAMES, Layer,
     METALLIC, METHOD, MOTION, Named, PREFILTER_SIZE, PREFILTERED, Point, SAMPLES, SCENE,
     SHEEN_COLOR, SIZE, motion_fault,
 };
-use super::config::{Condition, Config, Placed, Sweep};
-use super::fault::{Faults, Place};
+use super::config::{Condition, Config, Located, Sweep, UNSCORED};
+use super::fault::{Faults, Location};
 use super::inputs::Inputs;
 use super::value::Value;
 use crate::base::names::{Listed, expected, suggestion};
@@ -35,12 +35,15 @@ pub fn check_combinations(config: &Config, faults: &mut Faults) {
                 .fault(shading.brdf, shading.masking_shadowing)
         {
             faults.add(
-                &config.place_of(ANISOTROPY, &point),
+                &config.location_of(ANISOTROPY, &point),
                 format!("anisotropy: {what}"),
             );
         }
         if let Some(fault) = motion_fault(&point, config.antialias) {
-            faults.add(&config.place_of(MOTION, &point), format!("motion: {fault}"));
+            faults.add(
+                &config.location_of(MOTION, &point),
+                format!("motion: {fault}"),
+            );
         }
         if let Err(error) = point
             .method()
@@ -50,10 +53,10 @@ pub fn check_combinations(config: &Config, faults: &mut Faults) {
             let partners = AxisId::find(error.field)
                 .into_iter()
                 .chain([PREFILTER_SIZE]);
-            let place = partners
-                .map(|axis| config.place_of(axis, &point))
-                .find(|place| *place != Place::Default);
-            faults.add(&place.unwrap_or(Place::Default), error.to_string());
+            let location = partners
+                .map(|axis| config.location_of(axis, &point))
+                .find(|location| *location != Location::Default);
+            faults.add(&location.unwrap_or(Location::Default), error.to_string());
         }
     }
 }
@@ -71,7 +74,7 @@ pub fn check_frames(config: &Config, faults: &mut Faults) {
         let text = "no method of the experiment samples, and an image without samples is its own \
                     history; add a sampling method";
         faults.add(
-            &sweep.values[0].place,
+            &sweep.values[0].location,
             format!("{}: {text}", AXES[sweep.axis].name),
         );
     }
@@ -82,19 +85,19 @@ fn sweeps_frames(sweep: &Sweep) -> bool {
     let axis = &AXES[sweep.axis];
     let is_of_frames = sweep.axis == FRAMES || axis.layer == Some(Layer::Frames);
     let default = (axis.default)();
-    is_of_frames && sweep.values.iter().any(|placed| placed.value != default)
+    is_of_frames && sweep.values.iter().any(|located| located.value != default)
 }
 
-pub fn sizes(config: &Config) -> Vec<(Place, [u32; 2])> {
+pub fn sizes(config: &Config) -> Vec<(Location, [u32; 2])> {
     config
         .values(SIZE)
-        .map(|(value, place)| (place.clone(), value.pair()))
+        .map(|(value, location)| (location.clone(), value.pair()))
         .collect()
 }
 
 /// Reports sizes that no device can hold.
 pub fn check_sizes(config: &Config, faults: &mut Faults) {
-    for (place, [width, height]) in sizes(config) {
+    for (location, [width, height]) in sizes(config) {
         if image_buffer_bytes([width, height]) > BUFFER_BYTES_MAX {
             let pixels = BUFFER_BYTES_MAX / image_buffer_bytes([1, 1]);
             let text = format!(
@@ -102,7 +105,7 @@ pub fn check_sizes(config: &Config, faults: &mut Faults) {
                  buffer of Vulkan",
                 u64::from(width) * u64::from(height)
             );
-            faults.add(&place, text);
+            faults.add(&location, text);
         }
     }
 }
@@ -124,21 +127,21 @@ fn check_ladder(config: &Config, point: &Point, faults: &mut Faults) {
             "size: {width}x{height} has {} pixels; [ladder] needs at least {LADDER_PIXELS_MIN}",
             width * height
         );
-        faults.add(&config.place_of(SIZE, point), text);
+        faults.add(&config.location_of(SIZE, point), text);
     }
     for axis in [PREFILTERED, DFG_TABLE, COMPENSATION] {
         let value = &point[axis];
         let is_file = AXES[axis].kind.path_in(&value.to_string()).is_some();
         let expected = if is_file {
             OWN.to_owned()
-        } else if axis == COMPENSATION && !point.is_own(axis) {
+        } else if axis == COMPENSATION && !point.is_computed(axis) {
             (AXES[axis].default)().to_string()
         } else {
             continue;
         };
         let name = AXES[axis].name;
         let text = format!("{name}: [ladder] has no steps for {value}; expected {expected}");
-        faults.add(&config.place_of(axis, point), text);
+        faults.add(&config.location_of(axis, point), text);
     }
     for axis in [COAT, ANISOTROPY, SHEEN_COLOR] {
         if has_layer(point, axis) {
@@ -146,7 +149,7 @@ fn check_ladder(config: &Config, point: &Point, faults: &mut Faults) {
                 "{}: [ladder] has no steps for {}; expected 0",
                 AXES[axis].name, point[axis]
             );
-            faults.add(&config.place_of(axis, point), text);
+            faults.add(&config.location_of(axis, point), text);
         }
     }
     let alpha = f64::from(point.settings().material.alpha.unwrap_or(1.0));
@@ -156,7 +159,7 @@ fn check_ladder(config: &Config, point: &Point, faults: &mut Faults) {
             point[ALPHA],
             harmonic::ALPHA_MIN
         );
-        faults.add(&config.place_of(ALPHA, point), text);
+        faults.add(&config.location_of(ALPHA, point), text);
     }
 }
 
@@ -170,19 +173,62 @@ fn check_reference_counts(config: &Config, point: &Point, judge: &Point, faults:
             SAMPLES
         };
         faults.add(
-            &config.place_of(axis, point),
+            &config.location_of(axis, point),
             format!("samples of method {}: {error}", point.method().name),
         );
     }
-    let is_judged_by = judge.method().is_integrated() || judge.diffuse().is_integrated();
+    let is_judged_by =
+        config.is_scored && (judge.method().is_integrated() || judge.diffuse().is_integrated());
     if (is_judged_by || point.diffuse().is_integrated() && !is_method)
         && let Err(error) = pair_count(config.reference.samples)
     {
         faults.add(
-            &config.reference_samples_place,
+            &config.reference_samples_location,
             format!("reference.samples: {error}"),
         );
     }
+}
+
+/// Reports sections that need scores in an experiment without.
+pub fn check_unscored(config: &Config, faults: &mut Faults) {
+    if config.ladder.is_some() && !config.is_scored {
+        let text = format!(
+            "[ladder] divides errors, and reference = {UNSCORED:?} measures none; remove one of them"
+        );
+        faults.add(&Location::File(0), text);
+    }
+}
+
+/// Fewest widths of a grid whose best one has neighbours.
+const GRID_WIDTHS_MIN: usize = 3;
+
+/// Reports what `[recovery]` lacks: photos by a reference, another method, and its images over a
+/// grid of widths at two values of F0.
+pub fn check_recovery(config: &Config, faults: &mut Faults) {
+    if config.recovery.is_none() {
+        return;
+    }
+    let count = |axis: AxisId| config.sweep(axis).map_or(1, |sweep| sweep.values.len());
+    let is_reference =
+        |value: &Value| Method::by_name(value.text()).is_some_and(|method| method.is_integrated());
+    let methods = config.sweep(METHOD).map_or(&[][..], |sweep| &sweep.values);
+    let references = methods
+        .iter()
+        .filter(|placed| is_reference(&placed.value))
+        .count();
+    let lack = if config.is_scored {
+        format!("reference = {UNSCORED:?}: its photos are cells of a reference method")
+    } else if references == 0 || references == methods.len() {
+        "a reference in the axis method, for photos, and a method that recovers materials"
+            .to_owned()
+    } else if count(ALPHA) < GRID_WIDTHS_MIN {
+        format!("at least {GRID_WIDTHS_MIN} widths in the axis alpha or perceptual_roughness")
+    } else if count(F0).max(count(ALBEDO)) < 2 {
+        "two values in the axis f0, or for metals in the axis albedo".to_owned()
+    } else {
+        return;
+    };
+    faults.add(&Location::File(0), format!("[recovery] needs {lack}"));
 }
 
 /// Reports excluded values that their axis does not have.
@@ -201,9 +247,9 @@ pub fn check_exclusions(config: &Config, faults: &mut Faults) {
         .flat_map(|exclusion| &exclusion.conditions);
     for Condition { axis, values } in conditions.filter(|condition| is_read(condition.axis)) {
         let known = values_of(config, *axis);
-        for Placed { value, place } in values {
+        for Located { value, location } in values {
             if !known.contains(&value) {
-                faults.add(place, off_axis(config.named(*axis), value, &known));
+                faults.add(location, off_axis(config.named(*axis), value, &known));
             }
         }
     }
@@ -213,7 +259,7 @@ pub fn check_exclusions(config: &Config, faults: &mut Faults) {
 pub fn idle_sweeps<'p>(
     config: &Config,
     points: impl Iterator<Item = &'p Point> + Clone,
-) -> Vec<(Place, String)> {
+) -> Vec<(Location, String)> {
     let mut idle = Vec::new();
     for sweep in config.axes.iter().filter(|sweep| sweep.values.len() > 1) {
         let axis = sweep.axis;
@@ -233,7 +279,7 @@ pub fn idle_sweeps<'p>(
                 "{name}: its {count} values give the same image: every surface is a metal or black"
             )
         };
-        idle.push((sweep.values[0].place.clone(), text));
+        idle.push((sweep.values[0].location.clone(), text));
     }
     idle
 }
@@ -254,7 +300,7 @@ pub fn black_metals<'p>(
     config: &Config,
     inputs: &Inputs,
     points: impl Iterator<Item = &'p Point>,
-) -> IndexSet<(Place, String)> {
+) -> IndexSet<(Location, String)> {
     let black = Value::Color([0.0; 3]);
     let describe = |point: &Point| {
         let scene = inputs.scene(point[SCENE].text());
@@ -269,7 +315,7 @@ pub fn black_metals<'p>(
             let text = format!(
                 "albedo: 0 makes the metals of {name} black; metallic = [0] makes them dielectrics"
             );
-            (config.place_of(ALBEDO, point), text)
+            (config.location_of(ALBEDO, point), text)
         })
     };
     points.filter_map(describe).collect()
@@ -283,11 +329,11 @@ fn values_of(config: &Config, axis: AxisId) -> Vec<&Value> {
         .chain(&config.set_aside)
         .filter(|sweep| sweep.axis == axis)
         .collect();
-    let placed = || sweeps.iter().flat_map(|sweep| &sweep.values);
-    let mut known: IndexSet<&Value> = placed().map(|placed| &placed.value).collect();
+    let located = || sweeps.iter().flat_map(|sweep| &sweep.values);
+    let mut known: IndexSet<&Value> = located().map(|located| &located.value).collect();
     // An axis that only `--set` sweeps had this value in the file.
     if config.set_aside.iter().all(|sweep| sweep.axis != axis)
-        && placed().all(|placed| matches!(placed.place, Place::Set(_)))
+        && located().all(|located| matches!(located.location, Location::Set(_)))
     {
         known.insert(&config.base.0[axis]);
     }

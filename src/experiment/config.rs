@@ -1,14 +1,15 @@
-//! The experiment file as written: every value checked alone, with its place.
+//! The experiment file as written: every value checked alone, with its location.
 //!
 //! Reading never stops at the first fault. Paths are relative to the file.
 
 use super::axis::named::LISTED_AXES;
 use super::axis::{AXES, AxisId, METHOD, Named, PerAxis, Point, Reference, SAMPLES, Terms};
-use super::fault::{Faults, Place};
-use super::toml_tree::{at, checked, entries, parsed, raw, section, text, unknown_key};
+use super::fault::{Faults, Location};
+use super::toml_tree::{checked, entries, parsed, raw, section, start_of, text, unknown_key};
 use super::value::{COORDINATE, Kind, Range, Raw, Value};
 use crate::base::names::Listed;
 use crate::instrument::metrics::{HEADLINE, Metric, Weight};
+use crate::instrument::recovery::Loss;
 use crate::instrument::scene::{CameraKind, Orbit};
 use crate::instrument::shade::{METHODS, Method, NONE};
 use std::path::{Path, PathBuf};
@@ -16,16 +17,16 @@ use toml::Spanned;
 use toml::de::{DeTable, DeValue};
 
 #[derive(Clone, Debug)]
-pub struct Placed {
+pub struct Located {
     pub value: Value,
-    pub place: Place,
+    pub location: Location,
 }
 
 #[derive(Clone, Debug)]
 pub struct Sweep {
     pub axis: AxisId,
     pub named: Named,
-    pub values: Vec<Placed>,
+    pub values: Vec<Located>,
     /// Number of values in the file; more than `values` if some are faulty.
     pub written: usize,
 }
@@ -33,15 +34,15 @@ pub struct Sweep {
 #[derive(Clone, Debug)]
 pub struct Ask {
     pub question: String,
-    pub place: Place,
+    pub location: Location,
     /// The axis of the answer's rows.
-    pub by: Option<(AxisId, Place)>,
+    pub by: Option<(AxisId, Location)>,
 }
 
 #[derive(Clone, Debug)]
 pub struct Zip {
     pub axes: Vec<AxisId>,
-    pub place: Place,
+    pub location: Location,
 }
 
 /// Combinations to leave out: every condition must match.
@@ -49,20 +50,20 @@ pub struct Zip {
 pub struct Exclusion {
     pub conditions: Vec<Condition>,
     pub why: String,
-    pub place: Place,
+    pub location: Location,
 }
 
 /// The values of an axis that match.
 #[derive(Clone, Debug)]
 pub struct Condition {
     pub axis: AxisId,
-    pub values: Vec<Placed>,
+    pub values: Vec<Located>,
 }
 
 impl Condition {
     fn matches(&self, point: &Point) -> bool {
         let mut values = self.values.iter();
-        values.any(|placed| placed.value == point[self.axis])
+        values.any(|located| located.value == point[self.axis])
     }
 }
 
@@ -83,20 +84,23 @@ pub struct Config {
     pub asks: Vec<Ask>,
     /// Metric of the answers; one of [`crate::instrument::metrics::METRICS`].
     pub metric: &'static str,
-    /// Weights of views, the leading one first, each with its place; unchecked. Empty for the
+    /// Weights of views, the leading one first, each with its location; unchecked. Empty for the
     /// default.
-    pub weights: Vec<(Weight, Place)>,
+    pub weights: Vec<(Weight, Location)>,
     pub seed: u32,
     pub camera: CameraKind,
     pub orbit: Orbit,
     pub background: bool,
     pub antialias: bool,
+    /// Whether cells are compared with references; not with `reference = "none"`.
+    pub is_scored: bool,
+    /// Without scores it has its defaults.
     pub reference: Reference,
-    pub reference_samples_place: Place,
+    pub reference_samples_location: Location,
     /// Values of axes that are not swept.
     pub base: Point,
-    /// Place of each value of `base`, in the order of [`AXES`].
-    pub base_places: PerAxis<Place>,
+    /// Location of each value of `base`, in the order of [`AXES`].
+    pub base_locations: PerAxis<Location>,
     /// In the order of the file, then of the command line.
     pub axes: Vec<Sweep>,
     /// Axes of the file that `--set` replaced.
@@ -106,6 +110,8 @@ pub struct Config {
     pub timing: Option<Timing>,
     /// Samples per pixel for the steps of `[ladder]`.
     pub ladder: Option<u32>,
+    /// Losses of the fits of `[recovery]`.
+    pub recovery: Option<Vec<Loss>>,
     pub has_sheets: bool,
     pub overrides: Vec<String>,
     /// Folder of paths in the file, if not the file's own.
@@ -121,6 +127,9 @@ pub(super) const AXIS: Kind = Kind::Name {
 };
 
 pub(super) const METRIC_KEY: &str = "metric";
+
+/// The value of `reference` for an experiment whose cells are not scored.
+pub const UNSCORED: &str = "none";
 
 type Reader = fn(&mut Config, &Spanned<DeValue>, &mut Faults);
 
@@ -150,7 +159,7 @@ pub(super) const KEYS: &[(&str, Reader)] = &[
         match orbit {
             Some(Ok(orbit)) => config.orbit = orbit,
             Some(Err(fault)) => faults.add(
-                &at(value),
+                &start_of(value),
                 format!("orbit: {fault}; expected [yaw, pitch, distance]"),
             ),
             None => {}
@@ -168,16 +177,20 @@ pub(super) const KEYS: &[(&str, Reader)] = &[
     ("exclude", Config::read_exclusions),
     ("timing", Config::read_timing),
     ("ladder", Config::read_ladder),
+    ("recovery", Config::read_recovery),
     ("precompute", Config::read_precompute),
     ("sheets", |config, value, faults| {
         read_switch(&mut config.has_sheets, "sheets", value, faults)
     }),
 ];
 
-fn read_switch(place: &mut bool, name: &str, value: &Spanned<DeValue>, faults: &mut Faults) {
+fn read_switch(switch: &mut bool, name: &str, value: &Spanned<DeValue>, faults: &mut Faults) {
     match raw(value) {
-        Raw::Boolean(is_set) => *place = is_set,
-        other => faults.add(&at(value), format!("{name}: {other} is not true or false")),
+        Raw::Boolean(is_set) => *switch = is_set,
+        other => faults.add(
+            &start_of(value),
+            format!("{name}: {other} is not true or false"),
+        ),
     }
 }
 
@@ -197,19 +210,20 @@ impl Config {
             text: text.to_owned(),
             metric: HEADLINE,
             seed: 1,
+            is_scored: true,
             has_sheets: true,
-            base_places: PerAxis::from_fn(|_| Place::Default),
+            base_locations: PerAxis::from_fn(|_| Location::Default),
             overrides: overrides.to_vec(),
             ..Self::default()
         };
         let root = root.get_ref();
-        for (key, value, place) in entries(root) {
-            config.read_key(key, value, &place, faults);
+        for (key, value, location) in entries(root) {
+            config.read_key(key, value, &location, faults);
         }
         for key in ["name", "axes"] {
             // After a syntax fault the recovered table may lack keys of the file.
             if !root.contains_key(key) && is_whole {
-                faults.add(&Place::File(0), format!("{key} is missing"));
+                faults.add(&Location::File(0), format!("{key} is missing"));
             }
         }
         config.check_double_settings(root, faults);
@@ -226,14 +240,16 @@ impl Config {
         let fixed = precompute
             .into_iter()
             .flat_map(entries)
-            .map(|(key, _, place)| ("precompute.", key, place));
+            .map(|(key, _, location)| ("precompute.", key, location));
         let keys = entries(root)
             .into_iter()
             .filter(|(key, ..)| AxisId::find(key).is_some_and(|axis| AXES[axis].is_key));
-        for (prefix, key, place) in fixed.chain(keys.map(|(key, _, place)| ("", key, place))) {
+        for (prefix, key, location) in
+            fixed.chain(keys.map(|(key, _, location)| ("", key, location)))
+        {
             if self.axes.iter().any(|sweep| AXES[sweep.axis].name == key) {
                 faults.add(
-                    &place,
+                    &location,
                     format!("{prefix}{key} is also an axis: set it in one place"),
                 );
             }
@@ -248,9 +264,9 @@ impl Config {
         }
     }
 
-    pub(super) fn set_base(&mut self, axis: AxisId, value: Value, place: Place) {
+    pub(super) fn set_base(&mut self, axis: AxisId, value: Value, location: Location) {
         self.base[axis] = value;
-        self.base_places[axis] = place;
+        self.base_locations[axis] = location;
     }
 
     pub fn sweep(&self, axis: AxisId) -> Option<&Sweep> {
@@ -260,28 +276,28 @@ impl Config {
     /// Returns an axis by the name in the experiment, if that name can write every value.
     pub fn named(&self, axis: AxisId) -> Named {
         self.sweep(axis)
-            .map_or(Named::own(axis), |sweep| sweep.named)
+            .map_or(Named::primary(axis), |sweep| sweep.named)
     }
 
-    /// Lists every value of an axis, swept or not, with its place.
-    pub fn values(&self, axis: AxisId) -> impl Iterator<Item = (&Value, &Place)> {
+    /// Lists every value of an axis, swept or not, with its location.
+    pub fn values(&self, axis: AxisId) -> impl Iterator<Item = (&Value, &Location)> {
         let sweep = self.sweep(axis);
         let fixed = sweep
             .is_none()
-            .then(|| (&self.base[axis], &self.base_places[axis]));
+            .then(|| (&self.base[axis], &self.base_locations[axis]));
         let swept = sweep
             .into_iter()
             .flat_map(|sweep| &sweep.values)
-            .map(|placed| (&placed.value, &placed.place));
+            .map(|located| (&located.value, &located.location));
         swept.chain(fixed)
     }
 
-    /// Finds the place of a point's value on an axis.
-    pub fn place_of(&self, axis: AxisId, point: &Point) -> Place {
+    /// Finds the location of a point's value on an axis.
+    pub fn location_of(&self, axis: AxisId, point: &Point) -> Location {
         let found = self.values(axis).find(|(value, _)| **value == point[axis]);
         found.map_or_else(
-            || self.base_places[axis].clone(),
-            |(_, place)| place.clone(),
+            || self.base_locations[axis].clone(),
+            |(_, location)| location.clone(),
         )
     }
 
@@ -297,7 +313,7 @@ impl Config {
         &mut self,
         key: &str,
         value: &Spanned<DeValue>,
-        place: &Place,
+        location: &Location,
         faults: &mut Faults,
     ) {
         if let Some((_, read)) = KEYS.iter().find(|(name, _)| *name == key) {
@@ -306,13 +322,13 @@ impl Config {
         match AxisId::find(key).filter(|&axis| AXES[axis].is_key) {
             Some(axis) => {
                 if let Some(checked) = checked(AXES[axis].kind, key, value, faults) {
-                    self.set_base(axis, checked, at(value));
+                    self.set_base(axis, checked, start_of(value));
                 }
             }
             None => {
                 let axes = AXES.iter().filter(|axis| axis.is_key).map(|axis| axis.name);
                 unknown_key(
-                    place,
+                    location,
                     "",
                     key,
                     &KEYS
@@ -330,7 +346,7 @@ impl Config {
         match raw(value) {
             Raw::String(name) if is_file_name(&name) => self.name = name,
             other => faults.add(
-                &at(value),
+                &start_of(value),
                 format!(
                     "name: {other} is not a name of 1 to {NAME_LENGTH_MAX} letters, digits, '-', \
                      '_' and '.' that begins \
@@ -341,6 +357,18 @@ impl Config {
     }
 
     fn read_reference(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
+        if let Raw::String(text) = raw(value) {
+            if text == UNSCORED {
+                self.is_scored = false;
+            } else {
+                let fault = format!(
+                    "reference: {text:?} is not {UNSCORED:?}, which renders cells without scores; \
+                     or write a table such as {{ samples = 4096 }}"
+                );
+                faults.add(&start_of(value), fault);
+            }
+            return;
+        }
         for (key, value, _) in section(
             value,
             "reference",
@@ -372,12 +400,12 @@ impl Config {
                              or {NONE} to compare with the image without a specular term",
                             exact.collect::<Vec<_>>().join(", ")
                         );
-                        faults.add(&at(value), text);
+                        faults.add(&start_of(value), text);
                     }
                 }
                 "samples" => {
                     self.reference.samples = found.count();
-                    self.reference_samples_place = at(value);
+                    self.reference_samples_location = start_of(value);
                 }
                 "relative_error" => self.reference.relative_error = Some(found.number()),
                 _ => self.reference.terms = *Terms::listed(found.text()),

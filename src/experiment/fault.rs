@@ -1,4 +1,4 @@
-//! Faults of an experiment, all reported at once, each with its place.
+//! Faults of an experiment, all reported at once, each with its location.
 
 use std::collections::HashSet;
 use std::fmt;
@@ -14,14 +14,14 @@ const TEXT_LENGTH_MAX: usize = 2000;
 pub struct Fault {
     /// Line and column from 1; (0, 0), which sorts first, for the command line.
     position: (usize, usize),
-    place: String,
+    location: String,
     /// The key, the value and the expected values.
     text: String,
 }
 
 impl fmt::Display for Fault {
     fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(f, "{}: {}", self.place, self.text)
+        write!(f, "{}: {}", self.location, self.text)
     }
 }
 
@@ -47,7 +47,7 @@ impl ConfigError {
 }
 
 #[derive(Clone, Debug, Default, Eq, Hash, PartialEq)]
-pub enum Place {
+pub enum Location {
     /// Byte offset in the experiment file.
     File(usize),
     /// `--set` of this axis.
@@ -56,8 +56,8 @@ pub enum Place {
     Default,
 }
 
-impl Place {
-    /// Writes the place: `experiments/x.toml:12:9` or `--set alpha`.
+impl Location {
+    /// Writes the location: `experiments/x.toml:12:9` or `--set alpha`.
     pub fn words(&self, path: &Path, lines: &Lines) -> String {
         match self {
             Self::File(offset) => {
@@ -122,10 +122,10 @@ impl<'a> Faults<'a> {
     }
 
     /// Adds a fault unless it is known.
-    pub fn add(&mut self, place: &Place, text: impl Into<String>) {
+    pub fn add(&mut self, location: &Location, text: impl Into<String>) {
         let mut text = text.into();
         let mut hasher = DefaultHasher::new();
-        (place, &text).hash(&mut hasher);
+        (location, &text).hash(&mut hasher);
         if !self.known.insert(hasher.finish()) {
             return;
         }
@@ -137,23 +137,23 @@ impl<'a> Faults<'a> {
             text.truncate(end);
             text.push('…');
         }
-        let position = match place {
-            Place::File(offset) => self.lines.line_column(*offset),
-            Place::Set(_) | Place::Default => (0, 0),
+        let position = match location {
+            Location::File(offset) => self.lines.line_column(*offset),
+            Location::Set(_) | Location::Default => (0, 0),
         };
         self.found.push(Fault {
             position,
-            place: place.words(self.path, &self.lines),
+            location: location.words(self.path, &self.lines),
             text,
         });
     }
 
     /// Adds a fault whose text is expensive; builds it only if it will be printed.
-    pub fn add_with(&mut self, place: &Place, text: impl FnOnce() -> String) {
+    pub fn add_with(&mut self, location: &Location, text: impl FnOnce() -> String) {
         if self.found.len() == FAULTS_SHOWN {
             self.more += 1;
         } else {
-            self.add(place, text());
+            self.add(location, text());
         }
     }
 

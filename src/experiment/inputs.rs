@@ -65,10 +65,10 @@ fn each<T, E: Display>(
     load: impl Fn(&str, &Path) -> Result<T, E>,
 ) -> BTreeMap<String, T> {
     let mut loaded = BTreeMap::new();
-    for (value, place) in config.values(axis) {
-        match load(value.text(), config.dir_of(place)) {
+    for (value, location) in config.values(axis) {
+        match load(value.text(), config.dir_of(location)) {
             Ok(input) => drop(loaded.insert(value.text().to_owned(), input)),
-            Err(fault) => faults.add(place, fault.to_string()),
+            Err(fault) => faults.add(location, fault.to_string()),
         }
     }
     loaded
@@ -174,3 +174,6 @@ impl Inputs {
         environments.chain(scenes).collect()
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -7,6 +7,7 @@ pub mod fault;
 pub mod inputs;
 mod overrides;
 pub mod plan;
+mod ranges;
 mod sections;
 mod sweeps;
 mod toml_tree;

@@ -1,8 +1,8 @@
 //! `--set axis=v1,v2`: values from the command line.
 
 use super::axis::{AXES, Named};
-use super::config::{Config, KEYS, METRIC_KEY, Placed, Sweep, axis_names};
-use super::fault::{Faults, Place};
+use super::config::{Config, KEYS, Located, METRIC_KEY, Sweep, axis_names};
+use super::fault::{Faults, Location};
 use super::toml_tree::unknown_key;
 use super::value::{Kind, Value};
 use crate::instrument::environment::BUILTIN_PREFIX;
@@ -15,15 +15,15 @@ impl Config {
         for text in self.overrides.clone() {
             let Some((name, list)) = text.split_once('=') else {
                 faults.add(
-                    &Place::Set(text.clone()),
+                    &Location::Set(text.clone()),
                     "is not axis=value or axis=value,value",
                 );
                 continue;
             };
             let name = name.trim();
-            let place = Place::Set(name.to_owned());
+            let location = Location::Set(name.to_owned());
             let Some(named) = Named::find(name) else {
-                refuse_name(name, &place, faults);
+                refuse_name(name, &location, faults);
                 continue;
             };
             if let Some(earlier) = set.iter().find(|other| other.axis == named.axis) {
@@ -33,11 +33,11 @@ impl Config {
                 } else {
                     format!("is the axis of --set {earlier} in another unit; give one of them")
                 };
-                faults.add(&place, fault);
+                faults.add(&location, fault);
                 continue;
             }
             set.push(named);
-            let sweep = read_sweep(named, list, &place, faults);
+            let sweep = read_sweep(named, list, &location, faults);
             match self.axes.iter_mut().find(|old| old.axis == named.axis) {
                 Some(old) => self.set_aside.push(std::mem::replace(old, sweep)),
                 None => self.axes.push(sweep),
@@ -49,7 +49,7 @@ impl Config {
     pub fn set_files_dir(&self) -> Option<&Path> {
         let set = self
             .inputs()
-            .filter(|(_, place)| matches!(place, Place::Set(_)));
+            .filter(|(_, location)| matches!(location, Location::Set(_)));
         set.into_iter()
             .any(|(value, _)| self.set_dir.join(value).is_file())
             .then_some(&self.set_dir)
@@ -60,18 +60,18 @@ impl Config {
         let dir = self.file_dir();
         let written = self
             .inputs()
-            .filter(|(_, place)| matches!(place, Place::File(_)));
+            .filter(|(_, location)| matches!(location, Location::File(_)));
         written
             .into_iter()
             .any(|(value, _)| dir.join(value).is_file())
             .then_some(dir)
     }
 
-    /// Returns the folder of a path written at `place`.
-    pub fn dir_of(&self, place: &Place) -> &Path {
-        match place {
-            Place::Set(_) => &self.set_dir,
-            Place::File(_) | Place::Default => self.file_dir(),
+    /// Returns the folder of a path written at `location`.
+    pub fn dir_of(&self, location: &Location) -> &Path {
+        match location {
+            Location::Set(_) => &self.set_dir,
+            Location::File(_) | Location::Default => self.file_dir(),
         }
     }
 
@@ -81,21 +81,22 @@ impl Config {
             .unwrap_or_else(|| self.path.parent().unwrap_or(Path::new("")))
     }
 
-    /// Lists every value that may be a file, with its place.
-    fn inputs(&self) -> impl Iterator<Item = (&str, &Place)> {
+    /// Lists every value that may be a file, with its location.
+    fn inputs(&self) -> impl Iterator<Item = (&str, &Location)> {
         AXES.entries().flat_map(|(axis, entry)| {
             let texts = self
                 .values(axis)
                 .filter(|(value, _)| matches!(value, Value::Text(_)));
-            texts.filter_map(|(value, place)| Some((entry.kind.path_in(value.text())?, place)))
+            texts
+                .filter_map(|(value, location)| Some((entry.kind.path_in(value.text())?, location)))
         })
     }
 }
 
 /// Reports a name without an axis.
-fn refuse_name(name: &str, place: &Place, faults: &mut Faults) {
+fn refuse_name(name: &str, location: &Location, faults: &mut Faults) {
     if !KEYS.iter().any(|(key, _)| *key == name) {
-        return unknown_key(place, "axes.", name, &axis_names(), faults);
+        return unknown_key(location, "axes.", name, &axis_names(), faults);
     }
     let or_flag = if name == METRIC_KEY {
         ", or give --metric to `splitsum answers`"
@@ -104,21 +105,21 @@ fn refuse_name(name: &str, place: &Place, faults: &mut Faults) {
     };
     let fault =
         format!("is a key of the experiment, not an axis; write {name} = ... in the file{or_flag}");
-    faults.add(place, fault);
+    faults.add(location, fault);
 }
 
 /// Reads the values of one `--set`.
-fn read_sweep(named: Named, list: &str, place: &Place, faults: &mut Faults) -> Sweep {
+fn read_sweep(named: Named, list: &str, location: &Location, faults: &mut Faults) -> Sweep {
     let items = items(named.kind(), list);
     let written = items.len();
     let mut values = Vec::new();
     for item in items {
         match named.parse_text(&item) {
-            Ok(value) => values.push(Placed {
+            Ok(value) => values.push(Located {
                 value,
-                place: place.clone(),
+                location: location.clone(),
             }),
-            Err(fault) => faults.add(place, format!("axes.{}: {fault}", named.name())),
+            Err(fault) => faults.add(location, format!("axes.{}: {fault}", named.name())),
         }
     }
     Sweep {

@@ -1,12 +1,14 @@
 //! The validated experiment: every cell with its id, work shared between cells, and exclusions.
+//!
+//! Long because the cells, what they share and the requests that render them come from one expansion.
 
 use super::axis::{
     AXES, AxisId, BLUR, DFG_TABLE, ENVIRONMENT, FRAMES, METHOD, PREFILTERED, Point, SCENE, SIZE,
     View, is_blurred,
 };
 use super::checks;
-use super::config::Config;
-use super::fault::{ConfigError, Faults, Place};
+use super::config::{Config, UNSCORED};
+use super::fault::{ConfigError, Faults, Location};
 use super::inputs::Inputs;
 use super::sweeps::COMBINATIONS_MAX;
 use super::value::Value;
@@ -35,8 +37,8 @@ pub struct Cell {
     pub point: Point,
     /// Id of the radiance image, which cells that differ only in the tone curve share.
     pub radiance: String,
-    /// Id of the reference's radiance image.
-    pub reference: String,
+    /// Id of the reference's radiance image; `None` if the experiment has no references.
+    pub reference: Option<String>,
 }
 
 #[derive(Debug)]
@@ -57,10 +59,11 @@ pub struct Plan {
     pub hash: String,
 }
 
-/// Cells that share a reference, in running order.
+/// Cells that share a reference, in running order. Without references, cells that share an image.
 #[derive(Debug)]
 pub struct ReferenceGroup<'p> {
-    pub id: &'p str,
+    /// Id of the reference's radiance image.
+    pub reference: Option<&'p str>,
     pub radiances: Vec<RadianceGroup<'p>>,
 }
 
@@ -143,7 +146,7 @@ impl Plan {
             .sum();
         if combinations > COMBINATIONS_MAX {
             faults.add(
-                &Place::File(0),
+                &Location::File(0),
                 format!("axes: {combinations} combinations; at most {COMBINATIONS_MAX}"),
             );
         } else if combinations.saturating_mul(excluding as u64) > COMPARISONS_MAX {
@@ -151,10 +154,12 @@ impl Plan {
                 "exclude: {combinations} combinations times {excluding} excluded values; the \
                  product may be at most {COMPARISONS_MAX}"
             );
-            faults.add(&config.exclusions[0].place, text);
+            faults.add(&config.exclusions[0].location, text);
         } else {
             checks::check_combinations(&config, &mut faults);
         }
+        checks::check_unscored(&config, &mut faults);
+        checks::check_recovery(&config, &mut faults);
         checks::check_frames(&config, &mut faults);
         checks::check_sizes(&config, &mut faults);
         checks::check_exclusions(&config, &mut faults);
@@ -169,9 +174,11 @@ impl Plan {
         let mut group_of: BTreeMap<&str, usize> = BTreeMap::new();
         let mut radiance_of: BTreeMap<(usize, &str), usize> = BTreeMap::new();
         for cell in &self.cells {
-            let group = *group_of.entry(&cell.reference).or_insert_with(|| {
+            let reference = cell.reference.as_deref();
+            let shared = reference.unwrap_or(&cell.radiance);
+            let group = *group_of.entry(shared).or_insert_with(|| {
                 groups.push(ReferenceGroup {
-                    id: &cell.reference,
+                    reference,
                     radiances: Vec::new(),
                 });
                 groups.len() - 1
@@ -191,9 +198,15 @@ impl Plan {
         groups
     }
 
-    /// Returns the point of the reference that judges a cell.
+    /// Returns the point of the reference that would judge a cell.
     pub fn reference_point(&self, point: &Point) -> Point {
         point.reference(&self.config.reference)
+    }
+
+    /// Returns the point of the reference that judges a cell; `None` without references.
+    pub fn judge_of(&self, cell: &Cell) -> Option<Point> {
+        let reference = cell.reference.as_ref();
+        reference.map(|_| self.reference_point(&cell.point))
     }
 
     /// Lists name and value of every axis of a cell, in column order.
@@ -266,7 +279,8 @@ impl Plan {
         let points = self
             .cells
             .iter()
-            .flat_map(|cell| [cell.point.clone(), self.reference_point(&cell.point)]);
+            .flat_map(|cell| [Some(cell.point.clone()), self.judge_of(cell)])
+            .flatten();
         let key = |point: &Point| {
             let sizes = AXES
                 .iter()
@@ -308,16 +322,16 @@ impl Plan {
         for (exclusion, count) in self.config.exclusions.iter().zip(&self.excluded) {
             if *count == 0 && !may_be_idle {
                 warnings.add(
-                    &exclusion.place,
+                    &exclusion.location,
                     format!("the exclusion {:?} matches no combination", exclusion.why),
                 );
             }
         }
         let points = || self.cells.iter().map(|cell| &cell.point);
         let idle = checks::idle_sweeps(&self.config, points()).into_iter();
-        for (place, text) in idle.chain(checks::black_metals(&self.config, &self.inputs, points()))
-        {
-            warnings.add(&place, text);
+        let black = checks::black_metals(&self.config, &self.inputs, points());
+        for (location, text) in idle.chain(black) {
+            warnings.add(&location, text);
         }
         let mut sequences = points()
             .filter(|point| ![Value::Unset, Value::Count(1)].contains(&point[FRAMES]))
@@ -325,15 +339,16 @@ impl Plan {
         if sequences.peek().is_some()
             && sequences.all(|point| is_blurred(point) || !point.method().uses_lod_bias)
         {
-            warnings.add(&Place::File(0), BLUR);
+            warnings.add(&Location::File(0), BLUR);
         }
         if !self.config.orbit.is_still() && self.inputs.scenes().any(|scene| scene.is_design) {
-            warnings.add(&Place::File(0), "orbit: has no effect on the scene design");
+            let text = "orbit: has no effect on the scene design";
+            warnings.add(&Location::File(0), text);
         }
         if self.config.background && self.inputs.scenes().all(|scene| scene.is_design) {
-            warnings.add(&Place::File(0), "background: the scene design has none");
+            warnings.add(&Location::File(0), "background: the scene design has none");
         }
-        for (place, [width, height]) in checks::sizes(&self.config) {
+        for (location, [width, height]) in checks::sizes(&self.config) {
             let bytes = image_buffer_bytes([width, height]);
             if bytes > BUFFER_BYTES_EVERYWHERE {
                 let text = format!(
@@ -341,7 +356,7 @@ impl Plan {
                     bytes >> 20,
                     BUFFER_BYTES_EVERYWHERE >> 20
                 );
-                warnings.add(&place, text);
+                warnings.add(&location, text);
             }
         }
         warnings
@@ -373,16 +388,22 @@ impl Plan {
                 plan.excluded[index] += 1;
                 continue;
             }
-            let judge = plan.reference_point(&point);
-            let reference = plan.radiance_id(
-                &judge,
-                plan.config.seed,
-                plan.config.reference.relative_error,
-            );
+            let reference = plan.config.is_scored.then(|| {
+                plan.radiance_id(
+                    &plan.reference_point(&point),
+                    plan.config.seed,
+                    plan.config.reference.relative_error,
+                )
+            });
             let point = point.collapsed();
             let radiance =
                 plan.radiance_id(&point, plan.cell_seed(&point), plan.cell_error(&point));
-            let id = cell_id(&radiance, &reference, &point, plan.ladder_of(&point));
+            let id = cell_id(
+                &radiance,
+                reference.as_deref().unwrap_or(UNSCORED),
+                &point,
+                plan.ladder_of(&point),
+            );
             if known.insert(id.clone()) {
                 cells.push(Cell {
                     id,
@@ -399,6 +420,9 @@ impl Plan {
             format!("name={}", plan.config.name),
             format!("timing={:?}", plan.config.timing),
         ];
+        if let Some(losses) = &plan.config.recovery {
+            identity.push(format!("recovery={losses:?}"));
+        }
         identity.extend(plan.cells.iter().map(|cell| cell.id.clone()));
         plan.hash = hash_lines(&identity);
         plan

@@ -1,11 +1,15 @@
 //! Sections beside the axes: questions, exclusions, timing, ladder, tables.
 
 use super::axis::{AXES, Named, SAMPLES, is_precompute};
-use super::config::{AXIS, Ask, Condition, Config, Exclusion, Placed, Timing, axis_names};
+use super::config::{AXIS, Ask, Condition, Config, Exclusion, Located, Timing, axis_names};
 use super::fault::Faults;
-use super::toml_tree::{at, checked, checked_as, list, raw, section, table, text, unknown_key};
+use super::toml_tree::{
+    checked, checked_as, list, raw, section, start_of, table, text, unknown_key,
+};
 use super::value::{Kind, Raw};
+use crate::base::names::Listed;
 use crate::instrument::metrics::Weight;
+use crate::instrument::recovery::Loss;
 use crate::instrument::shade::reference_pass::pair_count;
 use toml::Spanned;
 use toml::de::DeValue;
@@ -18,7 +22,7 @@ impl Config {
     pub(super) fn read_asks(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
         let Some(items) = value.get_ref().as_array().filter(|items| !items.is_empty()) else {
             faults.add(
-                &at(value),
+                &start_of(value),
                 format!("asks: {} is not a list of at least one name", raw(value)),
             );
             return;
@@ -26,20 +30,21 @@ impl Config {
         for item in items {
             let mut ask = Ask {
                 question: String::new(),
-                place: at(item),
+                location: start_of(item),
                 by: None,
             };
             if item.get_ref().is_table() {
                 let entries = section(item, "asks", &["question", "by"], faults);
                 if entries.iter().all(|(key, ..)| *key != "question") {
-                    faults.add(&ask.place, "asks.question is missing");
+                    faults.add(&ask.location, "asks.question is missing");
                 }
                 for (key, value, _) in entries {
                     if key == "question" {
                         ask.question = text("asks.question", value, faults);
-                        ask.place = at(value);
+                        ask.location = start_of(value);
                     } else if let Some(name) = checked(AXIS, "asks.by", value, faults) {
-                        ask.by = Named::find(name.text()).map(|named| (named.axis, at(value)));
+                        ask.by =
+                            Named::find(name.text()).map(|named| (named.axis, start_of(value)));
                     }
                 }
             } else if let Raw::String(question) = raw(item) {
@@ -49,11 +54,11 @@ impl Config {
                     "asks: {} is neither a name nor {{ question = ..., by = ... }}",
                     raw(item)
                 );
-                faults.add(&at(item), fault);
+                faults.add(&start_of(item), fault);
             }
             if self.asks.iter().any(|known| known.question == ask.question) {
                 faults.add(
-                    &ask.place,
+                    &ask.location,
                     format!("asks: {} is listed twice", ask.question),
                 );
             } else if !ask.question.is_empty() {
@@ -65,7 +70,7 @@ impl Config {
     pub(super) fn read_weights(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
         let Some(items) = value.get_ref().as_array().filter(|items| !items.is_empty()) else {
             faults.add(
-                &at(value),
+                &start_of(value),
                 format!("weights: {} is not a list of at least one name", raw(value)),
             );
             return;
@@ -74,9 +79,9 @@ impl Config {
             let name = text("weights", item, faults);
             let weight = Weight::of_name(&name);
             if self.weights.iter().any(|(known, _)| *known == weight) {
-                faults.add(&at(item), format!("weights: {name} is listed twice"));
+                faults.add(&start_of(item), format!("weights: {name} is listed twice"));
             } else if !name.is_empty() {
-                self.weights.push((weight, at(item)));
+                self.weights.push((weight, start_of(item)));
             }
         }
     }
@@ -119,20 +124,42 @@ impl Config {
             .find_map(count)
             .unwrap_or(LADDER_SAMPLES_DEFAULT);
         if let Err(error) = pair_count(samples) {
-            faults.add(&at(value), format!("ladder.samples: {error}"));
+            faults.add(&start_of(value), format!("ladder.samples: {error}"));
         }
         self.ladder = Some(samples);
+    }
+
+    /// `[recovery]` with `losses`, by default all.
+    pub(super) fn read_recovery(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
+        let mut losses = Vec::new();
+        for (key, value, _) in section(value, "recovery", &["losses"], faults) {
+            let key = format!("recovery.{key}");
+            let Some(items) = value.get_ref().as_array() else {
+                let fault = format!("{key}: {} is not a list of names", raw(value));
+                faults.add(&start_of(value), fault);
+                continue;
+            };
+            for item in items {
+                if let Some(name) = checked(Kind::one_of::<Loss>(), &key, item, faults) {
+                    losses.push(*Loss::listed(name.text()));
+                }
+            }
+        }
+        if losses.is_empty() {
+            losses = Loss::all().copied().collect();
+        }
+        self.recovery = Some(losses);
     }
 
     pub(super) fn read_precompute(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
         let axes = || AXES.entries().filter(|(_, axis)| is_precompute(axis));
         let names: Vec<&str> = axes().map(|(_, axis)| axis.name).collect();
-        for (key, value, place) in section(value, "precompute", &names, faults) {
+        for (key, value, location) in section(value, "precompute", &names, faults) {
             let Some((axis, entry)) = axes().find(|(_, axis)| axis.name == key) else {
                 continue;
             };
             if let Some(v) = checked(entry.kind, &format!("precompute.{key}"), value, faults) {
-                self.set_base(axis, v, place);
+                self.set_base(axis, v, location);
             }
         }
     }
@@ -142,10 +169,10 @@ fn read_exclusion(item: &Spanned<DeValue>, faults: &mut Faults) -> Exclusion {
     let mut exclusion = Exclusion {
         conditions: Vec::new(),
         why: String::new(),
-        place: at(item),
+        location: start_of(item),
     };
     let mut has_why = false;
-    for (key, value, place) in table(item, "exclude", faults) {
+    for (key, value, location) in table(item, "exclude", faults) {
         if key == "why" {
             has_why = true;
             exclusion.why = checked_as(parse_why, "exclude.why", value, faults).unwrap_or_default();
@@ -157,18 +184,18 @@ fn read_exclusion(item: &Spanned<DeValue>, faults: &mut Faults) -> Exclusion {
             });
         } else {
             let known = [&axis_names()[..], &["why"]].concat();
-            unknown_key(&place, "exclude.", key, &known, faults);
+            unknown_key(&location, "exclude.", key, &known, faults);
         }
     }
     if !has_why {
         faults.add(
-            &exclusion.place,
+            &exclusion.location,
             "exclude.why is missing: say why these cells are left out",
         );
     }
     if exclusion.conditions.is_empty() {
         faults.add(
-            &exclusion.place,
+            &exclusion.location,
             "exclude: names no axis, so it would leave out every cell",
         );
     }
@@ -190,7 +217,7 @@ fn read_condition(
     key: &str,
     value: &Spanned<DeValue>,
     faults: &mut Faults,
-) -> Vec<Placed> {
+) -> Vec<Located> {
     let is_value = named.parse(&raw(value)).is_ok();
     let items: Vec<_> = match value.get_ref().as_array() {
         Some(items) if !is_value => items.iter().collect(),
@@ -200,9 +227,9 @@ fn read_condition(
     let mut values = Vec::new();
     for item in items {
         if let Some(value) = checked_as(|raw| named.parse(raw), &name, item, faults) {
-            values.push(Placed {
+            values.push(Located {
                 value,
-                place: at(item),
+                location: start_of(item),
             });
         }
     }

@@ -1,25 +1,24 @@
 //! `[axes]` and `[[zip]]`: lists, ranges, and axes that vary together.
 
 use super::axis::{AXES, ENVIRONMENT, Named, Point};
-use super::config::{AXIS, Config, Placed, Sweep, Zip, axis_names};
-use super::fault::{Faults, Place};
+use super::config::{AXIS, Config, Located, Sweep, Zip, axis_names};
+use super::fault::{Faults, Location};
 use super::inputs::short_names;
-use super::toml_tree::{at, checked, entries, list, raw, section, table, unknown_key};
+use super::ranges::range_values;
+use super::toml_tree::{checked, list, raw, section, start_of, table, unknown_key};
 use super::value::{Kind, Raw};
 use std::collections::{BTreeMap, HashSet};
 use toml::Spanned;
-use toml::de::{DeTable, DeValue};
+use toml::de::DeValue;
 
 /// Largest number of combinations; planning them takes about ten seconds on one core.
 pub(super) const COMBINATIONS_MAX: u64 = 200_000;
-const POWER_MAX: i64 = 60;
-const RANGES: &[&str] = &["pow2"];
 
 impl Config {
     pub(super) fn read_axes(&mut self, value: &Spanned<DeValue>, faults: &mut Faults) {
-        for (key, value, place) in table(value, "axes", faults) {
+        for (key, value, location) in table(value, "axes", faults) {
             let Some(named) = Named::find(key) else {
-                unknown_key(&place, "axes.", key, &axis_names(), faults);
+                unknown_key(&location, "axes.", key, &axis_names(), faults);
                 continue;
             };
             let name = format!("axes.{key}");
@@ -27,7 +26,7 @@ impl Config {
             if self.sweep(axis).is_some() {
                 let second = AXES[axis].spelling.as_ref();
                 faults.add(
-                    &place,
+                    &location,
                     format!(
                         "{name}: {} and {} are two names of one axis; expected one of them",
                         AXES[axis].name,
@@ -39,10 +38,10 @@ impl Config {
             let items = written_values(&name, named.kind(), value, faults);
             let written = items.len();
             let mut values = Vec::new();
-            for (item, place) in items {
+            for (item, location) in items {
                 match named.parse(&item) {
-                    Ok(value) => values.push(Placed { value, place }),
-                    Err(fault) => faults.add(&place, format!("{name}: {fault}")),
+                    Ok(value) => values.push(Located { value, location }),
+                    Err(fault) => faults.add(&location, format!("{name}: {fault}")),
                 }
             }
             self.axes.push(Sweep {
@@ -58,11 +57,11 @@ impl Config {
         for item in list(value, "zip", faults) {
             let mut zip = Zip {
                 axes: Vec::new(),
-                place: at(item),
+                location: start_of(item),
             };
             let mut written = 0;
-            for (_, value, place) in section(item, "zip", &["axes"], faults) {
-                zip.place = place;
+            for (_, value, location) in section(item, "zip", &["axes"], faults) {
+                zip.location = location;
                 for name in value.get_ref().as_array().into_iter().flatten() {
                     written += 1;
                     let named =
@@ -72,7 +71,10 @@ impl Config {
             }
             // An unknown name has its own fault.
             if written < 2 {
-                faults.add(&zip.place, "zip: needs axes = [...] with at least two axes");
+                faults.add(
+                    &zip.location,
+                    "zip: needs axes = [...] with at least two axes",
+                );
             }
             self.zips.push(zip);
         }
@@ -87,13 +89,13 @@ impl Config {
             for &axis in &zip.axes {
                 let name = AXES[axis].name;
                 if known.contains(&axis) {
-                    faults.add(&zip.place, format!("zip: {name} is listed twice"));
+                    faults.add(&zip.location, format!("zip: {name} is listed twice"));
                     continue;
                 }
                 known.push(axis);
                 match self.axes.iter().find(|sweep| sweep.axis == axis) {
                     Some(sweep) => lengths.push((name, sweep.written)),
-                    None => faults.add(&zip.place, format!("zip: {name} is not in [axes]")),
+                    None => faults.add(&zip.location, format!("zip: {name} is not in [axes]")),
                 }
             }
             // An axis that could not be read has its own fault.
@@ -105,7 +107,7 @@ impl Config {
                     .map(|(name, n)| format!("{name} has {n} {}", value(*n)))
                     .collect();
                 faults.add(
-                    &zip.place,
+                    &zip.location,
                     format!("zip: {}; expected as many for each", lengths.join(", ")),
                 );
             }
@@ -117,17 +119,17 @@ impl Config {
         for Dimension { members, steps } in self.dimensions() {
             let mut known = HashSet::new();
             for step in 0..steps {
-                let row: Vec<&Placed> = members
+                let row: Vec<&Located> = members
                     .iter()
                     .map(|&member| &self.axes[member].values[step])
                     .collect();
-                if !known.insert(row.iter().map(|placed| &placed.value).collect::<Vec<_>>()) {
+                if !known.insert(row.iter().map(|located| &located.value).collect::<Vec<_>>()) {
                     let values: Vec<String> = members
                         .iter()
                         .zip(&row)
-                        .map(|(&member, placed)| {
+                        .map(|(&member, located)| {
                             let axis = self.axes[member].axis;
-                            format!("axes.{}: {}", AXES[axis].name, placed.value)
+                            format!("axes.{}: {}", AXES[axis].name, located.value)
                         })
                         .collect();
                     let values = values.join(", ");
@@ -136,7 +138,7 @@ impl Config {
                     } else {
                         "are listed together twice"
                     };
-                    faults.add(&row[0].place, format!("{values} {verb}"));
+                    faults.add(&row[0].location, format!("{values} {verb}"));
                 }
             }
         }
@@ -206,86 +208,33 @@ struct Dimension {
     steps: usize,
 }
 
-/// Lists the values of a sweep as written, a range expanded, each with its place.
+/// Lists the values of a sweep as written, a range expanded, each with its location.
 fn written_values(
     name: &str,
     kind: Kind,
     value: &Spanned<DeValue>,
     faults: &mut Faults,
-) -> Vec<(Raw, Place)> {
+) -> Vec<(Raw, Location)> {
     match value.get_ref() {
         DeValue::Array(items) => {
             if items.is_empty() {
                 faults.add(
-                    &at(value),
+                    &start_of(value),
                     format!("{name}: an axis needs at least one value"),
                 );
             }
-            items.iter().map(|item| (raw(item), at(item))).collect()
+            items
+                .iter()
+                .map(|item| (raw(item), start_of(item)))
+                .collect()
         }
-        DeValue::Table(range) => {
-            let mut unknown = entries(range);
-            unknown.retain(|(key, ..)| !RANGES.contains(key));
-            for (key, _, place) in &unknown {
-                unknown_key(place, &format!("{name}."), key, RANGES, faults);
-            }
-            if !unknown.is_empty() {
-                return Vec::new();
-            }
-            match range_values(kind, range) {
-                Ok(items) => items.into_iter().map(|item| (item, at(value))).collect(),
-                Err(fault) => {
-                    faults.add(&at(value), format!("{name}: {fault}"));
-                    Vec::new()
-                }
-            }
-        }
+        DeValue::Table(range) => range_values(name, kind, range, &start_of(value), faults),
         _ => {
             faults.add(
-                &at(value),
+                &start_of(value),
                 format!("{name}: {} is not a list of values", raw(value)),
             );
             Vec::new()
         }
-    }
-}
-
-/// Expands a range; rounds for axes of whole numbers.
-fn range_values(kind: Kind, range: &DeTable) -> Result<Vec<Raw>, String> {
-    let expected = || "expected a list of values, or { pow2 = [from, to] }".to_owned();
-    let is_number = matches!(
-        kind,
-        Kind::Number(_) | Kind::NumberOrName { .. } | Kind::Count { .. }
-    );
-    if !is_number && !matches!(kind, Kind::Color(_)) {
-        return Err("a range needs an axis of numbers; expected a list of values".to_owned());
-    }
-    let [(name, value, _)] = &entries(range)[..] else {
-        return Err(expected());
-    };
-    let Raw::Array(items) = raw(value) else {
-        return Err(expected());
-    };
-    let is_whole = matches!(kind, Kind::Count { .. });
-    let rounded = |x: f64| {
-        if is_whole {
-            Raw::Integer(x.round() as i64)
-        } else {
-            Raw::Float(x)
-        }
-    };
-    match (*name, &items[..]) {
-        ("pow2", [Raw::Integer(from), Raw::Integer(to)]) => {
-            if from > to || *from < -POWER_MAX || *to > POWER_MAX {
-                let range = format!("from -{POWER_MAX} to {POWER_MAX}");
-                return Err(format!(
-                    "pow2 = [{from}, {to}]; expected two powers, ascending, {range}"
-                ));
-            }
-            Ok((*from..=*to)
-                .map(|power| rounded((power as f64).exp2()))
-                .collect())
-        }
-        _ => Err(expected()),
     }
 }

@@ -1,7 +1,7 @@
 //! TOML with places: walks the parsed tree without stopping at the first fault.
 
 use super::axis::named::{LISTED_AXES, hint};
-use super::fault::{Faults, Place};
+use super::fault::{Faults, Location};
 use super::value::{Kind, Raw, Value};
 use crate::base::names::expected;
 use serde::Deserialize;
@@ -12,7 +12,7 @@ use toml_parser::parser::{Event, RecursionGuard, parse_document};
 /// Deepest nesting of brackets that the crate `toml` parses.
 const DEPTH_MAX: u32 = 80;
 
-pub type Entry<'t, 'i> = (&'t str, &'t Spanned<DeValue<'i>>, Place);
+pub type Entry<'t, 'i> = (&'t str, &'t Spanned<DeValue<'i>>, Location);
 
 /// Parses a text; syntax errors become faults. At the first unclosed bracket the tree ends, since
 /// errors behind it mislead.
@@ -41,13 +41,13 @@ pub fn parsed<'t>(text: &'t str, faults: &mut Faults) -> Spanned<DeTable<'t>> {
             ["[", "]"]
         };
         let fault = format!("not TOML: {open_with} is not closed; expected {close}");
-        faults.add(&Place::File(open.start()), fault);
+        faults.add(&Location::File(open.start()), fault);
         end = line_start(open.start());
     }
     let (root, errors) = DeTable::parse_recoverable(&text[..end]);
     for error in &errors {
         let span = error.span().unwrap_or_default();
-        faults.add_with(&Place::File(span.start), || {
+        faults.add_with(&Location::File(span.start), || {
             match (error.message(), text.get(span.clone())) {
                 ("duplicate key", Some(key)) => format!("not TOML: the key {key} is written twice"),
                 (message, _) if message.contains("recurs") => {
@@ -60,18 +60,24 @@ pub fn parsed<'t>(text: &'t str, faults: &mut Faults) -> Spanned<DeTable<'t>> {
     root
 }
 
-pub fn at(value: &Spanned<DeValue>) -> Place {
-    Place::File(value.span().start)
+pub fn start_of(value: &Spanned<DeValue>) -> Location {
+    Location::File(value.span().start)
 }
 
 /// Reports an unknown key with the nearest known one.
-pub fn unknown_key(place: &Place, prefix: &str, key: &str, known: &[&str], faults: &mut Faults) {
+pub fn unknown_key(
+    location: &Location,
+    prefix: &str,
+    key: &str,
+    known: &[&str],
+    faults: &mut Faults,
+) {
     let listed_in = if prefix.is_empty() {
         "a key of experiments/README.md"
     } else {
         LISTED_AXES
     };
-    faults.add_with(place, || {
+    faults.add_with(location, || {
         let near = Some(hint(key, known)).filter(|near| !near.is_empty());
         format!(
             "{prefix}{key} is unknown{}",
@@ -80,7 +86,7 @@ pub fn unknown_key(place: &Place, prefix: &str, key: &str, known: &[&str], fault
     });
 }
 
-/// Parses a value as `kind`, or reports a fault at its place.
+/// Parses a value as `kind`, or reports a fault at its location.
 pub fn checked(
     kind: Kind,
     name: &str,
@@ -90,7 +96,7 @@ pub fn checked(
     checked_as(|raw| kind.parse(raw), name, value, faults)
 }
 
-/// Parses a value by a function, or reports a fault at its place.
+/// Parses a value by a function, or reports a fault at its location.
 pub fn checked_as<T>(
     parse: impl Fn(&Raw) -> Result<T, String>,
     name: &str,
@@ -98,7 +104,7 @@ pub fn checked_as<T>(
     faults: &mut Faults,
 ) -> Option<T> {
     parse(&raw(value))
-        .map_err(|fault| faults.add(&at(value), format!("{name}: {fault}")))
+        .map_err(|fault| faults.add(&start_of(value), format!("{name}: {fault}")))
         .ok()
 }
 
@@ -112,7 +118,7 @@ pub fn text(name: &str, value: &Spanned<DeValue>, faults: &mut Faults) -> String
     checked_as(text, name, value, faults).unwrap_or_default()
 }
 
-/// Lists the entries of a table in the order of the file, with the place of each key.
+/// Lists the entries of a table in the order of the file, with the location of each key.
 pub fn entries<'t, 'i>(table: &'t DeTable<'i>) -> Vec<Entry<'t, 'i>> {
     let mut entries: Vec<_> = table
         .iter()
@@ -121,7 +127,7 @@ pub fn entries<'t, 'i>(table: &'t DeTable<'i>) -> Vec<Entry<'t, 'i>> {
     entries.sort_by_key(|(offset, ..)| *offset);
     entries
         .into_iter()
-        .map(|(offset, key, value)| (key, value, Place::File(offset)))
+        .map(|(offset, key, value)| (key, value, Location::File(offset)))
         .collect()
 }
 
@@ -134,7 +140,10 @@ pub fn table<'t, 'i>(
     match value.get_ref() {
         DeValue::Table(table) => entries(table),
         _ => {
-            faults.add(&at(value), format!("{name}: {} is not a table", raw(value)));
+            faults.add(
+                &start_of(value),
+                format!("{name}: {} is not a table", raw(value)),
+            );
             Vec::new()
         }
     }
@@ -148,10 +157,10 @@ pub fn section<'t, 'i>(
     faults: &mut Faults,
 ) -> Vec<Entry<'t, 'i>> {
     let mut entries = table(value, name, faults);
-    entries.retain(|(key, _, place)| {
+    entries.retain(|(key, _, location)| {
         let is_known = keys.contains(key);
         if !is_known {
-            unknown_key(place, &format!("{name}."), key, keys, faults);
+            unknown_key(location, &format!("{name}."), key, keys, faults);
         }
         is_known
     });
@@ -167,7 +176,10 @@ pub fn list<'t, 'i>(
     match value.get_ref() {
         DeValue::Array(items) => items.iter().collect(),
         _ => {
-            faults.add(&at(value), format!("{name}: write [[{name}]] for each one"));
+            faults.add(
+                &start_of(value),
+                format!("{name}: write [[{name}]] for each one"),
+            );
             Vec::new()
         }
     }

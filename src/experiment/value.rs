@@ -336,6 +336,14 @@ impl Kind {
         }
     }
 
+    /// The names, one of which a value must be; empty if other values are allowed.
+    pub fn only_names(&self) -> Vec<&'static str> {
+        match self {
+            Self::Name { names, .. } => names(),
+            _ => Vec::new(),
+        }
+    }
+
     pub fn describe(&self) -> String {
         match self {
             Self::Number(range) => format!("number in {range}"),

@@ -29,6 +29,9 @@ pub mod tonemap;
 /// Scores of an image against the reference. They see images and a mask, never a method.
 pub mod metrics;
 
+/// Roughness and F0 of a surface from photos of it, by the images of a method.
+pub mod recovery;
+
 /// Radiance by each specular and diffuse method, and by the reference.
 pub mod shade;
 

@@ -46,7 +46,7 @@ pub enum Kind {
 /// The columns of a [`Kind`], in the order of help and results.
 #[derive(Clone, Copy, Debug)]
 pub struct KindColumns {
-    /// Columns that every table needs, in any order.
+    /// Columns that every table needs, in any order; `ior` may be in place of `f0`.
     pub required: &'static [&'static str],
     /// Optional columns. Defaults: `masking` `separable`, `weight` `cosine`, `levels` as in the
     /// default tables.
@@ -71,7 +71,7 @@ const SURFACE_COLUMNS: &[&str] = &[
     "environment",
     "brdf",
     "alpha",
-    "f0",
+    F0_COLUMN,
     "nx",
     "ny",
     "nz",
@@ -80,6 +80,10 @@ const SURFACE_COLUMNS: &[&str] = &[
     "vz",
 ];
 
+const F0_COLUMN: &str = "f0";
+/// The column that may be in place of [`F0_COLUMN`]: an index of refraction.
+const IOR_COLUMN: &str = "ior";
+
 impl Kind {
     pub fn columns(self) -> &'static KindColumns {
         match self {
@@ -87,6 +91,7 @@ impl Kind {
                 required: SURFACE_COLUMNS,
                 optional: &[
                     "masking",
+                    IOR_COLUMN,
                     "anisotropy",
                     "anisotropy_rotation_deg",
                     "anisotropy_widths",
@@ -103,7 +108,7 @@ impl Kind {
             },
             Self::Ladder => &KindColumns {
                 required: SURFACE_COLUMNS,
-                optional: &["masking", "levels", "id"],
+                optional: &["masking", IOR_COLUMN, "levels", "id"],
                 colors: &[],
                 numbers: &[],
             },

@@ -1,7 +1,7 @@
 //! Reads tables of queries. Every row is checked, and every fault is reported with line and column.
 
 use super::row::{Fault, Row};
-use super::{Kind, KindColumns, Query};
+use super::{F0_COLUMN, IOR_COLUMN, Kind, KindColumns, Query};
 use crate::base::csv::Cell;
 use crate::base::files::{TEXT_BYTES_MAX, read_given};
 use crate::base::names::{Listed, suggestion};
@@ -226,8 +226,11 @@ impl<'a> Reader<'a> {
     /// unknown one does not hide their faults.
     fn has_meaningful_rows(&self) -> bool {
         let count = |name: &str| self.columns.iter().filter(|column| *column == name).count();
+        let in_place = |column: &&str| in_place_of(column).map_or(0, count);
         let required = self.kind.columns().required;
-        required.iter().all(|column| count(column) == 1)
+        required
+            .iter()
+            .all(|column| count(column) + in_place(column) == 1)
             && self.columns.iter().all(|column| count(column) == 1)
     }
 
@@ -264,10 +267,16 @@ impl<'a> Reader<'a> {
                 self.fault(line, column, "the column is listed twice");
             }
         }
-        for column in required
-            .iter()
-            .filter(|column| !record.iter().any(|there| there == **column))
-        {
+        let is_there = |column: &str| record.iter().any(|there| there == column);
+        for &column in required {
+            let other = in_place_of(column).filter(|other| is_there(other));
+            if let Some(other) = other.filter(|_| is_there(column)) {
+                let what = format!("{other} and {column} are one number; expected one of them");
+                self.fault(line, other, what);
+            }
+            if is_there(column) || other.is_some() {
+                continue;
+            }
             self.fault(
                 line,
                 column,
@@ -330,6 +339,11 @@ impl<'a> Reader<'a> {
         self.environments[index].row_count += 1;
         index
     }
+}
+
+/// Names the column that may be in place of a required one.
+fn in_place_of(column: &str) -> Option<&'static str> {
+    (column == F0_COLUMN).then_some(IOR_COLUMN)
 }
 
 /// Returns the line, from 1, of the record that starts at or after byte `start`.

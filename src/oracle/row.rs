@@ -1,9 +1,11 @@
 //! Checks the cells of one row of queries.
 
-use super::{ALPHA_MIN, Anisotropy, Coat, Integral, Kind, Sheen};
+use super::{ALPHA_MIN, Anisotropy, Coat, F0_COLUMN, IOR_COLUMN, Integral, Kind, Sheen};
 use crate::base::math::frame::east;
 use crate::base::names::Listed;
-use crate::instrument::brdf::{Brdf, MaskingShadowing, SHEEN_ALPHA_MIN, Stretch, WidthLaw};
+use crate::instrument::brdf::{
+    Brdf, IOR_MAX, MaskingShadowing, SHEEN_ALPHA_MIN, Stretch, WidthLaw, f0_from_ior,
+};
 use crate::instrument::precompute::PrecomputeSettings;
 use crate::instrument::precompute::prefilter::{Kernel, Weight};
 use crate::instrument::shade::reference::Surface;
@@ -234,7 +236,7 @@ impl Row<'_> {
         else {
             return Some(None);
         };
-        let color = self.color("sheen_color", &text);
+        let color = self.color("sheen_color", &text, [0.0, 1.0]);
         let alpha = self.above_zero_to_one("sheen_alpha");
         let alpha = alpha?;
         let visibility = self.optional("sheen_visibility");
@@ -251,13 +253,18 @@ impl Row<'_> {
         }))
     }
 
+    /// Returns F0, given as itself or by an index of refraction.
     fn f0(&mut self) -> Option<DVec3> {
-        let text = self.cell("f0").to_owned();
-        self.color("f0", &text)
+        if let Some(text) = self.optional_cell(IOR_COLUMN).map(str::to_owned) {
+            let ior = self.color(IOR_COLUMN, &text, [1.0, IOR_MAX])?;
+            return Some(ior.map(f0_from_ior));
+        }
+        let text = self.cell(F0_COLUMN).to_owned();
+        self.color(F0_COLUMN, &text, [0.0, 1.0])
     }
 
-    /// Parses `x` or `R:G:B`.
-    fn color(&mut self, column: &str, text: &str) -> Option<DVec3> {
+    /// Parses `x` or `R:G:B` with channels from `least` to `most`.
+    fn color(&mut self, column: &str, text: &str, [least, most]: [f64; 2]) -> Option<DVec3> {
         let parts: Vec<&str> = text.split(':').collect();
         let channels: Option<Vec<f64>> =
             parts.iter().map(|part| self.number(column, part)).collect();
@@ -269,9 +276,10 @@ impl Row<'_> {
                 return None;
             }
         };
-        let is_inside = color.cmpge(DVec3::ZERO).all() && color.cmple(DVec3::ONE).all();
+        let is_inside =
+            color.cmpge(DVec3::splat(least)).all() && color.cmple(DVec3::splat(most)).all();
         if !is_inside {
-            self.fault(column, format!("{text} is outside [0, 1]"));
+            self.fault(column, format!("{text} is outside [{least}, {most}]"));
         }
         is_inside.then_some(color)
     }

@@ -3,7 +3,7 @@
 use super::page::PageError;
 use super::record::{ANSWER_FILE, AnswerRecord, WriteError};
 use super::sheets::sheet_files;
-use super::summary::{bold, with_sheet_beside};
+use super::summary::with_local_sheet;
 use super::write::SUMMARY_FILE;
 use crate::base::files::{TEXT_BYTES_MAX, names_in, read_text, relative};
 use crate::base::pixels::{PixelsError, write_atomically};
@@ -16,10 +16,11 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Published files besides the answers and the timing records.
-const FILES: [&str; 6] = [
+const FILES: [&str; 7] = [
     EXPERIMENT_FILE,
     "environments.csv",
     "errors.csv",
+    "recovery.csv",
     "steps.csv",
     "timings.csv",
     SUMMARY_FILE,
@@ -211,7 +212,7 @@ fn write_summary(dir: &Path, target: &Path, left_out: &[String]) -> Result<(), P
         let name = sheet
             .file_name()
             .map_or_else(|| "sheet.svg".into(), |name| name.to_string_lossy());
-        if let Some(adapted) = with_sheet_beside(&text, &name) {
+        if let Some(adapted) = with_local_sheet(&text, &name) {
             std::fs::copy(sheet, target.join(&*name)).map_err(io(sheet))?;
             text = adapted;
         }
@@ -296,10 +297,10 @@ pub fn write_page(into: &Path) -> Result<PathBuf, PublishError> {
 /// The answers of a run with links to its files.
 fn section(PublishedRun { folder, record }: &PublishedRun, dir: &Path) -> String {
     let mut text = format!(
-        "## {}\n\n{}\n\n{}\n\n",
+        "## {}\n\n{}\n\n**{}**\n\n",
         inline(&record.name),
         paragraph(&record.question),
-        bold(record.headline())
+        inline(record.plain_headline())
     );
     for answer in record.answers.iter().skip(1) {
         text += &format!("- {}\n", paragraph(&answer.sentence));

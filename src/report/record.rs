@@ -10,6 +10,12 @@ use std::path::{Path, PathBuf};
 
 pub const ANSWER_FILE: &str = "answer.json";
 
+/// In place of the main answer of a run without one.
+const NO_ANSWER: &str = "No suitable cell is finished yet.";
+/// The same without references.
+const NO_SCORES: &str = "The run has no scores, by reference = \"none\", so it answers no question; \
+                         its images are in images/.";
+
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
     #[error(transparent)]
@@ -30,7 +36,10 @@ pub enum WriteError {
 pub struct AnswerSentence {
     pub question: String,
     pub asks: String,
+    /// In Markdown.
     pub sentence: String,
+    /// The same without emphasis, for use within bold text.
+    pub plain: String,
 }
 
 impl AnswerSentence {
@@ -39,6 +48,7 @@ impl AnswerSentence {
             question: answer.question.name.to_owned(),
             asks: answer.question.asks.to_owned(),
             sentence: answer.finding.sentences.markdown(),
+            plain: answer.finding.sentences.plain_markdown(),
         }
     }
 }
@@ -57,6 +67,9 @@ pub struct AnswerRecord {
     /// Of the last session; empty if unknown.
     pub commit: String,
     pub is_cpu_timed: bool,
+    /// Whether the run has no references.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub is_unscored: bool,
     pub files: Vec<String>,
 }
 
@@ -74,9 +87,23 @@ impl AnswerRecord {
     pub fn headline(&self) -> &str {
         self.answers
             .first()
-            .map_or("No suitable cell is finished yet.", |answer| {
-                answer.sentence.as_str()
-            })
+            .map_or(self.no_answer(), |answer| answer.sentence.as_str())
+    }
+
+    /// What to print in place of the main answer.
+    pub fn no_answer(&self) -> &'static str {
+        if self.is_unscored {
+            NO_SCORES
+        } else {
+            NO_ANSWER
+        }
+    }
+
+    /// The main answer without emphasis.
+    pub fn plain_headline(&self) -> &str {
+        self.answers
+            .first()
+            .map_or(NO_ANSWER, |answer| answer.plain.as_str())
     }
 }
 

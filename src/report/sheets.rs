@@ -71,7 +71,7 @@ fn file_name(plan: &Plan, page_axes: &[AxisId], cell: &Cell) -> String {
 
 /// Contact sheets of the run in a folder, by name.
 pub fn sheet_files(dir: &Path) -> Vec<PathBuf> {
-    let folder = Store::at(dir).table_path("");
+    let folder = Store::read_only(dir).table_path("");
     names_in(&folder)
         .iter()
         .filter(|name| name.ends_with(".svg"))
@@ -124,6 +124,8 @@ struct SheetMaker<'p> {
     /// The first cell of each column.
     columns: Vec<&'p Cell>,
     tile: [u32; 2],
+    /// Whether there are references, with error maps.
+    is_scored: bool,
     /// Whether exposure or contrast is swept, so that each display image has its FLIP map.
     has_flip: bool,
 }
@@ -140,10 +142,13 @@ impl<'p> SheetMaker<'p> {
             plan,
             results,
             column_axes,
-            // One more for the reference.
-            tile: tile_size(plan.size_of(cells[0]), columns.len() + 1),
+            tile: tile_size(
+                plan.size_of(cells[0]),
+                columns.len() + usize::from(plan.config.is_scored),
+            ),
             columns,
-            has_flip: sweeps_display(plan),
+            is_scored: plan.config.is_scored,
+            has_flip: plan.config.is_scored && sweeps_display(plan),
         }
     }
 
@@ -152,7 +157,9 @@ impl<'p> SheetMaker<'p> {
         let config = &self.plan.config;
         let page = values_in_words(self.plan, page_axes, cells[0], " ");
         let title = format!("{} {page}", config.name);
-        let legend = if self.has_flip {
+        let legend = if !self.is_scored {
+            String::new()
+        } else if self.has_flip {
             format!(
                 "Below each image: its {DISPLAY_HEADLINE} and FLIP map. The relative error of \
                  linear values does not depend on exposure and \
@@ -163,13 +170,18 @@ impl<'p> SheetMaker<'p> {
                 "Below each image: its {HEADLINE} and its relative error against the reference."
             )
         };
-        let mut legends = vec![("relative error, root of relmse", RELATIVE_ERROR)];
+        let mut legends = Vec::new();
         if self.has_flip {
-            legends.insert(0, ("FLIP", FLIP_ERROR));
+            legends.push(("FLIP", FLIP_ERROR));
+        }
+        if self.is_scored {
+            legends.push(("relative error, root of relmse", RELATIVE_ERROR));
         }
         ContactSheet {
             title: title.trim_end().to_owned(),
-            caption: format!("{} {legend}", config.question),
+            caption: format!("{} {legend}", config.question)
+                .trim_end()
+                .to_owned(),
             tile: self.tile,
             columns: self.heads(),
             rows: self.rows(cells),
@@ -179,10 +191,13 @@ impl<'p> SheetMaker<'p> {
 
     /// The heads of the columns; methods are groups.
     fn heads(&self) -> Vec<Head> {
-        let mut heads = vec![Head {
-            label: "reference".to_owned(),
-            starts_group: false,
-        }];
+        let mut heads = Vec::new();
+        if self.is_scored {
+            heads.push(Head {
+                label: "reference".to_owned(),
+                starts_group: false,
+            });
+        }
         let mut last_method = None;
         for &cell in &self.columns {
             let method = &cell.point[METHOD];
@@ -219,6 +234,9 @@ impl<'p> SheetMaker<'p> {
                 if self.has_flip {
                     rows.push(self.row("FLIP".to_owned(), false, row, Kind::Flip));
                 }
+            }
+            if !self.is_scored {
+                continue;
             }
             let label = "relative error".to_owned();
             let is_shared = displays.len() > 1;
@@ -260,7 +278,10 @@ impl<'p> SheetMaker<'p> {
                 label,
                 starts_group,
             },
-            tiles: std::iter::once(self.reference_tile(cells, kind))
+            tiles: self
+                .is_scored
+                .then(|| self.reference_tile(cells, kind))
+                .into_iter()
                 .chain(tiles)
                 .collect(),
         }
@@ -280,10 +301,8 @@ impl<'p> SheetMaker<'p> {
             return Tile::Missing("not done".to_owned());
         };
         match kind {
-            Kind::Display => {
-                let name = reference_picture_name(self.plan, cell);
-                self.image(&name, String::new())
-            }
+            Kind::Display => reference_picture_name(self.plan, cell)
+                .map_or(Tile::Blank, |name| self.image(&name, String::new())),
             Kind::RelativeError => record.noise_floor(HEADLINE).map_or(Tile::Blank, |floor| {
                 let floor = significant(floor, 2);
                 Tile::Missing(format!(

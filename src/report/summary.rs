@@ -5,6 +5,7 @@ use super::sheets::sheet_files;
 use crate::draw::markdown::{
     Align, MarkdownTable, inline, link, link_label, paragraph, significant,
 };
+use crate::draw::words::{self, Statement};
 use crate::experiment::axis::{AXES, SIZE};
 use crate::run::store::{ANSWERS_FOLDER, ReferenceStop, StopReason};
 use crate::study::finished::Finished;
@@ -20,7 +21,8 @@ pub fn markdown(run: &Finished, answers: &[Answer], record: &AnswerRecord) -> St
     if !record.question.is_empty() {
         let _ = writeln!(text, "{}\n", paragraph(&record.question));
     }
-    let _ = writeln!(text, "{}\n", bold(record.headline()));
+    let headline = headline(answers, record);
+    let _ = writeln!(text, "{}\n", inline(&words::markdown([&headline])));
     for answer in answers.iter().skip(1) {
         let _ = writeln!(
             text,
@@ -38,9 +40,14 @@ pub fn markdown(run: &Finished, answers: &[Answer], record: &AnswerRecord) -> St
     text + &contact_sheets(run) + &failures(run)
 }
 
-/// A sentence as a bold paragraph, without bold parts of its own.
-pub fn bold(sentence: &str) -> String {
-    format!("**{}**", inline(&sentence.replace("**", "")))
+/// The main answer, emphasised as a whole.
+fn headline(answers: &[Answer], record: &AnswerRecord) -> Statement {
+    let sentences = answers
+        .first()
+        .map(|answer| Statement::joined(answer.finding.sentences.all().cloned(), " "));
+    sentences
+        .unwrap_or_else(|| record.no_answer().into())
+        .strong()
 }
 
 fn section(answer: &Answer) -> String {
@@ -75,11 +82,9 @@ fn state(run: &Finished, record: &AnswerRecord) -> String {
     }
     let _ = writeln!(
         text,
-        ". {} {sizes}. Reference: `{}`, {} samples per pixel{}. Device: {}.\n",
+        ". {} {sizes}. {}. Device: {}.\n",
         AXES[SIZE].name,
-        inline(&run.provenance.reference.method),
-        run.provenance.reference.samples,
-        reference_stops(run),
+        reference(run),
         if record.devices.is_empty() {
             "none yet".to_owned()
         } else {
@@ -93,17 +98,31 @@ fn state(run: &Finished, record: &AnswerRecord) -> String {
     text
 }
 
+/// The references in words, without a full stop.
+fn reference(run: &Finished) -> String {
+    if !run.is_scored() {
+        return "No references".to_owned();
+    }
+    let settings = &run.provenance.reference;
+    format!(
+        "Reference: `{}`, {} samples per pixel{}",
+        inline(&settings.method),
+        settings.samples,
+        reference_stops(run)
+    )
+}
+
 /// Where the references stopped, as the end of a sentence.
 fn reference_stops(run: &Finished) -> String {
     // Cells of one reference share its file.
     let mut stops: BTreeMap<String, &ReferenceStop> = BTreeMap::new();
     for cell in &run.cells {
         if let Some(stop) = &cell.reference {
-            let reference = match &cell.images {
-                Some(images) => images.reference.clone(),
-                None => format!("{stop:?}"),
-            };
-            stops.insert(reference, stop);
+            let file = cell
+                .images
+                .as_ref()
+                .and_then(|images| images.reference.clone());
+            stops.insert(file.unwrap_or_else(|| format!("{stop:?}")), stop);
         }
     }
     if stops.is_empty() {
@@ -140,7 +159,7 @@ fn sheet_title(name: &str) -> &str {
 
 /// The summary for a folder that has the contact sheet `name` beside it and no others; `None` if
 /// the summary does not link that sheet.
-pub fn with_sheet_beside(summary: &str, name: &str) -> Option<String> {
+pub fn with_local_sheet(summary: &str, name: &str) -> Option<String> {
     let link_in_run = sheet_link(name);
     summary.contains(&link_in_run).then(|| {
         summary

@@ -5,37 +5,12 @@ use super::summary;
 use crate::base::files::holds;
 use crate::base::pixels::Staged;
 use crate::draw::figure::svg::{FILE_WIDTH, svg};
-use crate::draw::figure::{Figure, ScaleKind};
-use crate::draw::method_titles::words_in;
 use crate::run::store::ANSWERS_FOLDER;
 use crate::study::finished::Finished;
 use crate::study::questions::Answer;
 use std::path::{Path, PathBuf};
 
 pub const SUMMARY_FILE: &str = "summary.md";
-
-/// The SVG of a figure, with methods in words.
-pub fn drawing(figure: &Figure, width: u32) -> String {
-    let mut figure = figure.clone();
-    figure.note = words_in(&figure.note);
-    for series in &mut figure.series {
-        series.name = words_in(&series.name);
-    }
-    for panel in &mut figure.panels {
-        panel.title = words_in(&panel.title);
-        for mark in &mut panel.marks {
-            mark.tip = words_in(&mark.tip);
-        }
-        for scale in [&mut panel.x, &mut panel.y] {
-            if let ScaleKind::Steps(names) = &mut scale.kind {
-                for name in names {
-                    *name = words_in(name);
-                }
-            }
-        }
-    }
-    svg(&figure, width)
-}
 
 /// A file in `answers/`.
 #[derive(Debug)]
@@ -70,7 +45,7 @@ fn answer_files(answers: &[Answer]) -> Vec<AnswerFile> {
         if let Some(figure) = &finding.figure {
             files.push(AnswerFile {
                 name: format!("{}.svg", question.name),
-                text: drawing(figure, FILE_WIDTH),
+                text: svg(figure, FILE_WIDTH),
             });
         }
     }
@@ -93,6 +68,7 @@ impl Written {
                 .commit
                 .map_or_else(String::new, |commit| commit.hash),
             is_cpu_timed: run.is_cpu_timed(),
+            is_unscored: !run.is_scored(),
             files: files.iter().map(|file| file.name.clone()).collect(),
         };
         let json = serde_json::to_string_pretty(&record).map_err(|error| WriteError::Json {

@@ -65,8 +65,10 @@ pub const CELL: Column = column(
     "Id of the cell: a hash of everything that determines its scores.",
 );
 
-/// The verdict on a cell without scores.
+/// The verdict on a cell that could not be rendered or scored.
 pub const FAILED: &str = "failed";
+/// The verdict on a finished cell of an experiment without references.
+pub const UNSCORED: &str = "unscored";
 
 columns! {
     /// `errors.csv`, besides the cell, its axes, the metrics and their noise floors.
@@ -78,7 +80,8 @@ columns! {
         /// `samples`, or `relative-error` if every term reached the requested error.
         pub reference_stopped_by: Option<&'static str>,
         /// The headline metric against its noise floor: `resolved`, `reference-limited` below ten
-        /// standard errors, `equal-within-noise` below two, `no-noise-floor`, or `failed`.
+        /// standard errors, `equal-within-noise` below two, `no-noise-floor`, `failed`, or
+        /// `unscored` without references.
         pub verdict: String,
     }
 }
@@ -142,6 +145,36 @@ columns! {
 }
 
 columns! {
+    /// `recovery.csv`, besides the cell.
+    pub struct RecoveryColumns {
+        /// Id of a cell of the candidate: its method and parameters. The cell is a photo.
+        pub candidate: String,
+        /// Photos of the fit, one per orientation of the light.
+        pub photos: usize,
+        /// The loss of the fit: see docs/recovery.md, "Losses".
+        pub loss: &'static str,
+        /// Lower end of the band of n·v, inclusive; 0 to 1 is the fit to whole photos.
+        pub n_dot_v_from: f64,
+        /// Upper end of the band of n·v, exclusive.
+        pub n_dot_v_to: f64,
+        /// Perceptual roughness of the photos, √alpha.
+        pub true_roughness: f64,
+        /// F0 of the photos.
+        pub true_f0: f64,
+        /// Recovered perceptual roughness.
+        pub roughness: f64,
+        /// Recovered F0, at most 3.
+        pub f0: f64,
+        /// 1 if the fit ends at the least or largest width or F0, else 0.
+        pub is_at_limit: u64,
+        /// Loss of the recovered material.
+        pub loss_at_fit: f64,
+        /// Loss of the true material; far above `loss_at_fit` the fit hides an error.
+        pub loss_at_truth: f64,
+    }
+}
+
+columns! {
     /// `timings.csv`: the columns before the axes that change times.
     pub struct TimedColumns {
         /// `frame` for passes of every frame, `precompute` for tables that are computed once.
@@ -194,14 +227,15 @@ columns! {
     pub struct ImageColumns {
         /// Linear EXR of the cell, in `images/`.
         pub radiance: String,
-        /// Linear EXR of its reference; a layer holds the standard error.
-        pub reference: String,
+        /// Linear EXR of its reference; a layer holds the standard error; empty without
+        /// references.
+        pub reference: Option<String>,
         /// Tone-mapped PNG of the cell.
         pub picture: String,
-        /// Tone-mapped PNG of its reference.
-        pub reference_picture: String,
-        /// PNG of the relative error, in fixed colours.
-        pub error: String,
+        /// Tone-mapped PNG of its reference; empty without references.
+        pub reference_picture: Option<String>,
+        /// PNG of the relative error, in fixed colours; empty without references.
+        pub error: Option<String>,
     }
 }
 
@@ -232,7 +266,7 @@ pub const TABLES: &[TableEntry] = &[
     TableEntry {
         file: "errors_by_n_dot_v.csv",
         parts: &[BinColumns::COLUMNS],
-        about: "One row per cell and bin of n·v. Further columns: every axis, every metric, and \
+        about: "One row per cell and bin of n·v; only with references. Further columns: every axis, every metric, and \
                 `METRIC_noise_floor` of metrics whose bins determine the whole.",
     },
     TableEntry {
@@ -240,6 +274,12 @@ pub const TABLES: &[TableEntry] = &[
         parts: &[StepColumns::COLUMNS],
         about: "One row per cell, band of n·v and step, to four digits. Only with `[ladder]`. \
                 `errors.csv` has the axes.",
+    },
+    TableEntry {
+        file: "recovery.csv",
+        parts: &[RecoveryColumns::COLUMNS],
+        about: "One row per surface in photos, candidate method, loss and band of n·v. Only with \
+                `[recovery]`. `errors.csv` has the axes.",
     },
     TableEntry {
         file: "timings.csv",

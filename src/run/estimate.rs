@@ -4,6 +4,7 @@
 //! LLVM 15) on two quiet cores. The published runs took 0.65 to 1.25 times as long. The clock of a
 //! run corrects them.
 
+use super::recovery;
 use super::timing::{FRAME, TimingJob};
 use crate::experiment::axis::{AXES, Point, PrecomputedTable};
 use crate::experiment::plan::{Cell, Plan};
@@ -12,7 +13,7 @@ use crate::instrument::pipeline::frames::CONVERGED_SAMPLES;
 use crate::instrument::precompute::PrefilterBy;
 use crate::instrument::shade::frames::Motion;
 use crate::instrument::shade::{NONE, REFERENCE};
-use std::collections::{BTreeSet, HashMap, HashSet};
+use std::collections::{BTreeMap, BTreeSet, HashSet};
 
 /// An item of work. Methods are named.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -30,6 +31,8 @@ enum Work {
     Table(PrecomputedTable),
     /// Tone curve, scores and pictures of a cell.
     Scores,
+    /// Tone curve and picture of a cell that is not scored.
+    Picture,
     /// A cell in the tables, contact sheets, answers and report, after the last step.
     End,
 }
@@ -64,6 +67,7 @@ impl Work {
             Self::Table(PrecomputedTable::Dfg) => price(0.0, 9.0),
             Self::Table(PrecomputedTable::Irradiance) => price(0.0, 11.0),
             Self::Scores => price(300.0, 0.0),
+            Self::Picture => price(60.0, 0.0),
             Self::End => price(150.0, 0.0),
         }
     }
@@ -110,8 +114,9 @@ pub struct Ahead {
 
 #[derive(Clone, Debug)]
 pub struct Forecast {
-    /// Stated seconds by the id of the cell or timed configuration.
-    steps: HashMap<String, f64>,
+    /// Stated seconds by the id of the cell or timed configuration, sorted, so that their sum has
+    /// the same digits in every run.
+    steps: BTreeMap<String, f64>,
     /// Stated seconds, of the work after the last step too.
     left: f64,
     done: f64,
@@ -131,12 +136,12 @@ impl Forecast {
             .iter()
             .map(|cell| Work::End.seconds(amount(plan, &cell.point)))
             .sum();
-        let mut steps: HashMap<_, _> = cells
+        let mut steps: BTreeMap<_, _> = cells
             .iter()
             .map(|cell| (cell.id.clone(), stated.cell(cell)))
             .collect();
         steps.extend(jobs.iter().map(|job| (job.id.clone(), stated.timing(job))));
-        left += steps.values().sum::<f64>();
+        left += steps.values().sum::<f64>() + recovery::seconds(plan);
         Self {
             steps,
             left,
@@ -196,11 +201,17 @@ impl<'p> Steps<'p> {
     pub fn cell(&mut self, cell: &Cell) -> f64 {
         let plan = self.plan;
         let point = &cell.point;
-        let reference = plan.reference_point(point);
+        let judge = plan.judge_of(cell);
         let image = amount(plan, point);
-        let mut seconds = Work::Scores.seconds(image);
-        if self.begun.insert(cell.reference.clone()) {
-            seconds += Work::reference(&reference).seconds(amount(plan, &reference));
+        let mut seconds = match &judge {
+            Some(_) => Work::Scores,
+            None => Work::Picture,
+        }
+        .seconds(image);
+        if let Some((id, judge)) = cell.reference.as_ref().zip(judge.as_ref())
+            && self.begun.insert(id.clone())
+        {
+            seconds += Work::reference(judge).seconds(amount(plan, judge));
         }
         if self.begun.insert(cell.radiance.clone()) {
             seconds += Work::image(point).seconds(image);
@@ -213,7 +224,7 @@ impl<'p> Steps<'p> {
         let by = point.settings().shading.precompute.prefilter;
         let all = tables(plan, point)
             .into_iter()
-            .chain(tables(plan, &reference));
+            .chain(judge.iter().flat_map(|judge| tables(plan, judge)));
         for TableWork {
             key,
             table,
@@ -306,7 +317,7 @@ fn tables(plan: &Plan, point: &Point) -> Vec<TableWork> {
             .needs_dfg(shading.compensation, shading.diffuse),
         PrecomputedTable::Irradiance => shading.diffuse.uses_irradiance_map,
         PrecomputedTable::Mips => true,
-        PrecomputedTable::Sh9 => shading.diffuse.uses_sh9,
+        PrecomputedTable::Sh9 => shading.diffuse.sh9.is_some(),
     };
     [
         PrecomputedTable::Prefilter,

@@ -3,7 +3,7 @@
 
 use super::provenance::{self, experiment_hash};
 use crate::base::files::read_given;
-use crate::experiment::fault::{ConfigError, Faults, Place};
+use crate::experiment::fault::{ConfigError, Faults, Location};
 use crate::experiment::plan::{Check, Plan, Source};
 use crate::instrument::environment::LoadOptions;
 use std::path::{Path, PathBuf};
@@ -85,7 +85,7 @@ fn read_text(path: &Path) -> std::io::Result<String> {
 /// A fault of a whole file.
 fn fault(path: &Path, text: &str, what: String) -> ConfigError {
     let mut faults = Faults::new(path, text);
-    faults.add(&Place::Default, what);
+    faults.add(&Location::Default, what);
     faults.into_result().expect_err("one fault was added")
 }
 

@@ -23,6 +23,8 @@ use std::path::Path;
 
 /// The layer of a reference that holds its standard error.
 pub const STANDARD_ERROR_LAYER: &str = "standard_error";
+/// The layer of an unscored image that holds n·v, in [0, 1], in each of three channels.
+pub const N_DOT_V_LAYER: &str = "n_dot_v";
 /// Longest beginning of a file name; the id follows.
 const SLUG_LENGTH: usize = 120;
 
@@ -59,7 +61,7 @@ const NAMING: [AxisId; 7] = [
 fn slug(point: &Point) -> String {
     let words: Vec<String> = NAMING
         .iter()
-        .map(|&axis| short_text(Named::own(axis), point))
+        .map(|&axis| short_text(Named::primary(axis), point))
         .filter(|word| !word.is_empty())
         .collect();
     file_words(&words.join("_"))
@@ -101,8 +103,10 @@ pub fn flip_name(cell: &Cell) -> String {
     format!("{}.{}.flip.png", slug(&cell.point), cell.id)
 }
 
-pub fn reference_picture_name(plan: &Plan, cell: &Cell) -> String {
-    let point = plan.reference_point(&cell.point);
+/// `None` without references.
+pub fn reference_picture_name(plan: &Plan, cell: &Cell) -> Option<String> {
+    let point = plan.judge_of(cell)?;
+    let id = cell.reference.as_ref()?;
     let display = AXES
         .iter()
         .zip(&point.0)
@@ -110,12 +114,7 @@ pub fn reference_picture_name(plan: &Plan, cell: &Cell) -> String {
     let display: Vec<String> = display
         .map(|(axis, value)| format!("{}{value}", axis.name))
         .collect();
-    format!(
-        "{}.{}.{}.png",
-        slug(&point),
-        display.join("-"),
-        cell.reference
-    )
+    Some(format!("{}.{}.{id}.png", slug(&point), display.join("-")))
 }
 
 /// Writes linear RGBA (A is the mask); for a reference also its standard error, as a layer.
@@ -128,6 +127,20 @@ pub fn write_radiance(path: &Path, frame: &Frame) -> Result<(), PixelsError> {
     exr::write_rgba(path, &frame.radiance, &frame.mask, &layers)
 }
 
+/// Writes the linear RGBA of a cell without reference, with its n·v as a layer: fits weigh or select
+/// pixels by it.
+pub fn write_unscored(path: &Path, frame: &Frame) -> Result<(), PixelsError> {
+    let n_dot_v = frame.n_dot_v.map(|cosine| [cosine; 3]);
+    let mut layers = vec![(N_DOT_V_LAYER, &n_dot_v)];
+    layers.extend(
+        frame
+            .standard_error
+            .iter()
+            .map(|image| (STANDARD_ERROR_LAYER, image)),
+    );
+    exr::write_rgba(path, &frame.radiance, &frame.mask, &layers)
+}
+
 /// Whether the tone curve is swept: then each cell has its own map of visible differences.
 pub fn sweeps_display(plan: &Plan) -> bool {
     plan.swept().any(|axis| !AXES[axis].changes_radiance())
@@ -136,37 +149,38 @@ pub fn sweeps_display(plan: &Plan) -> bool {
 /// All files of a finished cell in `images/`.
 pub(super) fn files(plan: &Plan, cell: &Cell) -> Vec<String> {
     let names = index_names(plan, cell);
-    let mut files = vec![
-        names.radiance,
-        names.reference,
-        names.picture,
-        names.reference_picture,
-        names.error,
-    ];
-    if sweeps_display(plan) {
+    let mut files = vec![names.radiance, names.picture];
+    files.extend(
+        [names.reference, names.reference_picture, names.error]
+            .into_iter()
+            .flatten(),
+    );
+    if cell.reference.is_some() && sweeps_display(plan) {
         files.push(flip_name(cell));
     }
     files
 }
 
-/// File names of the linear images of a cell and its reference.
-pub fn linear_files(plan: &Plan, cell: &Cell) -> [String; 2] {
-    let reference = plan.reference_point(&cell.point);
-    [
-        radiance_name(&cell.point, &cell.radiance),
-        radiance_name(&reference, &cell.reference),
-    ]
+/// File name of the linear image of a cell.
+pub fn linear_file(cell: &Cell) -> String {
+    radiance_name(&cell.point, &cell.radiance)
+}
+
+/// File name of the linear image of a cell's reference; `None` without references.
+pub fn reference_file(plan: &Plan, cell: &Cell) -> Option<String> {
+    let id = cell.reference.as_ref()?;
+    Some(radiance_name(&plan.judge_of(cell)?, id))
 }
 
 /// The names in `images.csv`.
 fn index_names(plan: &Plan, cell: &Cell) -> ImageColumns {
-    let [radiance, reference] = linear_files(plan, cell);
+    let reference = reference_file(plan, cell);
     ImageColumns {
-        radiance,
+        radiance: linear_file(cell),
+        error: reference.is_some().then(|| error_name(cell)),
         reference,
         picture: picture_name(cell),
         reference_picture: reference_picture_name(plan, cell),
-        error: error_name(cell),
     }
 }
 

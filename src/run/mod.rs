@@ -10,6 +10,7 @@ pub mod frozen;
 pub mod images;
 pub mod provenance;
 pub mod record;
+pub mod recovery;
 pub mod renderer;
 pub mod rows;
 pub mod run_table;

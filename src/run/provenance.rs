@@ -1,7 +1,9 @@
 //! `provenance.json`: everything that is needed to repeat a run.
 
+use super::columns::UNSCORED;
 use crate::base::files::{read_regular, relative};
 use crate::base::names::Listed;
+use crate::experiment::config::Config;
 use crate::experiment::plan::{Plan, SCHEMA_VERSION};
 use crate::instrument::metrics::{METRICS, Metric};
 use crate::instrument::pipeline::DeviceInfo;
@@ -99,11 +101,28 @@ pub struct ExclusionRecord {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub struct ReferenceSettings {
+    /// [`UNSCORED`] without references.
     pub method: String,
     /// Requested relative standard error.
     pub relative_error: Option<f64>,
     /// Samples per pixel, at most.
     pub samples: u64,
+}
+
+impl ReferenceSettings {
+    fn new(config: &Config) -> Self {
+        if !config.is_scored {
+            return Self {
+                method: UNSCORED.to_owned(),
+                ..Self::default()
+            };
+        }
+        Self {
+            method: config.reference.method.clone(),
+            relative_error: config.reference.relative_error,
+            samples: config.reference.samples.into(),
+        }
+    }
 }
 
 /// A metric as the program defined it.
@@ -177,6 +196,8 @@ pub struct SessionDevice {
     #[serde(rename = "type")]
     pub device_type: String,
     pub driver: String,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub target: Option<String>,
     pub api_version: String,
     pub timestamp_period_ns: f64,
     pub memory_bytes: u64,
@@ -293,11 +314,7 @@ impl Provenance {
                     count: *count as u64,
                 })
                 .collect(),
-            reference: ReferenceSettings {
-                method: config.reference.method.to_owned(),
-                relative_error: config.reference.relative_error,
-                samples: config.reference.samples.into(),
-            },
+            reference: ReferenceSettings::new(config),
             seed: config.seed.into(),
             inputs: plan.inputs.hashes().into_iter().collect(),
             environment_files: environment_files.collect(),
@@ -349,6 +366,7 @@ impl Session {
                 name: device.name.clone(),
                 device_type: device.device_type.to_owned(),
                 driver: device.driver.clone(),
+                target: device.target.clone(),
                 api_version: device.api_version.clone(),
                 timestamp_period_ns: device.timestamp_period_ns.into(),
                 memory_bytes: device.memory_bytes,
@@ -399,9 +417,12 @@ fn host_cpu() -> Option<String> {
     Some(line.split_once(':')?.1.trim().to_owned())
 }
 
-/// A device with its driver, for people.
-pub fn device_words(name: &str, driver: &str) -> String {
-    format!("{name} ({driver})")
+/// A device with its driver, and the processor that the driver compiles for, for people.
+pub fn device_words(name: &str, driver: &str, target: Option<&str>) -> String {
+    match target {
+        Some(target) => format!("{name} ({driver}; {target})"),
+        None => format!("{name} ({driver})"),
+    }
 }
 
 /// Name of the machine; `host` if it has none.

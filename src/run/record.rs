@@ -54,7 +54,7 @@ listed!(StopReason, "reason to stop", { "samples": Samples, "relative-error": Re
 impl ReferenceStop {
     /// Combines the terms of one image; `None` if none is a reference. `wanted` is the requested
     /// relative error.
-    pub fn of(terms: &[Convergence], wanted: Option<f64>) -> Option<Self> {
+    pub fn from_terms(terms: &[Convergence], wanted: Option<f64>) -> Option<Self> {
         let samples = terms.iter().map(|term| term.sample_count).min()?;
         let is_met = wanted.is_some() && terms.iter().all(|term| term.is_met);
         Some(Self {
@@ -93,6 +93,9 @@ pub struct CellRecord {
     pub steps: Vec<StepRecord>,
     pub device: String,
     pub driver: String,
+    /// As in [`DeviceInfo`](crate::instrument::gpu::DeviceInfo).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub target: Option<String>,
     /// Content hash by file of `images/`.
     pub files: BTreeMap<String, String>,
 }
@@ -231,3 +234,6 @@ pub struct FailureRecord {
     pub label: String,
     pub reason: String,
 }
+
+#[cfg(test)]
+mod tests;

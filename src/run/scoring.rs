@@ -1,5 +1,6 @@
 //! Scores images into the record of a cell, on the host, several cells at a time.
 
+use super::columns::UNSCORED;
 use super::images::{self, STANDARD_ERROR_LAYER};
 use super::renderer::RenderFault;
 use super::store::{
@@ -54,7 +55,7 @@ const DISPLAY_BYTES: usize = 64 << 20;
 
 impl ReferenceImage {
     pub fn of_frame(frame: Arc<Frame>, request: &RenderRequest) -> Self {
-        let stop = ReferenceStop::of(&frame.convergences, request.reference_error);
+        let stop = ReferenceStop::from_terms(&frame.convergences, request.reference_error);
         let mask = GrayImage::clone(&frame.mask);
         let image = Self::new(
             frame.radiance.clone(),
@@ -186,21 +187,42 @@ impl ReferenceImage {
 pub struct Rendered<'p> {
     pub cell: &'p Cell,
     pub frame: Arc<Frame>,
-    pub reference: Arc<ReferenceImage>,
-    /// Display images of test and reference.
-    pub pictures: [Arc<Rgb8Image>; 2],
+    /// Display image.
+    pub picture: Arc<Rgb8Image>,
+    /// `None` for a cell that is not scored.
+    pub judge: Option<Judge>,
     pub steps: Arc<Vec<StepRecord>>,
     /// Shared by cells that differ only in the tone curve.
     pub linear: Arc<Mutex<Option<Linear>>>,
 }
 
+/// What a cell is compared with.
+#[derive(Debug)]
+pub struct Judge {
+    pub image: Arc<ReferenceImage>,
+    /// Display image.
+    pub picture: Arc<Rgb8Image>,
+}
+
 /// The results of a cell that do not depend on the tone curve.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, Default)]
 pub struct Linear {
-    /// Linear image and error map.
-    files: [Kept; 2],
+    /// Linear image and, if it is scored, error map.
+    files: Vec<Kept>,
     scores: Scores,
     bins: Vec<BinRecord>,
+}
+
+/// The parts of a record that depend on the reference.
+#[derive(Debug, Default)]
+struct CellResults {
+    scores: Scores,
+    noise_floors: Scores,
+    steadiness: Option<SteadinessScores>,
+    reference: Option<ReferenceStop>,
+    verdict: String,
+    bins: Vec<BinRecord>,
+    files: BTreeMap<String, String>,
 }
 
 #[derive(Debug)]
@@ -236,7 +258,7 @@ impl From<RenderFault> for CellFault {
 }
 
 impl Rendered<'_> {
-    /// Scores the cell and writes its files.
+    /// Scores the cell, if it has a reference, and writes its files.
     pub fn score(
         &self,
         plan: &Plan,
@@ -244,12 +266,69 @@ impl Rendered<'_> {
         device: &DeviceInfo,
     ) -> Result<CellRecord, CellFault> {
         let cell = self.cell;
-        let reference = &self.reference;
+        let picture = keep(store, images::picture_name(cell), |path| {
+            png::write_rgb8(path, &self.picture)
+        })?;
+        let mut results = match &self.judge {
+            Some(judge) => self.compared(judge, plan, store)?,
+            None => self.unscored(store)?,
+        };
+        results.files.extend([picture]);
+        let axes = plan.columns_of(cell);
+        Ok(CellRecord {
+            cell: cell.id.clone(),
+            axes: axes
+                .iter()
+                .map(|(name, value)| (name.to_string(), value.to_string()))
+                .collect(),
+            verdict: results.verdict,
+            noise_floors: results.noise_floors,
+            steadiness: results.steadiness,
+            reference: results.reference,
+            scores: results.scores,
+            bins: results.bins,
+            steps: self.steps.to_vec(),
+            device: device.name.clone(),
+            driver: device.driver.clone(),
+            target: device.target.clone(),
+            files: results.files,
+        })
+    }
+
+    /// The linear image alone.
+    fn unscored(&self, store: &Store) -> Result<CellResults, CellFault> {
+        let mut file = self.linear.lock().unwrap_or_else(PoisonError::into_inner);
+        if file.is_none() {
+            let radiance = keep(store, images::linear_file(self.cell), |path| {
+                images::write_unscored(path, &self.frame)
+            })?;
+            *file = Some(Linear {
+                files: vec![radiance],
+                ..Linear::default()
+            });
+        }
+        let files = file.iter().flat_map(|linear| linear.files.clone());
+        Ok(CellResults {
+            verdict: UNSCORED.to_owned(),
+            files: files.collect(),
+            ..CellResults::default()
+        })
+    }
+
+    /// Scores, noise floors and files of a cell with a reference.
+    fn compared(
+        &self,
+        judge: &Judge,
+        plan: &Plan,
+        store: &Store,
+    ) -> Result<CellResults, CellFault> {
+        let cell = self.cell;
+        let reference = &*judge.image;
         let curve = cell.point.settings().curve;
-        let [radiance_name, reference_name] = images::linear_files(plan, cell);
+        let reference_name = images::reference_file(plan, cell).expect("the cell has a reference");
         let mut files = BTreeMap::from([reference.file(store, reference_name)?]);
         let comparison = reference.comparison(&self.frame.radiance, curve)?;
-        let linear = self.linear(store, radiance_name, &comparison)?;
+        let linear = self.linear(store, reference, &comparison)?;
         files.extend(linear.files);
         let mut scores = linear.scores;
         let mut bins = linear.bins;
@@ -266,23 +345,14 @@ impl Rendered<'_> {
         for (bin, noise_floors) in bins.iter_mut().zip(floors.bins) {
             bin.noise_floors = noise_floors;
         }
-        files.extend(self.write_pictures(plan, store, &comparison)?);
-        let axes = plan.columns_of(cell);
-        Ok(CellRecord {
-            cell: cell.id.clone(),
-            axes: axes
-                .iter()
-                .map(|(name, value)| (name.to_string(), value.to_string()))
-                .collect(),
+        files.extend(self.write_pictures(judge, plan, store, &comparison)?);
+        Ok(CellResults {
             verdict: verdict_name(&scores, &floors.whole),
             noise_floors: floors.whole,
-            steadiness: self.steadiness(curve)?,
+            steadiness: self.steadiness(reference, curve)?,
             reference: reference.stop.clone(),
             scores,
             bins,
-            steps: self.steps.to_vec(),
-            device: device.name.clone(),
-            driver: device.driver.clone(),
             files,
         })
     }
@@ -292,7 +362,7 @@ impl Rendered<'_> {
     fn linear(
         &self,
         store: &Store,
-        radiance_name: String,
+        reference: &ReferenceImage,
         comparison: &Comparison,
     ) -> Result<Linear, CellFault> {
         let mut shared = self.linear.lock().unwrap_or_else(PoisonError::into_inner);
@@ -300,15 +370,15 @@ impl Rendered<'_> {
             return Ok(linear.clone());
         }
         let metrics = linear_metrics();
-        let radiance = keep(store, radiance_name, |path| {
+        let radiance = keep(store, images::linear_file(self.cell), |path| {
             images::write_radiance(path, &self.frame)
         })?;
-        let errors = RELATIVE_ERROR.image(&comparison.relative_error_map(), &self.reference.mask);
+        let errors = RELATIVE_ERROR.image(&comparison.relative_error_map(), &reference.mask);
         let errors = keep(store, images::error_name(self.cell), |path| {
             png::write_rgb8(path, &errors)
         })?;
         let linear = Linear {
-            files: [radiance, errors],
+            files: vec![radiance, errors],
             scores: by_name(comparison.evaluate(&metrics)),
             bins: self.bins(comparison, &metrics)?,
         };
@@ -334,29 +404,27 @@ impl Rendered<'_> {
         Ok(records.collect())
     }
 
-    /// Writes the display images of the cell and its reference, and the map of visible differences
-    /// if the tone curve is swept.
+    /// Writes the display image of the reference, and the map of visible differences if the tone
+    /// curve is swept.
     fn write_pictures(
         &self,
+        judge: &Judge,
         plan: &Plan,
         store: &Store,
         comparison: &Comparison,
     ) -> Result<Vec<Kept>, CellFault> {
-        let [picture, reference_picture] = &self.pictures;
-        let mut files = vec![keep(store, images::picture_name(self.cell), |path| {
-            png::write_rgb8(path, picture)
-        })?];
         // Shared by cells and written once.
-        let reference_name = images::reference_picture_name(plan, self.cell);
-        files.push(keep(store, reference_name, |path| {
+        let reference_name =
+            images::reference_picture_name(plan, self.cell).expect("the cell has a reference");
+        let mut files = vec![keep(store, reference_name, |path| {
             if path.exists() {
                 Ok(())
             } else {
-                png::write_rgb8(path, reference_picture)
+                png::write_rgb8(path, &judge.picture)
             }
-        })?);
+        })?];
         if images::sweeps_display(plan) {
-            let flip = FLIP_ERROR.image(&comparison.flip_map(), &self.reference.mask);
+            let flip = FLIP_ERROR.image(&comparison.flip_map(), &judge.image.mask);
             files.push(keep(store, images::flip_name(self.cell), |path| {
                 png::write_rgb8(path, &flip)
             })?);
@@ -365,13 +433,15 @@ impl Rendered<'_> {
     }
 
     /// Of a sequence of frames: its bias without noise, and its flicker.
-    fn steadiness(&self, curve: ToneCurve) -> Result<Option<SteadinessScores>, CellFault> {
+    fn steadiness(
+        &self,
+        reference: &ReferenceImage,
+        curve: ToneCurve,
+    ) -> Result<Option<SteadinessScores>, CellFault> {
         let Some(steadiness) = &self.frame.steadiness else {
             return Ok(None);
         };
-        let comparison = self
-            .reference
-            .comparison(&steadiness.without_noise, curve)?;
+        let comparison = reference.comparison(&steadiness.without_noise, curve)?;
         let (_, lag_bias) = comparison.evaluate(&[Metric::listed(HEADLINE)])[0];
         Ok(Some(SteadinessScores {
             flicker: Exact(steadiness.flicker),

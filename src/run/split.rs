@@ -77,7 +77,7 @@ fn units(plan: &Plan) -> Vec<Vec<&Cell>> {
     let mut known: HashMap<&str, usize> = HashMap::new();
     for (index, group) in groups.iter().enumerate() {
         let images = group.radiances.iter().map(|radiance| radiance.id);
-        for id in std::iter::once(group.id).chain(images) {
+        for id in group.reference.into_iter().chain(images) {
             let other = unit_of[*known.entry(id).or_insert(index)];
             let kept = other.min(unit_of[index]);
             let merged = other.max(unit_of[index]);

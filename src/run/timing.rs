@@ -7,7 +7,9 @@ use crate::base::math::order_statistics::median;
 use crate::base::names::Listed;
 use crate::experiment::axis::{AXES, AxisId, ENVIRONMENT, METHOD, SAMPLES, SCENE, SIZE};
 use crate::experiment::plan::{Cell, Plan};
+use crate::instrument::precompute::prefilter;
 use crate::instrument::shade::Method;
+use crate::instrument::shade::pass::{DIFFUSE_PASS, SPECULAR_PASS};
 use indexmap::IndexSet;
 use serde::{Deserialize, Serialize};
 use std::collections::{BTreeMap, BTreeSet};
@@ -35,6 +37,9 @@ pub struct TimingRecord {
     pub device: String,
     pub device_type: String,
     pub driver: String,
+    /// As in [`DeviceInfo`](crate::instrument::gpu::DeviceInfo).
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub target: Option<String>,
 }
 
 #[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
@@ -50,6 +55,17 @@ pub struct RoundPosition {
 pub struct PassSamples {
     pub pass: String,
     pub ms: Vec<f64>,
+}
+
+impl PassSamples {
+    /// The table that the pass fills: the levels of a prefiltered map are passes of one table.
+    pub fn table(&self) -> &str {
+        if prefilter::pass::PASSES.contains(&self.pass.as_str()) {
+            prefilter::pass::TABLE
+        } else {
+            &self.pass
+        }
+    }
 }
 
 /// A configuration to time.
@@ -219,7 +235,7 @@ impl TimingRecord {
 
     /// The same of the passes that differ between methods: no g-buffer, background or tone curve.
     pub fn shading_ms(&self) -> Vec<f64> {
-        self.sums_where(|pass| pass.starts_with("shade"))
+        self.sums_where(|pass| [SPECULAR_PASS, DIFFUSE_PASS].contains(&pass))
     }
 
     fn sums_where(&self, counts: fn(&str) -> bool) -> Vec<f64> {

@@ -4,6 +4,7 @@ use super::questions::{QUESTIONS, WEIGHT};
 use crate::base::names::{Listed, capitalised};
 use crate::draw::markdown::{Align, MarkdownTable};
 use crate::experiment::axis::Named;
+use crate::experiment::axis::named::columns;
 use crate::instrument::metrics::METRICS;
 use crate::run::columns::{CELL, Column, TABLES};
 use std::fmt::Write;
@@ -15,8 +16,9 @@ pub fn page() -> String {
                     their digits. An interval is a 95 % interval.\n\n"
             .to_owned();
     let _ = write!(text, "`{}`: {}\n\n## Axes\n\n", CELL.name, CELL.about);
-    text +=
-        &table(Named::all().map(|axis| (axis.name(), format!("{}.", capitalised(axis.about())))));
+    let in_tables =
+        Named::all().filter(|named| columns(named.axis).any(|column| column == named.name()));
+    text += &table(in_tables.map(|axis| (axis.name(), format!("{}.", capitalised(axis.about())))));
     text += "\nAn axis is empty in the rows of methods that do not use it.\n\n## Metrics\n\n";
     let metric = |d: &crate::instrument::metrics::Metric| {
         let constants: Vec<String> = d
@@ -31,7 +33,7 @@ pub fn page() -> String {
         };
         format!(
             "{}{constants}. {} values, better: {}.",
-            capitalised(d.formula.trim_end_matches('.')),
+            capitalised(d.formula),
             capitalised(d.space.name()),
             d.better.name()
         )

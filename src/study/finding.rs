@@ -59,4 +59,9 @@ impl Sentences {
     pub fn markdown(&self) -> String {
         words::markdown(self.all())
     }
+
+    /// As [`Self::markdown`], without emphasis.
+    pub fn plain_markdown(&self) -> String {
+        words::plain_markdown(self.all())
+    }
 }

@@ -1,10 +1,11 @@
 //! Axes and values in words, by the names that an experiment uses.
 
 use super::finished::Finished;
+use super::table::value_cell;
 use crate::base::csv::Cell;
 use crate::draw::markdown::significant;
 use crate::draw::words::{Phrase, Statement};
-use crate::experiment::axis::{AXES, AxisId, ENVIRONMENT, Named, PerAxis};
+use crate::experiment::axis::{AXES, AxisId, ENVIRONMENT, METHOD, Named, PerAxis};
 use crate::experiment::value::Value;
 use crate::instrument::environment::BUILTIN_PREFIX;
 use crate::run::images::short_value;
@@ -18,11 +19,11 @@ pub struct Names(PerAxis<Named>);
 
 impl Names {
     /// The names of a run's experiment; the axes' own if it is unknown.
-    pub fn of(run: &Finished) -> Self {
+    pub fn new(run: &Finished) -> Self {
         let named = |axis| {
             run.config
                 .as_ref()
-                .map_or(Named::own(axis), |config| config.named(axis))
+                .map_or(Named::primary(axis), |config| config.named(axis))
         };
         Self(AXES.ids().map(named).collect())
     }
@@ -53,6 +54,20 @@ impl Names {
             text
         } else {
             short_value(&AXES[axis], &text).into_owned()
+        }
+    }
+
+    /// As [`Self::short`], in a table for readers.
+    pub fn short_cell(&self, axis: AxisId, value: &Value) -> Cell {
+        if axis == METHOD {
+            return value_cell(axis, value);
+        }
+        let text = self.short(axis, value);
+        match value {
+            Value::Number(_) | Value::Count(_) | Value::Color(_) | Value::Pair(_) => {
+                Cell::Quantity(text)
+            }
+            Value::Unset | Value::Text(_) => text.into(),
         }
     }
 
@@ -145,7 +160,7 @@ impl Names {
     pub fn head(&self, axes: &[AxisId], key: &[Value]) -> Vec<Cell> {
         let mut cells = Vec::new();
         for (&axis, value) in axes.iter().zip(key) {
-            cells.push(Cell::from(self.short(axis, value)));
+            cells.push(self.short_cell(axis, value));
             let second = self.second_name(axis);
             cells.extend(second.map(|second| Cell::from(&second.shown(value))));
         }

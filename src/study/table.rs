@@ -4,16 +4,32 @@ pub use crate::run::columns::{Column, column};
 
 use crate::base::csv::{self, Cell};
 use crate::draw::markdown::{Align, MarkdownTable, significant};
-use crate::experiment::axis::AxisId;
+use crate::draw::variant::Variant;
+use crate::draw::words::{Extent, Number, Quantity};
 use crate::experiment::axis::Named;
 use crate::experiment::axis::named::columns;
+use crate::experiment::axis::{AxisId, METHOD};
 use crate::experiment::value::Value;
 use indexmap::IndexSet;
+use std::collections::HashMap;
 
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Table {
+    /// The names of columns in files.
     pub columns: Vec<String>,
+    /// Labels for readers of columns that have the name of a variant, by that name.
+    pub labels: HashMap<String, String>,
     pub rows: Vec<Vec<Cell>>,
+}
+
+/// What the cells of a column are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ColumnKind {
+    Texts,
+    /// Numbers alone, which are comparable digit by digit.
+    Numbers,
+    /// Some cells are numbers with words, such as units and intervals, or some are texts.
+    Mixed,
 }
 
 impl From<&Value> for Cell {
@@ -27,12 +43,39 @@ impl From<&Value> for Cell {
     }
 }
 
+impl From<Number> for Cell {
+    fn from(number: Number) -> Self {
+        Self::Quantity(number.to_string())
+    }
+}
+
+impl From<Extent> for Cell {
+    fn from(extent: Extent) -> Self {
+        Self::Quantity(extent.to_string())
+    }
+}
+
+impl From<Quantity> for Cell {
+    fn from(quantity: Quantity) -> Self {
+        Self::Quantity(quantity.to_string())
+    }
+}
+
+/// A value on an axis; a method has its label, too.
+pub fn value_cell(axis: AxisId, value: &Value) -> Cell {
+    if axis == METHOD && *value != Value::Unset {
+        (&Variant::new(value.to_string())).into()
+    } else {
+        value.into()
+    }
+}
+
 /// Cells of values on these axes, under the columns of [`Table::new`].
 pub fn axis_cells(axes: &[AxisId], key: &[Value]) -> Vec<Cell> {
     let cells = |(&axis, value): (&AxisId, &Value)| {
         let usual = Named::usual(axis);
         [
-            Some(value.into()),
+            Some(value_cell(axis, value)),
             usual.is_second().then(|| (&usual.shown(value)).into()),
         ]
         .into_iter()
@@ -59,7 +102,44 @@ impl Table {
     pub fn with_names(columns: impl IntoIterator<Item: Into<String>>) -> Self {
         Self {
             columns: columns.into_iter().map(Into::into).collect(),
-            rows: Vec::new(),
+            ..Self::default()
+        }
+    }
+
+    /// With the labels of columns that have the names of these variants.
+    pub fn with_labels<'v>(mut self, variants: impl IntoIterator<Item = &'v Variant>) -> Self {
+        let labels = variants.into_iter();
+        self.labels
+            .extend(labels.map(|variant| (variant.to_string(), variant.label())));
+        self
+    }
+
+    /// The name of a column in words.
+    pub fn label(&self, column: usize) -> String {
+        let name = &self.columns[column];
+        let label = self.labels.get(name).cloned();
+        label.unwrap_or_else(|| name.replace('_', " "))
+    }
+
+    /// What the cells of a column are; empty ones count as any.
+    pub fn kind(&self, column: usize) -> ColumnKind {
+        let mut has_number = false;
+        let mut has_quantity = false;
+        let mut has_text = false;
+        for row in &self.rows {
+            match row[column] {
+                Cell::Number(_) | Cell::Integer(_) => has_number = true,
+                Cell::Quantity(_) => has_quantity = true,
+                Cell::Text(_) | Cell::Named { .. } => has_text = true,
+                Cell::Missing => {}
+            }
+        }
+        if !has_quantity && !has_text {
+            ColumnKind::Numbers
+        } else if !has_quantity && !has_number {
+            ColumnKind::Texts
+        } else {
+            ColumnKind::Mixed
         }
     }
 
@@ -70,6 +150,7 @@ impl Table {
         let names: IndexSet<String> = std::iter::once(head.to_owned()).chain(names).collect();
         let mut all = Self::with_names(names);
         for (name, table) in tables {
+            all.labels.extend(table.labels);
             // Where this table has each column.
             let indices: Vec<Option<usize>> = all
                 .columns
@@ -123,17 +204,9 @@ impl Table {
     }
 
     pub fn markdown(&self) -> String {
-        let is_number = |column: usize| {
-            self.rows
-                .iter()
-                .all(|row| !matches!(row[column], Cell::Text(_)))
-        };
-        let align = |column: usize| {
-            if is_number(column) {
-                Align::Right
-            } else {
-                Align::Left
-            }
+        let align = |column: usize| match self.kind(column) {
+            ColumnKind::Numbers => Align::Right,
+            ColumnKind::Texts | ColumnKind::Mixed => Align::Left,
         };
         let columns: Vec<(&str, Align)> = self
             .columns
@@ -149,11 +222,20 @@ impl Table {
     }
 }
 
+/// A cell in Markdown, with the names that files have.
 pub fn shown(cell: &Cell) -> String {
     match cell {
-        Cell::Text(text) => text.clone(),
+        Cell::Text(text) | Cell::Quantity(text) | Cell::Named { name: text, .. } => text.clone(),
         Cell::Number(number) => significant(*number, DIGITS),
         Cell::Integer(integer) => integer.to_string(),
         Cell::Missing => String::new(),
+    }
+}
+
+/// As [`shown`], with labels in place of code names.
+pub fn labelled(cell: &Cell) -> String {
+    match cell {
+        Cell::Named { label, .. } => label.clone(),
+        other => shown(other),
     }
 }

@@ -192,7 +192,7 @@ impl Controls {
 
     /// Shows the built-in names of an environment or scene, and a button for files.
     fn input(&mut self, ui: &mut Ui, axis: AxisId, state: &mut State) {
-        let named = Named::own(axis);
+        let named = Named::primary(axis);
         let current = state.point[axis].text().to_owned();
         let choices = input_choices(axis, &current);
         let about = capitalised(named.about());
@@ -243,7 +243,7 @@ impl Controls {
     fn axis(&mut self, ui: &mut Ui, axis: AxisId, state: &mut State) {
         let named = Named::usual(axis);
         let label = if axis == f0(state) {
-            Named::own(F0).label()
+            Named::primary(F0).label()
         } else {
             named.label()
         };

@@ -168,7 +168,7 @@ pub fn caption(ui: &Ui, rect: Rect, align: egui::Align2, shot: &Shot, is_stale: 
     } else {
         method.uses_samples.then(|| point[SAMPLES].count())
     };
-    let title = method.words(samples.map(|count| count.to_string()).as_deref());
+    let title = method.words(samples);
     let mut job = LayoutJob::default();
     let title_format = TextFormat::simple(theme::medium(13.5), theme::color(method.role()));
     job.append(&title, 0.0, title_format);

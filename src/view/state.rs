@@ -1,12 +1,13 @@
 //! The window's state as data: it becomes requests, and by [`super::file`] commands.
 
 use super::picture::Picture;
+use crate::bake::ENVIRONMENT_FORMATS;
 use crate::experiment::axis::{
     ALBEDO, ALPHA, AXES, AxisId, ENVIRONMENT, F0, METALLIC, METHOD, Part, Point, REFERENCE,
     Reference, SAMPLES, SCENE, SIZE, View,
 };
 use crate::experiment::value::Value;
-use crate::instrument::environment::{BUILTIN_PREFIX, Environment};
+use crate::instrument::environment::{BUILTIN_PREFIX, Environment, FORMATS};
 use crate::instrument::pipeline::RenderRequest;
 use crate::instrument::precompute::given::Given;
 use crate::instrument::scene::{Camera, Orbit, Scene, scene_extensions, scene_format};
@@ -199,9 +200,12 @@ impl State {
 
 /// Returns the axis that takes a file of this name.
 pub fn file_axis(path: &Path) -> Option<AxisId> {
-    let is_map = path
-        .extension()
-        .is_some_and(|end| end.eq_ignore_ascii_case("hdr") || end.eq_ignore_ascii_case("exr"));
+    let is_map = path.extension().is_some_and(|end| {
+        FORMATS
+            .iter()
+            .chain(ENVIRONMENT_FORMATS)
+            .any(|format| end.eq_ignore_ascii_case(format.extension))
+    });
     if is_map {
         Some(ENVIRONMENT)
     } else {
@@ -227,7 +231,7 @@ impl Image {
             scene,
             camera,
         } = inputs;
-        self.point.settings().seen_by(
+        self.point.settings().request_from(
             *camera,
             environment,
             scene.clone(),

@@ -1,6 +1,11 @@
 //! The report in a real browser, opened from disk: display, input and saved files. Skips with a
 //! line without Chromium.
 
+#![expect(
+    clippy::too_many_lines,
+    reason = "a test states its cases and follows one scenario"
+)]
+
 mod chromium;
 mod compare;
 #[path = "../numeric/run/fake.rs"]

@@ -1,8 +1,9 @@
 //! Bad input ends with one clear message, the documented exit code and no output. No test needs a
 //! device.
 
+use super::cases::Cases;
 use super::{
-    assert_ends, assert_refusals, command, copied, golden, published, splitsum, stderr, stdout,
+    assert_ends, assert_refusals, command, golden, published, refusal, splitsum, stderr, stdout,
 };
 use splitsum::base::pixels::{GrayImage, RgbImage, exr};
 use std::path::Path;
@@ -16,37 +17,38 @@ pub(super) fn folder(files: &[(&str, &str)]) -> tempfile::TempDir {
     dir
 }
 
-/// Commands kept in a file, beside the files that they name.
+/// All cases run in one folder, which has the files of every case.
 #[test]
 fn wrong_commands_are_refused() {
-    let dir = copied("refused");
+    let dir = tempfile::tempdir().unwrap();
     let write = |name: &str, size: [u32; 2], color: f32, alpha: f32| {
-        let (rgb, alpha) = (
-            RgbImage::filled(size[0], size[1], [color; 3]),
-            GrayImage::filled(size[0], size[1], alpha),
-        );
+        let rgb = RgbImage::filled(size[0], size[1], [color; 3]);
+        let alpha = GrayImage::filled(size[0], size[1], alpha);
         exr::write_rgba(&dir.path().join(name), &rgb, &alpha, &[]).unwrap();
     };
     write("a.exr", [4, 2], 1.0, 0.5);
     write("m.exr", [4, 2], 0.25, 1.0);
     write("x.exr", [16, 8], 1.0, 1.0);
     write("large.exr", [8192, 1025], 0.5, 1.0);
-    ["folder.exr", "empty"]
-        .iter()
-        .for_each(|name| std::fs::create_dir(dir.path().join(name)).unwrap());
-    std::fs::copy(
-        golden().join("env_analytic.exr"),
-        dir.path().join("env_analytic.exr"),
-    )
-    .unwrap();
+    for name in ["folder.exr", "empty"] {
+        std::fs::create_dir(dir.path().join(name)).unwrap();
+    }
+    let map = "env_analytic.exr";
+    std::fs::copy(golden().join(map), dir.path().join(map)).unwrap();
     published(dir.path(), "run");
     std::fs::write(published(dir.path(), "emptied").join("errors.csv"), "").unwrap();
-    let commands = std::fs::read_to_string(dir.path().join("commands.txt")).unwrap();
-    let commands: Vec<&str> = commands
-        .lines()
-        .filter(|line| !line.starts_with('#'))
-        .collect();
-    assert_refusals("commands_that_are_refused", dir.path(), &commands);
+    let groups = Cases::folder("refused");
+    for group in &groups {
+        group.unpack(dir.path());
+    }
+    let mut failures = Vec::new();
+    for group in groups {
+        failures.extend(group.check(
+            |command| refusal(dir.path(), command),
+            |found, kept| (found != kept).then(|| format!("found:\n{found}\nkept:\n{kept}")),
+        ));
+    }
+    assert!(failures.is_empty(), "{}", failures.join("\n\n"));
 }
 
 /// Deep nesting of any kind ends in a message, not in a stack overflow.

@@ -5,7 +5,12 @@ use super::end_to_end::has_device;
 use super::{assert_ends, ok, splitsum};
 use serde_json::Value;
 
-const TEXTBOOK: &str = include_str!("../golden/refused/textbook.glsl");
+/// The textbook's split sum, as a method in a file.
+const TEXTBOOK: &str = r#"#include "lib/split_sum.glsl"
+vec3 specular_radiance(Surface s) {
+    return prefiltered_radiance(reflect(-s.v, s.n), perceptual_roughness_from_alpha(s.alpha)) * reflectance(s);
+}
+"#;
 
 #[test]
 fn limits_decide_the_exit_code() {
@@ -72,4 +77,27 @@ fn limits_decide_the_exit_code() {
         2,
         refused,
     );
+}
+
+/// Adapters to engines define names of GLSL, as three.js r187's does with its own `textureLod`.
+#[test]
+fn a_macro_of_the_user_may_have_a_built_in_name() {
+    if !has_device() {
+        return;
+    }
+    let engine = r#"#include "lib/split_sum.glsl"
+#define textureLod(map, direction, level) vec4(prefiltered_radiance(direction, level), 1.0)
+#define sqrt(x) pow(x, 0.5)
+vec3 ibl_radiance(vec3 n, vec3 v, float perceptual_roughness, vec3 f0) {
+    vec2 factors = albedo_pair(dfg, dot(n, v), perceptual_roughness * perceptual_roughness);
+    vec3 light = textureLod(0, reflect(-v, n), sqrt(perceptual_roughness * perceptual_roughness)).rgb;
+    return light * (f0 * factors.x + factors.y);
+}
+"#;
+    let dir = folder(&[("engine.glsl", engine)]);
+    let text = ok(
+        dir.path(),
+        &["check-shader", "engine.glsl", "--entry", "ibl_radiance"],
+    );
+    assert!(text.contains("\nVerdict: wrong: direction 60."), "{text}");
 }

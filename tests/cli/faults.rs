@@ -2,6 +2,7 @@
 //! and exit code.
 //!
 //! `SPLITSUM_TEST_FAULTS` (`src/instrument/gpu/inject.rs`) makes a call fail as a driver would.
+//! `SPLITSUM_TEST_LIMITS` (`src/instrument/gpu/emulation.rs`) emulates limits of hardware.
 
 use super::end_to_end::folder;
 use super::{assert_ends, command, ok, splitsum, stderr};
@@ -227,4 +228,39 @@ fn a_driver_below_the_minimum_is_named_with_its_missing_feature() {
     }
     // The layer alone removes nothing.
     assert!(run("", &RENDER).status.success());
+}
+
+const LIMITS: &str = "SPLITSUM_TEST_LIMITS";
+
+#[test]
+fn each_emulated_limit_moves_a_picture_a_little_and_unknown_ones_are_refused() {
+    let Some(dir) = folder() else { return };
+    let render = |limit: &str| {
+        let out = format!("limit-{limit}.exr");
+        let flags = "render --size 32x32 --method split-sum --alpha 0.25 --out";
+        let arguments: Vec<&str> = flags.split(' ').chain([out.as_str()]).collect();
+        command(dir.path(), &arguments)
+            .env(LIMITS, limit)
+            .output()
+            .unwrap()
+    };
+    assert_ends(&render("texel-wights"), 2, &[LIMITS, "texel-weights"]);
+    assert!(render("").status.success());
+    // A sphere is drawn without the vertices of a mesh, so that their grid moves nothing here.
+    for limit in [
+        "texel-weights",
+        "level-fractions",
+        "cube-seams",
+        "half-lookups",
+        "elementary",
+    ] {
+        assert!(render(limit).status.success(), "{limit}");
+        let images = [format!("limit-{limit}.exr"), "limit-.exr".to_owned()];
+        let table = ok(dir.path(), &["compare", &images[0], &images[1]]);
+        let row = table.lines().find(|line| line.contains(" relmse "));
+        let relmse: f64 = row
+            .and_then(|row| row.split('|').nth(2)?.trim().parse().ok())
+            .unwrap_or_else(|| panic!("{table}"));
+        assert!(0.0 < relmse && relmse < 1e-8, "{limit}: {relmse}");
+    }
 }

@@ -1,6 +1,12 @@
 //! The binary as a user runs it: messages, exit codes, files.
 
+#![expect(
+    clippy::too_many_lines,
+    reason = "a test states its cases and follows one scenario"
+)]
+
 mod bad_input;
+mod cases;
 mod check_bake;
 mod check_shader;
 mod cost;
@@ -23,6 +29,7 @@ use snapshot::{assert_snapshot, without_lists};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output};
 use std::sync::LazyLock;
+use std::time::SystemTime;
 
 fn splitsum(dir: &Path, arguments: &[&str]) -> Output {
     command(dir, arguments).output().expect("the binary starts")
@@ -71,18 +78,6 @@ fn golden() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/golden")
 }
 
-/// A copy of a folder of `tests/golden`.
-fn copied(folder: &str) -> tempfile::TempDir {
-    let dir = tempfile::tempdir().unwrap();
-    for file in std::fs::read_dir(golden().join(folder))
-        .unwrap()
-        .map(|file| file.unwrap().path())
-    {
-        std::fs::copy(&file, dir.path().join(file.file_name().unwrap())).unwrap();
-    }
-    dir
-}
-
 fn entries(dir: &Path) -> Vec<String> {
     let mut names: Vec<String> = std::fs::read_dir(dir)
         .unwrap()
@@ -92,37 +87,54 @@ fn entries(dir: &Path) -> Vec<String> {
     names
 }
 
-/// Runs commands that must be refused. No command panics or changes the folder. The snapshot has
-/// exit codes and messages.
-fn assert_refusals(name: &str, dir: &Path, commands: &[&str]) {
-    let files = || {
-        let of = |name: &String| {
-            std::fs::metadata(dir.join(name))
-                .map(|of| (of.len(), of.modified().ok()))
-                .ok()
-        };
-        entries(dir)
-            .into_iter()
-            .map(|name| (of(&name), name))
-            .collect::<Vec<_>>()
+#[derive(PartialEq)]
+struct FileState {
+    name: String,
+    bytes: Option<u64>,
+    modified: Option<SystemTime>,
+}
+
+/// The files in a folder, in the order of their names.
+fn files(dir: &Path) -> Vec<FileState> {
+    let state = |name: String| {
+        let data = std::fs::metadata(dir.join(&name)).ok();
+        FileState {
+            bytes: data.as_ref().map(|data| data.len()),
+            modified: data.and_then(|data| data.modified().ok()),
+            name,
+        }
     };
-    let before = files();
-    let shown = commands.iter().map(|line| {
-        let output = splitsum(dir, &line.split_whitespace().collect::<Vec<_>>());
-        let message = stderr(&output).replace(&dir.display().to_string(), "DIR");
-        let code = output.status.code().unwrap();
-        assert!(
-            [1, 2, 3].contains(&code) && !message.contains("panicked"),
-            "{line}: {code} {message}"
-        );
-        assert!(!message.trim().is_empty() && files() == before, "{line}");
-        // Whether progress is shown depends on the machine.
-        let lines = message
-            .lines()
-            .filter(|line| !line.is_empty() && !line.contains(" seconds"));
-        let lines: Vec<String> = lines.map(without_lists).collect();
-        format!("$ {line}\n[{code}] {}\n", lines.join("\n    "))
-    });
+    entries(dir).into_iter().map(state).collect()
+}
+
+/// Runs a command that must be refused, without a panic or a change of the folder. Returns its exit
+/// code and message: `[2] e.toml: ...`.
+fn refusal(dir: &Path, line: &str) -> String {
+    let before = files(dir);
+    let output = splitsum(dir, &line.split_whitespace().collect::<Vec<_>>());
+    let message = stderr(&output).replace(&dir.display().to_string(), "DIR");
+    let code = output.status.code().unwrap();
+    assert!(
+        [1, 2, 3].contains(&code) && !message.contains("panicked"),
+        "{line}: {code} {message}"
+    );
+    assert!(
+        !message.trim().is_empty() && files(dir) == before,
+        "{line}: {message}"
+    );
+    // Whether progress is shown depends on the machine.
+    let lines = message
+        .lines()
+        .filter(|line| !line.is_empty() && !line.contains(" seconds"));
+    let lines: Vec<String> = lines.map(without_lists).collect();
+    format!("[{code}] {}", lines.join("\n    "))
+}
+
+/// Runs commands that must be refused; the snapshot has exit codes and messages.
+fn assert_refusals(name: &str, dir: &Path, commands: &[&str]) {
+    let shown = commands
+        .iter()
+        .map(|line| format!("$ {line}\n{}\n", refusal(dir, line)));
     assert_snapshot(name, &shown.collect::<Vec<_>>().join("\n"));
 }
 

@@ -4,6 +4,12 @@
 //! Without a Vulkan device each test prints one line and passes; `GOLDEN=require` makes that a
 //! failure. Everything runs under the validation layer (core and synchronisation) and any message
 //! fails the test; `SPLITSUM_VALIDATION=0` turns the layer off.
+
+#![expect(
+    clippy::too_many_lines,
+    reason = "a test states its cases and follows one scenario"
+)]
+
 mod antialias;
 mod brdf;
 #[path = "../shared/brdf_twins.rs"]
@@ -20,6 +26,7 @@ mod gbuffer_twin;
 #[path = "../shared/gltf.rs"]
 mod gltf_files;
 mod golden;
+mod grazing;
 mod harness;
 mod kept;
 mod ladder;
@@ -28,6 +35,7 @@ mod layouts;
 mod methods;
 #[path = "../shared/mips.rs"]
 mod mips_twin;
+mod occlusion;
 mod own_method;
 mod placement;
 mod prefilter;

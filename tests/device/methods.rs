@@ -4,7 +4,8 @@ use crate::brdf_twins::multiple;
 use crate::compare::{Worst, relative};
 use crate::gbuffer_twin::gbuffer;
 use crate::harness::{
-    golden_environment, render_by_seeds, request, scene, usual_tables, with_gpu, with_pipeline,
+    constant_environment, golden_environment, lobe_sphere, render_by_seeds, request, scene,
+    usual_tables, with_gpu, with_pipeline,
 };
 use crate::symmetry::smooth_environment;
 use crate::tables::dfg_table;
@@ -239,6 +240,50 @@ fn sampled_methods_converge_to_their_integral() {
                     model.name()
                 );
             }
+        }
+    });
+}
+
+/// What the printed sum of GGX shows of light 1 and F = 1: the mean of `G1(v) G1(l) / (4 n·v)` over
+/// directions of density D cos about the mirror direction, by midpoints in both angles.
+fn printed_albedo(alpha: f64, n_dot_v: f64) -> f64 {
+    const STEPS: u32 = 512;
+    let step = |i: u32, whole: f64| whole * (f64::from(i) + 0.5) / f64::from(STEPS);
+    let masking = |x: f64| 2.0 / (1.0 + (1.0 + alpha * alpha * (1.0 / (x * x) - 1.0)).sqrt());
+    let sin_v = (1.0 - n_dot_v * n_dot_v).sqrt();
+    let mut sum = 0.0;
+    for (theta, phi) in (0..STEPS * STEPS).map(|i| (i / STEPS, i % STEPS)) {
+        let (sin, cos) = step(theta, 0.5 * PI).sin_cos();
+        let d = alpha * alpha / (PI * (cos * cos * (alpha * alpha - 1.0) + 1.0).powi(2));
+        let n_dot_l = cos * n_dot_v + sin * sin_v * step(phi, 2.0 * PI).cos();
+        if n_dot_l > 0.0 {
+            sum += d * cos * sin * masking(n_dot_v) * masking(n_dot_l) / (4.0 * n_dot_v);
+        }
+    }
+    sum * PI * PI / f64::from(STEPS * STEPS)
+}
+
+#[test]
+fn the_printed_estimator_converges_to_its_own_mean() {
+    with_pipeline(|pipeline| {
+        let alpha = 0.3;
+        let base = request(
+            &constant_environment([1.0; 3]),
+            lobe_sphere(alpha),
+            CameraKind::Ortho,
+            [13, 13],
+        );
+        let request =
+            base.shaded(|s| (s.method, s.samples) = (method("printed-document-0"), 16384));
+        let frame = pipeline.render(&request).unwrap();
+        for sight in sights(&request, 7) {
+            let n_dot_v = sight.surface.n.dot(sight.surface.v);
+            let expected = printed_albedo(alpha, n_dot_v);
+            let found = radiance(&frame, sight.pixel).x;
+            assert!(
+                (found / expected - 1.0).abs() < 3e-3,
+                "n·v {n_dot_v}: {found} instead of {expected}"
+            );
         }
     });
 }

@@ -281,7 +281,7 @@ fn the_stated_error_has_its_stated_coverage() {
                     ..base.clone()
                 })
                 .unwrap();
-            let epsilon = base.epsilon().beside_square();
+            let epsilon = base.epsilon().squared_epsilon();
             let hit: Vec<usize> = (0..24 * 24).filter(|&i| truth.mask.data[i] > 0.0).collect();
             // The error that stops a reference is the same, over all pixels and channels.
             let noise = truth.standard_error.as_ref().unwrap().data.iter().flatten();

@@ -26,6 +26,7 @@ use splitsum::instrument::precompute::dfg::{Albedos, DfgAxes};
 use splitsum::instrument::precompute::points::Points;
 use splitsum::instrument::precompute::prefilter::pass::Recipe;
 use splitsum::instrument::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, harmonic};
+use splitsum::instrument::precompute::sh9::Projection;
 use splitsum::instrument::precompute::taps::{Chain, TapCount, TapTable};
 use splitsum::instrument::precompute::{
     PrecomputeSettings, PrefilterBy, exact_quadrature, irradiance, prefilter,
@@ -338,13 +339,14 @@ fn light(gpu: &Gpu, request: &RenderRequest) -> Light {
     .unwrap();
     prefilter::pass::run(
         gpu,
-        Recipe::of(model, masking, settings),
+        Recipe::new(model, masking, settings),
         layout,
         &filtered,
         &points,
         &levels,
     )
     .unwrap();
+    let projection = Projection::OverTexels;
     Light {
         environment: (0..image.mip_count())
             .map(|mip| read_level(gpu, &image, mip))
@@ -359,14 +361,14 @@ fn light(gpu: &Gpu, request: &RenderRequest) -> Light {
         two_taps: taps(model, masking, settings, TapCount::Two),
         four_taps: taps(model, masking, settings, TapCount::Four),
         irradiance_map: read_map(gpu, layout, &map),
-        sh9: coefficients(gpu, &image).1,
+        sh9: coefficients(gpu, &image, projection).1,
     }
 }
 
 fn exact_prefiltered(gpu: &Gpu, request: &RenderRequest) -> FilteredMap {
     let settings = &request.shading.precompute;
     let (layout, count) = (settings.layout, settings.prefilter_level_count);
-    let recipe = Recipe::of(
+    let recipe = Recipe::new(
         request.shading.brdf,
         request.shading.masking_shadowing,
         settings,
@@ -641,8 +643,12 @@ fn every_diffuse_method_matches_its_f64_twin() {
                 .flat_map(|e| layouts.clone().map(move |layout| (e, layout)))
             {
                 let base = Case { layout, ..PLAIN }.request(environment, MODELS[0]);
-                let (light, sights) = (light(gpu, &base), sights(gpu, &base));
+                let (mut light, sights) = (light(gpu, &base), sights(gpu, &base));
+                let image = environment_image(gpu, &environment.image);
                 for diffuse in DIFFUSE {
+                    if let Some(projection) = diffuse.sh9 {
+                        light.sh9 = coefficients(gpu, &image, projection).1;
+                    }
                     let request = base.shaded(|s| (s.method, s.diffuse) = (none, diffuse));
                     let frame = render_by_seeds(pipeline, &request);
                     check(

@@ -447,6 +447,12 @@ fn fresnel_and_parameter_mappings() {
     assert_eq!(brdf::f_schlick(f0, 0.0), DVec3::ONE);
     assert!((brdf::f_schlick(f0, 0.5).x - (0.04 + 0.96 / 32.0)).abs() < 1e-15);
     assert!((brdf::f0_from_ior(1.5) - 0.04).abs() < 1e-16);
+    // At normal incidence Fresnel's equations from either side have the same reflectance.
+    for ior in [1.0, 1.31, 2.42, 4.0, 100.0] {
+        let reflectance = brdf::f0_from_ior(ior);
+        assert!((reflectance - brdf::f0_from_ior(1.0 / ior)).abs() < 1e-15);
+        assert!((brdf::ior_from_f0(reflectance) / ior - 1.0).abs() < 1e-13);
+    }
     for alpha in ALPHAS {
         let roughness = brdf::perceptual_roughness_from_alpha(alpha);
         assert!((brdf::alpha_from_perceptual_roughness(roughness) / alpha - 1.0).abs() < 1e-15);

@@ -4,7 +4,7 @@ use splitsum::base::names::Listed;
 use splitsum::base::pixels::RgbImage;
 use splitsum::instrument::brdf::{Beckmann, Brdf, Ggx};
 use splitsum::instrument::environment::Environment;
-use splitsum::instrument::gpu::{code_hash, shader_code, shader_names};
+use splitsum::instrument::gpu::{DeviceInfo, code_hash, processor, shader_code, shader_names};
 use splitsum::instrument::pipeline::{
     CACHE_BYTES, DiskCache, Recent, RenderRequest, shaders_of_kept,
 };
@@ -231,4 +231,48 @@ fn memory_holds_the_most_recent_up_to_its_bytes_and_its_count() {
         .filter(|key| recent.get(key).is_some())
         .collect();
     assert_eq!(held, ["a", "c"]);
+}
+
+/// A processor of other features has other keys, whatever order the system lists them in; one with
+/// another clock has the same.
+#[test]
+fn a_software_device_is_keyed_by_the_processor_it_compiles_for() {
+    let cpuinfo = |model: u32, flags: &str, clock: &str| {
+        format!(
+            "processor\t: 0\nvendor_id\t: GenuineIntel\ncpu family\t: 6\nmodel\t\t: {model}\n\
+             model name\t: Xeon\ncpu MHz\t\t: {clock}\nflags\t\t: {flags}\n\nprocessor\t: 1\n"
+        )
+    };
+    let right = processor::described(&cpuinfo(85, "fpu fma avx512f", "2000"));
+    assert_eq!(
+        right,
+        processor::described(&cpuinfo(85, "avx512f fpu fma", "3500"))
+    );
+    assert_ne!(right, processor::described(&cpuinfo(85, "fpu fma", "2000")));
+    assert_ne!(
+        right,
+        processor::described(&cpuinfo(106, "fpu fma avx512f", "2000"))
+    );
+    let device = |target: Option<&str>| DeviceInfo {
+        name: "llvmpipe (LLVM 15.0.6, 256 bits)".to_owned(),
+        device_type: "cpu",
+        driver: "llvmpipe Mesa 22.3.6".to_owned(),
+        target: target.map(str::to_owned),
+        api_version: "1.3.230".to_owned(),
+        timestamp_period_ns: 1.0,
+        memory_bytes: 0,
+        has_exact_filter: true,
+        has_seamless_cubes: true,
+        is_radv: false,
+    };
+    let dir = tempfile::tempdir().unwrap();
+    let of = |target: Option<&str>| {
+        let mut cache = open(dir.path());
+        cache.set_device(&device(target));
+        cache
+    };
+    of(Some(&right)).store(&[], "key", &[1]);
+    assert_eq!(of(Some(&right)).load(&[], "key"), Some(vec![1]));
+    assert_eq!(of(Some("another")).load(&[], "key"), None);
+    assert_eq!(of(None).load(&[], "key"), None);
 }

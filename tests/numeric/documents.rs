@@ -29,15 +29,18 @@ const EXCEPTIONS: &[(&str, &str)] = &[
         "--validation",
         "a flag of `view` for tests, absent from its help",
     ),
+    ("--icc-type", "a flag of darktable-cli"),
     ("--no-mirror", "a flag of cmgen"),
+    ("--resize:filter", "a flag of oiiotool"),
+    ("--tocolorspace", "a flag of oiiotool"),
     ("all", "every method or family, in `cost`"),
     ("axis", "a placeholder in `--set axis=v1,v2`"),
     ("dfg_lut", "the name that other programs give the DFG table"),
     ("gltf_pbr", "a node of MaterialX"),
-    ("k_l", "a symbol of a formula"),
     ("lights_fragment_maps", "a shader chunk of three.js"),
     ("sat", "a function in a formula"),
     ("two-words", "a placeholder"),
+    ("v360", "a filter of ffmpeg"),
 ];
 
 /// Folders and files whose words the documents may name.

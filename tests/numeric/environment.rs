@@ -4,7 +4,7 @@ use crate::snapshot::assert_snapshot;
 use glam::{DVec2, DVec3};
 use splitsum::base::color::luminance;
 use splitsum::base::math::equirect;
-use splitsum::base::pixels::{GrayImage, RgbImage, exr};
+use splitsum::base::pixels::{Content, GrayImage, RgbImage, exr};
 use splitsum::instrument::environment::{BUILTINS, Environment, LoadOptions};
 use std::f64::consts::{PI, TAU};
 use std::path::Path;
@@ -396,7 +396,7 @@ mod loading {
         image.data[6] = [1.0, 1.1e15, 1.0];
         write(&folder, "bright.exr", &image);
         for (name, bytes) in [
-            ("map.jpg", &b""[..]),
+            ("map.tif", &b""[..]),
             (
                 "cut.hdr",
                 b"#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2 +X 4\n\x01",
@@ -404,7 +404,7 @@ mod loading {
         ] {
             std::fs::write(folder.path().join(name), bytes).unwrap();
         }
-        let shown = ["none.hdr", "map.jpg", "cut.hdr", "bright.exr"]
+        let shown = ["none.hdr", "map.tif", "cut.hdr", "bright.exr"]
             .map(|spec| load(spec).unwrap_err().to_string());
         let shown = shown
             .join("\n")
@@ -426,8 +426,18 @@ mod loading {
             };
             [of("day", first), of("night", 0.25)].concat()
         };
-        exr::write_channels(&folder.path().join("sky.exr"), channels(1.0)).unwrap();
-        exr::write_channels(&folder.path().join("a#1.exr"), channels(4.0)).unwrap();
+        exr::write_channels(
+            &folder.path().join("sky.exr"),
+            Content::Radiance,
+            channels(1.0),
+        )
+        .unwrap();
+        exr::write_channels(
+            &folder.path().join("a#1.exr"),
+            Content::Radiance,
+            channels(4.0),
+        )
+        .unwrap();
         let load = |spec: &str| Environment::load(spec, folder.path(), &LoadOptions::default());
         let [sky, day, night] =
             ["sky.exr", "sky.exr#day", "sky.exr#night"].map(|spec| load(spec).unwrap());

@@ -7,7 +7,7 @@ use splitsum::base::math::blue_noise::{DEPTH, SIDE, value};
 use splitsum::base::math::sequence::{FramePoints, R2_OF_FRAMES, frame_shift, hash, shifted};
 use splitsum::base::pixels::Pixels;
 use splitsum::instrument::gbuffer::Gbuffer;
-use splitsum::instrument::pipeline::frames::{Sums, View};
+use splitsum::instrument::pipeline::reprojection::{Sums, View};
 use splitsum::instrument::scene::{Camera, CameraKind, Orbit, Projection, Scene};
 use splitsum::instrument::shade::frames::{Accumulation, Frames, History};
 use std::f64::consts::TAU;

@@ -34,7 +34,7 @@ fn orders(game: &Game, so_far: &[usize]) -> Vec<Vec<usize>> {
         return vec![so_far.to_vec()];
     }
     (0..game.player_count())
-        .filter(|player| game.can_join(Coalition::of(so_far), *player))
+        .filter(|player| game.can_join(Coalition::from_players(so_far), *player))
         .flat_map(|player| orders(game, &[so_far, &[player]].concat()))
         .collect()
 }
@@ -94,7 +94,12 @@ fn shapley_values_are_means_over_all_orders() {
         &[NONE, &[0], &[1]],
     ];
     for needs in games {
-        let game = Game::new(needs.iter().map(|players| Coalition::of(players)).collect());
+        let game = Game::new(
+            needs
+                .iter()
+                .map(|players| Coalition::from_players(players))
+                .collect(),
+        );
         let found = game.shapley(scattered);
         let right = by_orders(&game, scattered);
         let whole = scattered(game.everybody()) - scattered(Coalition::EMPTY);
@@ -217,7 +222,7 @@ fn a_share_is_known_as_well_as_its_steps() {
 
 /// `w` at r = 1: a black light leaves the absolute ε.
 fn weight() -> f64 {
-    1.0 / (1.0 + Epsilon::of_light(0.0).beside_square())
+    1.0 / (1.0 + Epsilon::of_light(0.0).squared_epsilon())
 }
 
 /// Pixels with n·v from 0 to 1.
@@ -442,24 +447,30 @@ fn rungs_match_their_f64_twins() {
     for alpha in [0.1, 0.45] {
         let found = radiance(&environment, alpha, &frames, &tables);
         let rungs = [
-            (&ladder::FRESNEL, Coalition::of(&[FRESNEL])),
-            (&ladder::MASKING, Coalition::of(&[FRESNEL, MASKING])),
-            (&ladder::VIEW, Coalition::of(&[FRESNEL, MASKING, VIEW])),
+            (&ladder::FRESNEL, Coalition::from_players(&[FRESNEL])),
+            (
+                &ladder::MASKING,
+                Coalition::from_players(&[FRESNEL, MASKING]),
+            ),
+            (
+                &ladder::VIEW,
+                Coalition::from_players(&[FRESNEL, MASKING, VIEW]),
+            ),
             (
                 &ladder::LEVELS,
-                Coalition::of(&[FRESNEL, MASKING, VIEW, LEVELS]),
+                Coalition::from_players(&[FRESNEL, MASKING, VIEW, LEVELS]),
             ),
             // Nothing is rounded or sampled here, and the table is exact.
             (
                 &ladder::LEVELS,
-                Coalition::of(&[FRESNEL, MASKING, VIEW, LEVELS, STORAGE, TABLE]),
+                Coalition::from_players(&[FRESNEL, MASKING, VIEW, LEVELS, STORAGE, TABLE]),
             ),
         ];
         for (method, coalition) in rungs {
             let Twin::Mean(twin) = method.twin else {
                 panic!("{} is not an integral", method.name)
             };
-            for (pixel, own) in found.of(coalition, f0).iter().enumerate() {
+            for (pixel, own) in found.for_coalition(coalition, f0).iter().enumerate() {
                 let [n, v] = frames[pixel];
                 let surface =
                     Surface::new(MODELS[0], MaskingShadowing::Separable, alpha, f0, [n, v]);
@@ -480,8 +491,8 @@ fn the_view_alone_is_the_lobe_about_r() {
     // (f0 A + B) <K F, L> with K = D/4 G1(l) for n = v = r, by sums over latitude and longitude.
     let environment = Environment::from_image("golden", golden_environment());
     let (alpha, f0, frames) = (0.45, DVec3::new(0.04, 0.3, 1.0), frames(6));
-    let found =
-        radiance(&environment, alpha, &frames, &harmonic_tables()).of(Coalition::of(&[VIEW]), f0);
+    let found = radiance(&environment, alpha, &frames, &harmonic_tables())
+        .for_coalition(Coalition::from_players(&[VIEW]), f0);
     let (model, masking) = (MODELS[0], MaskingShadowing::Separable);
     for ([n, v], own) in frames.iter().zip(&found) {
         let frame = Frame::from_normal(reflect(*v, *n));
@@ -525,8 +536,8 @@ fn a_white_lobe_has_no_step_of_fresnel() {
         .into_iter()
         .filter(|coalition| !coalition.contains(FRESNEL))
     {
-        let inside = found.of(coalition, DVec3::ONE);
-        let outside = found.of(coalition.with(FRESNEL), DVec3::ONE);
+        let inside = found.for_coalition(coalition, DVec3::ONE);
+        let outside = found.for_coalition(coalition.with(FRESNEL), DVec3::ONE);
         for (inside, outside) in inside.iter().zip(&outside) {
             assert!(
                 ((*inside - *outside) / *outside).abs().max_element() < 1e-9,
@@ -542,9 +553,9 @@ fn constant_light_has_no_step_but_the_table() {
     let environment = Environment::from_image("constant", image);
     let (frames, f0) = (frames(16), DVec3::new(0.04, 0.3, 1.0));
     let found = radiance(&environment, 0.3, &frames, &harmonic_tables());
-    let exact = found.of(Coalition::EMPTY, f0);
+    let exact = found.for_coalition(Coalition::EMPTY, f0);
     for coalition in game().coalitions() {
-        for (own, right) in found.of(coalition, f0).iter().zip(&exact) {
+        for (own, right) in found.for_coalition(coalition, f0).iter().zip(&exact) {
             assert!(
                 ((own - right) / right).abs().max_element() < 2e-5,
                 "{coalition:b}: {own}, not {right}"

@@ -3,6 +3,7 @@
 
 mod circles;
 mod source;
+mod texts;
 
 use circles::first_circle;
 use source::{code, comments, imports, module_of, words};

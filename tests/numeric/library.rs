@@ -4,8 +4,9 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use std::process::Command;
 
-/// Crates of a build without features, this crate included.
-const CRATES_MAX: usize = 60;
+/// Crates of a build without features, this crate included: three more since bakes hold BC6H
+/// (bcdec_rs) and zlib (zlib-rs of flate2), and records hold relative paths (pathdiff).
+const CRATES_MAX: usize = 63;
 
 fn crates(arguments: &[&str]) -> BTreeSet<String> {
     let tree = [

@@ -1,17 +1,23 @@
 //! numeric tests
+
+#![expect(
+    clippy::too_many_lines,
+    reason = "a test states its cases and follows one scenario"
+)]
+
 mod anisotropy;
 mod bakes;
 mod brdf;
 #[path = "../shared/brdf_twins.rs"]
 mod brdf_twins;
 mod chi_square;
-mod color;
 mod cost;
 mod design;
 mod diffuse;
 mod disk_cache;
 mod documents;
 mod environment;
+mod environment_files;
 #[path = "../shared/environment_sampling.rs"]
 mod environment_sampling;
 mod experiment;
@@ -21,7 +27,6 @@ mod gbuffer_twin;
 #[path = "../shared/gltf.rs"]
 mod gltf_files;
 mod harmonics;
-mod kept;
 mod ladder;
 mod ladder_outside;
 mod layering;
@@ -31,12 +36,15 @@ mod math;
 mod metrics;
 #[path = "../shared/mips.rs"]
 mod mips_twin;
+#[path = "../shared/occluded.rs"]
+mod occluded;
 mod oracle;
 mod paste;
 mod pixels;
 mod placement;
 mod precompute;
 mod published;
+mod recovery;
 mod reference;
 mod robustness;
 mod run;
@@ -49,6 +57,7 @@ mod sh9;
 mod sheen;
 #[path = "../shared/snapshot.rs"]
 mod snapshot;
+mod source_documents;
 mod study;
 mod table;
 mod taps;

@@ -50,7 +50,7 @@ fn map(
 fn places_and_directions_are_inverse() {
     for layout in LAYOUTS {
         for d in directions(2000) {
-            let (face, uv) = (layout.place)(d);
+            let (face, uv) = (layout.face_uv)(d);
             assert!(
                 face < layout.face_count && uv.min_element() >= 0.0 && uv.max_element() <= 1.0,
                 "{d}: {face} {uv}"

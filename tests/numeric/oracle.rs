@@ -196,6 +196,23 @@ fn the_coat_of_a_table_is_its_integral() {
     }
 }
 
+#[test]
+fn an_index_of_a_table_is_its_f0() {
+    let by = |column: &str, value: &str| {
+        let table = format!(
+            "environment,brdf,alpha,{column},nx,ny,nz,vx,vy,vz\n\
+             builtin:sky,ggx,0.5,{value},0,1,0,0.6,0.8,0\n"
+        );
+        let column = answered(&table);
+        ["specular_r", "specular_g", "specular_b"].map(|name| column(0, name))
+    };
+    // By ((1 - n)/(1 + n))², by hand.
+    let [by_index, by_f0] = [by("ior", "1.5:3:1"), by("f0", "0.04:0.25:0")];
+    for (by_index, by_f0) in by_index.into_iter().zip(by_f0) {
+        assert!((by_index / by_f0 - 1.0).abs() < 1e-12, "{by_index} {by_f0}");
+    }
+}
+
 /// A row with anisotropy against a product rule with both widths of GGX typed here; the tangent at
 /// the pole is +x, turned towards -z.
 #[test]
@@ -426,7 +443,7 @@ fn narrow_lobes_are_mirrors_in_bounded_work() {
     let focus = Some(Focus {
         direction: DVec3::Z,
         radius: 0.0,
-        place: None,
+        in_widths: None,
     });
     let tolerance = Tolerance {
         max_part_count: 2000,

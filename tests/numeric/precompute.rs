@@ -300,6 +300,7 @@ fn sh9_matches_the_golden_coefficients() {
     let image = golden_environment();
     let readings = [
         ("L_seed_sum", crate::sh9::project_texel_centers(&image)),
+        ("L_texel_area", crate::sh9::project_texels(&image)),
         (
             "L_bilinear",
             sh9::reference::project_bilinear(&exact_quadrature(&image)),

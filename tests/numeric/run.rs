@@ -8,7 +8,7 @@ mod resume;
 pub mod runs;
 mod shards;
 mod sheets;
-mod statistics;
 mod timed;
 pub mod timing_ratios;
+mod unscored;
 pub mod whole;

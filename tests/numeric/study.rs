@@ -3,6 +3,7 @@
 mod asked;
 mod break_even;
 pub mod estimate;
+mod experiments;
 mod figure;
 mod finished;
 mod frame;
@@ -14,6 +15,7 @@ mod paper;
 mod pictures;
 mod published;
 mod questions;
+mod readable;
 mod sentences;
 mod steps;
 mod tables;

@@ -6,7 +6,7 @@ use splitsum::base::math::quadrature::GaussLegendre;
 use splitsum::instrument::brdf::{
     Brdf, Ggx, MODELS, MaskingShadowing, eval_without_fresnel, schlick_weight,
 };
-use splitsum::instrument::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, WEIGHTS};
+use splitsum::instrument::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, LevelSpacing, WEIGHTS};
 use splitsum::instrument::precompute::taps::{
     Chain, SIDE, TapCount, TapTable, dielectric_share, parameters_from_node,
 };
@@ -112,6 +112,47 @@ fn a_chain_blends_the_kernels_of_its_levels() {
                 }
             }
         }
+    }
+}
+
+/// A list with the roughness of a mapping's levels is this mapping; a level of any other list is
+/// linear in roughness between two of them.
+#[test]
+fn a_list_of_levels_is_a_spacing() {
+    let even = (0..LEVELS).map(|level| f64::from(level) / f64::from(LEVELS - 1));
+    let kernel = Kernel::cosine(&Ggx);
+    let listed = Chain::spaced(kernel, LevelSpacing::listed(even.collect()).unwrap());
+    for level in [0.3, 1.0, 2.6, 5.0] {
+        for cos in [1.0, 0.99, 0.6] {
+            let [found, _] = listed.lookup(level)(cos);
+            let [expected, _] = chain().lookup(level)(cos);
+            assert!((found - expected).abs() < 1e-9 * expected, "{level} {cos}");
+        }
+    }
+    let spacing = LevelSpacing::listed(vec![0.08, 0.2, 0.5, 1.0]).unwrap();
+    for (roughness, level) in [
+        (0.05, 0.0),
+        (0.08, 0.0),
+        (0.14, 0.5),
+        (0.5, 2.0),
+        (0.75, 2.5),
+    ] {
+        let found = spacing.level_from_alpha(roughness * roughness);
+        assert!((found - level).abs() < 1e-9, "{roughness}: {found}");
+        let back = spacing.alpha_from_level(level).sqrt();
+        assert!((back - roughness.max(0.08)).abs() < 1e-9, "{level}: {back}");
+    }
+    // Level 0 with a width is blended with level 1, as a lookup blends them.
+    let wide = Chain::spaced(kernel, spacing);
+    let [first, between, second] = [0.0, 0.5, 1.0].map(|level| wide.lookup(level)(0.99)[0]);
+    assert!((between - 0.5 * (first + second)).abs() < 1e-9 * between);
+    for bad in [
+        vec![0.5],
+        vec![0.5, 0.5],
+        vec![0.2, 1.5],
+        vec![f64::NAN, 1.0],
+    ] {
+        assert!(LevelSpacing::listed(bad).is_err());
     }
 }
 

@@ -3,7 +3,7 @@
 
 use glam::{DVec2, DVec3, DVec4, Vec2, Vec3, Vec4, Vec4Swizzles as _};
 use rayon::prelude::*;
-use splitsum::base::glsl::constants::ALPHA_MIN;
+use splitsum::base::glsl::constants::{ALPHA_MIN, COSINE_MIN, TILT_MIN};
 use splitsum::base::math::frame::east;
 use splitsum::base::pixels::Pixels;
 use splitsum::base::pixels::lookup::trilinear;
@@ -50,7 +50,9 @@ pub fn gbuffer(scene: &Scene, camera: &Camera, size: [u32; 2]) -> Gbuffer<f64> {
             // triangle.
             let quad =
                 [(1, 0), (0, 1)].map(|(x, y)| camera.ray((i % width) ^ x, (i / width) ^ y, size));
-            nearest.map_or([[0.0; 4]; 4], |hit| texels(scene, &hit, quad))
+            nearest.map_or([[0.0; 4]; 4], |hit| {
+                texels(scene, &hit, camera.v_at(hit.position), quad)
+            })
         })
         .collect();
     let attachment =
@@ -58,7 +60,7 @@ pub fn gbuffer(scene: &Scene, camera: &Camera, size: [u32; 2]) -> Gbuffer<f64> {
     [0, 1, 2, 3].map(attachment).into()
 }
 
-fn texels(scene: &Scene, hit: &Hit, quad: [(DVec3, DVec3); 2]) -> [[f64; 4]; 4] {
+fn texels(scene: &Scene, hit: &Hit, v: DVec3, quad: [(DVec3, DVec3); 2]) -> [[f64; 4]; 4] {
     let material: &Material = &scene.materials[hit.material];
     let rgb = |values: [f32; 3]| Vec3::from_array(values).as_dvec3();
     let steps = hit.mapped.as_ref().map_or([DVec2::ZERO; 2], |at| {
@@ -84,26 +86,40 @@ fn texels(scene: &Scene, hit: &Hit, quad: [(DVec3, DVec3); 2]) -> [[f64; 4]; 4] 
         ..
     } = material.anisotropy;
     // Without a tangent of its own a surface has the one of spheres.
-    let own = hit
-        .mapped
-        .as_ref()
-        .map(|at| at.tangent)
-        .filter(|tangent| !is_shown || tangent.xyz() != DVec3::ZERO);
+    let own = hit.mapped.as_ref().map(|at| at.tangent).filter(|tangent| {
+        let across = hit.n.cross(tangent.xyz()).length();
+        !is_shown || across > f64::from(TILT_MIN) * hit.n.length() * tangent.xyz().length()
+    });
     let tangent = own.unwrap_or_else(|| east(hit.n.normalize(), 0.0).extend(1.0));
     let side = hit.mapped.as_ref().map_or(1.0, |at| at.side);
     // Vectors between vertices are not unit vectors, and maps are baked for those [Mikkelsen08].
     let bitangent = tangent.w.signum() * hit.n.cross(tangent.xyz());
-    let turned =
-        |m: DVec3| side * (m.x * tangent.xyz() + m.y * bitangent + m.z * hit.n).normalize();
+    let turned = |m: DVec3| side * (m.x * tangent.xyz() + m.y * bitangent + m.z * hit.n);
     let (n, alpha) = if is_shown {
         let direction = map(material.normal_map, DVec3::X);
         let unit = direction.truncate().normalize_or(DVec2::X);
         let m = DVec2::from_angle(turn.into()).rotate(unit).extend(0.0);
-        (turned(m), f64::from(strength) * direction.length())
+        (
+            turned(m).normalize(),
+            f64::from(strength) * direction.length(),
+        )
     } else {
-        (turned(map(material.normal_map, DVec3::Z)), alpha)
+        let w = turned(map(material.normal_map, DVec3::Z));
+        let n = if hit.mapped.is_some() {
+            visible_normal(w, v)
+        } else {
+            w.normalize()
+        };
+        (n, alpha)
     };
-    let f0 = rgb(material.f0).lerp(albedo, metallic);
+    let dielectric = (rgb(material.f0) * map(material.f0_map, DVec3::ONE)).min(DVec3::ONE);
+    let weight = f64::from(material.specular.factor) * map(material.specular.map, DVec3::ONE).x;
+    let reflecting = weight + metallic * (1.0 - weight);
+    let f0 = if reflecting > 0.0 {
+        (weight * dielectric).lerp(albedo, metallic) / reflecting
+    } else {
+        dielectric
+    };
     let with = |xyz: DVec3, w: f64| xyz.extend(w).to_array();
     [
         with(hit.position, 1.0),
@@ -111,6 +127,17 @@ fn texels(scene: &Scene, hit: &Hit, quad: [(DVec3, DVec3); 2]) -> [[f64; 4]; 4] 
         with(albedo, metallic),
         with(f0, hit.material as f64),
     ]
+}
+
+/// The unit normal along `w`, at most a right angle from the viewer.
+fn visible_normal(w: DVec3, v: DVec3) -> DVec3 {
+    let Some(n) = w.try_normalize() else { return v };
+    let n_dot_v = n.dot(v);
+    if n_dot_v < 0.0 {
+        (n - n_dot_v * v + f64::from(COSINE_MIN) * v).normalize()
+    } else {
+        n
+    }
 }
 
 /// Looks up the texture at `uv` (v up), trilinearly; texels of the level are as wide as the longer

@@ -1,12 +1,20 @@
 //! The window, driven by real input on a virtual display: Xvfb, xdotool and a window manager, on
 //! any Vulkan device.
 
+#![expect(
+    clippy::too_many_lines,
+    reason = "a test states its cases and follows one scenario"
+)]
+
+#[path = "../shared/occluded.rs"]
+mod occluded;
 mod screen;
 
+use occluded::{OCCLUDED, occluded_scene};
 use screen::{Screen, Win};
 use splitsum::base::names::Listed;
 use splitsum::base::pixels::{Rgb8Image, exr};
-use splitsum::experiment::axis::{AXES, AxisId, Named, PREFILTER_BY, Part};
+use splitsum::experiment::axis::{AXES, AxisId, Named, PREFILTER_BY, Part, SCENE};
 use splitsum::experiment::value::Kind;
 use splitsum::instrument::precompute::PrefilterBy;
 use splitsum::instrument::shade::{DIFFUSE, METHODS};
@@ -261,11 +269,15 @@ fn every_control_moves_its_axis() {
         .find(|diffuse| diffuse.uses_irradiance_map)
         .unwrap()
         .name;
+    let folder = occluded_scene();
+    let scene = folder.path().join(OCCLUDED);
     let win = screen.window(
         &[
             &[
                 "--size",
                 "32x32",
+                "--scene",
+                scene.to_str().expect("a path in UTF-8"),
                 "--environment",
                 "builtin:constant",
                 "--method",
@@ -298,8 +310,10 @@ fn every_control_moves_its_axis() {
     assert_eq!(win.state()["axes"]["environment"], "builtin:sky");
     win.wait_done();
     let mut moved = BTreeSet::new();
-    // Controls of how tables are computed come last: they determine which of the others are in use.
-    let is_way = |index: AxisId| AXES[index].part == Part::Method || index == PREFILTER_BY;
+    // Controls of the scene and of how tables are computed come last: they determine which of the
+    // others are in use.
+    let is_way =
+        |index: AxisId| AXES[index].part == Part::Method || [PREFILTER_BY, SCENE].contains(&index);
     let (ways, others): (Vec<AxisId>, Vec<AxisId>) = AXES
         .ids()
         .filter(|index| has_choice(*index))

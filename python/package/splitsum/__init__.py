@@ -30,6 +30,9 @@ __all__ = [
 
 Environment = Union[str, "os.PathLike[str]", NDArray[np.float32]]
 
+Mapping = Union[str, Sequence[float]]
+"""Spacing of levels: "linear", "quadratic", "unity", or the roughness of each level, ascending."""
+
 
 class Lobes(NamedTuple):
     """Integrals of lobes: BRDF times n·l for Schlick's Fresnel term, split into `f0 a + b`."""
@@ -66,23 +69,24 @@ def prefilter(
     size: tuple[int, int] | None = None,
     weight: str = "cosine",
     masking: str = "separable",
-    mapping: str = "linear",
+    mapping: Mapping = "linear",
 ) -> Any:
     """Averages an environment over lobes of width `alpha`, without noise.
 
-    A number gives one image. Several numbers, or `levels` of a `mapping` ("linear", "quadratic", "unity"), give a list
-    of images, each half the size of the one before. `size` is width and height of a face of the first. The faces of the
-    layout "cube" (+x, -x, +y, -y, +z, -z) are below each other; the others, "octahedral" and "equirect", have one face.
+    A number gives one image. Several numbers, or the levels of a `mapping` ("linear", "quadratic" or "unity" with
+    `levels`, or a list of each level's roughness), give a list of images, each half the size of the one before. `size` is
+    width and height of a face of the first. The faces of the layout "cube" (+x, -x, +y, -y, +z, -z) are below each other;
+    the others, "octahedral" and "equirect", have one face.
     Alpha 0 averages the environment over each texel. `weight` is "cosine" (n·l), "masking" (G1) or "none".
     """
-    if (alpha is None) == (levels is None):
+    if (alpha is None) == (levels is None and isinstance(mapping, str)):
         raise ValueError("alpha, levels: expected one of them")
-    alphas = _native.level_alphas(mapping, levels) if levels is not None else np.atleast_1d(alpha).tolist()
+    alphas = _level_alphas(mapping, levels) if alpha is None else np.atleast_1d(alpha).tolist()
     for number in alphas:
         if not 0 <= number <= 1:
             raise ValueError(f"alpha: {number} is outside [0, 1]")
     maps = _native.prefilter(_environment(environment), alphas, size, layout, (model, weight, masking))
-    return maps[0] if np.ndim(alpha) == 0 and levels is None else maps
+    return maps[0] if alpha is not None and np.ndim(alpha) == 0 else maps
 
 
 def dfg(n_dot_v: ArrayLike, alpha: ArrayLike, *, model: str = "ggx", masking: str = "separable") -> NDArray[np.float64]:
@@ -91,14 +95,18 @@ def dfg(n_dot_v: ArrayLike, alpha: ArrayLike, *, model: str = "ggx", masking: st
     return np.stack([found["f0_scale"], found["f90_scale"]], -1)
 
 
-def dfg_table(side: int = 64, *, model: str = "ggx", masking: str = "separable") -> NDArray[np.float32]:
-    """Makes the table of (A, B) that `splitsum bake` writes: an array (side, side, 2), n·v along x, roughness along y.
+def dfg_table(
+    side: int = 64, *, axes: str = "centres", model: str = "ggx", masking: str = "separable"
+) -> NDArray[np.float32]:
+    """Makes a table of (A, B): an array (side, side, 2), n·v along x, roughness along y. The integrals are within 2e-4.
 
-    Texel centres are at (i + 0.5) / side, row 0 is the smoothest. The integrals are within 2e-4.
+    With the axes "centres", as `splitsum bake` writes it, texel centres are at (i + 0.5) / side and row 0 is the smoothest.
+    With "fourth-roots", as `splitsum render` reads it, texels are even in the fourth roots of n·v and alpha, both ends
+    included.
     """
     if not 2 <= side <= 1024:
         raise ValueError(f"side: {side} is outside [2, 1024]")
-    return _native.dfg_table(side, (model, masking))
+    return _native.dfg_table(side, axes, (model, masking))
 
 
 def lobes(n_dot_v: ArrayLike, alpha: ArrayLike, *, model: str = "ggx", masking: str = "separable") -> Lobes:
@@ -119,15 +127,16 @@ def taps(
     *,
     model: str = "ggx",
     masking: str = "separable",
-    levels: int = 5,
-    mapping: str = "linear",
+    levels: int | None = None,
+    mapping: Mapping = "linear",
     weight: str = "cosine",
 ) -> NDArray[np.float32]:
-    """Fits the table of one, two or four lookups (docs/research.md) for a prefiltered map of `levels` levels.
+    """Fits the table of one, two or four lookups (docs/research.md) for the levels of a prefiltered map.
 
-    Returns its texels, an array (height, 17, 4), as the files `taps_..._ggx.exr` of `splitsum bake` have them.
+    `mapping` is the name of a mapping for `levels` levels (5 by default), or a list of each level's roughness. Returns the
+    table's texels, an array (height, 17, 4), as the files `taps_..._ggx.exr` of `splitsum bake` have them.
     """
-    return _native.taps(count, levels, mapping, (model, weight, masking))
+    return _native.taps(count, *_spacing(mapping, levels), (model, weight, masking))
 
 
 def lookup_taps(
@@ -154,8 +163,8 @@ def fit_taps(
     alpha: float,
     *,
     count: int = 1,
-    levels: int = 5,
-    mapping: str = "linear",
+    levels: int | None = None,
+    mapping: Mapping = "linear",
     model: str = "ggx",
     weight: str = "cosine",
     masking: str = "separable",
@@ -163,8 +172,8 @@ def fit_taps(
     """Fits one, two or four lookups of a prefiltered map to a lobe of your own, by the objective of `taps`.
 
     `lobe` gets unit directions l, an array (n, 3) above the horizon, and returns BRDF times n·l of any scale, an array
-    (n,). The normal is +z, the view is (sin θ, 0, cos θ). `alpha` is the surface's width, where the fit starts. `model`,
-    `weight` and `masking` are the map's.
+    (n,). The normal is +z, the view is (sin θ, 0, cos θ). `alpha` is the surface's width, where the fit starts. `levels`,
+    `mapping`, `model`, `weight` and `masking` are the map's, as for `taps`.
     """
 
     def densities(directions: NDArray[np.float64]) -> NDArray[np.float64]:
@@ -180,7 +189,7 @@ def fit_taps(
     view = [values.item() for values in views]
     if view[0] == 1:
         raise ValueError("n_dot_v: 1, where the mirror direction is the normal; expected less")
-    found, errors = _native.fit_taps(densities, view, count, levels, mapping, (model, weight, masking))
+    found, errors = _native.fit_taps(densities, view, count, *_spacing(mapping, levels), (model, weight, masking))
     return Fit(*found.T, *errors)
 
 
@@ -306,6 +315,22 @@ def _environment(environment: Environment | None) -> str | NDArray[np.float32] |
     if environment is None or isinstance(environment, np.ndarray):
         return None if environment is None else _float32("environment", environment)
     return os.fspath(environment)
+
+
+def _spacing(mapping: Mapping, levels: int | None) -> tuple[int, str | list[float]]:
+    """Checks the spacing of levels; returns their number and the mapping."""
+    if isinstance(mapping, str):
+        return 5 if levels is None else levels, mapping
+    roughnesses = [float(roughness) for roughness in mapping]
+    if levels not in (None, len(roughnesses)):
+        raise ValueError(f"levels: {levels}, but mapping lists {len(roughnesses)} levels; leave one of them out")
+    return len(roughnesses), roughnesses
+
+
+def _level_alphas(mapping: Mapping, levels: int | None) -> list[float]:
+    """Returns the width of each level."""
+    count, mapping = _spacing(mapping, levels)
+    return _native.level_alphas(mapping, count)
 
 
 TEXELS_MAX = 2**27

@@ -43,10 +43,13 @@ class Images:
 
     def mask(self) -> NDArray[np.bool_]:
         """Returns the pixels that count, an array (h, w)."""
-        return read_exr(self._path("reference"))[1] > 0
+        column = "reference" if isinstance(self.get("reference"), str) else "radiance"
+        return read_exr(self._path(column))[1] > 0
 
     def _path(self, column: str) -> Path:
         name = self.get(column)
+        if column == "reference" and not isinstance(name, str) and isinstance(self.get("radiance"), str):
+            raise ValueError(f"{self['run']}: cell {self['cell']} has no reference, by reference = \"none\" of its experiment")
         if not isinstance(name, str):
             raise FileNotFoundError(f"{self['run']}: cell {self['cell']} has no image; published runs have only tables")
         return Path(self["run"], "images", name)

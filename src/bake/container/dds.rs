@@ -3,8 +3,9 @@
 //! A magic word, a header of 31 words, and in `DX10` files a second header of 5 words; all
 //! little-endian.
 
-use super::texel::Texel;
-use super::{Claim, Encoding, FACE_COUNT, Texture, truncated};
+use super::interpretation::Interpretation;
+use super::pixel_format::PixelFormat;
+use super::{Claim, Encoding, FACE_COUNT, LEVELS_MAX, Texture, left_over, truncated};
 use crate::base::pixels::Fault;
 
 const MAGIC: u32 = u32::from_le_bytes(*b"DDS ");
@@ -35,6 +36,9 @@ const ALL_FACES: u32 = 0xfc00;
 const TEXTURE_2D: u32 = 3;
 const CUBE_DX10: u32 = 0x4;
 const OPAQUE: u32 = 3;
+const PREMULTIPLIED: u32 = 2;
+const ALPHA_MODE: u32 = 7;
+
 /// A format that needs no second header.
 struct OldFormat {
     d3d: u32,
@@ -59,7 +63,8 @@ fn words(bytes: &[u8]) -> Vec<u32> {
 /// What the headers say.
 struct Header {
     claim: Claim,
-    texel: &'static Texel,
+    format: PixelFormat,
+    interpretation: Interpretation,
     /// Bytes of both headers.
     length: usize,
 }
@@ -93,62 +98,122 @@ impl Header {
             depth: if flags & HAS_DEPTH == 0 { 1 } else { depth },
             layers: if has_second { second[3] } else { 1 },
             faces: if is_cube { FACE_COUNT as u32 } else { 1 },
-            levels: if flags & HAS_MIPS == 0 {
-                1
-            } else {
-                levels.max(1)
-            },
+            levels: levels.max(1),
         };
-        claim.check()?;
-        let texel = if has_second {
-            texel_of(Some(second[0]), || format!("DXGI format {}", second[0]))?
+        let format = if has_second {
+            PixelFormat::of_dxgi(Some(second[0]), || format!("DXGI format {}", second[0]))
         } else {
-            let format = OLD.iter().find(|old| old.d3d == fourcc);
-            texel_of(format.map(|old| old.dxgi), || {
-                format!("code {fourcc:#010x}")
-            })?
+            let old = OLD.iter().find(|old| old.d3d == fourcc);
+            PixelFormat::of_dxgi(old.map(|old| old.dxgi), || format!("code {fourcc:#010x}"))
         };
+        let mut interpretation = Interpretation::default();
+        if has_second && second[4] & ALPHA_MODE == PREMULTIPLIED {
+            interpretation.take_premultiplied();
+        }
+        let data_bytes = bytes.len() - length;
+        let claim = match &format {
+            Ok(format) if claim.layers == FACE_COUNT as u32 => {
+                as_one_cube(claim, *format, data_bytes, &mut interpretation)
+            }
+            _ => claim,
+        };
+        let one_level = Claim { levels: 1, ..claim };
+        one_level.check()?;
+        let format = format?;
+        // Some writers count levels without the flag that says so, others leave any number in the
+        // field: without the flag the length of the data decides.
+        let has_one = flags & HAS_MIPS == 0
+            && (claim.check().is_err() || one_level.data_bytes(format) == data_bytes);
+        let claim = if has_one { one_level } else { claim };
+        claim.check()?;
         Ok(Self {
             claim,
-            texel,
+            format,
+            interpretation,
             length,
         })
     }
 }
 
-/// Finds the pixel format of a DXGI code; `name` describes what the file says.
-fn texel_of(dxgi: Option<u32>, name: impl Fn() -> String) -> Result<&'static Texel, Fault> {
-    Texel::with_code(
-        |texel| texel.dxgi.is_some() && texel.dxgi == dxgi,
-        || format!("its pixel format is {}", name()),
-    )
+/// Takes an array of six elements as one cube, if the data hold no more: NVIDIA's texture tools, old
+/// versions of Compressonator and others count faces where the format counts cubes, and some leave
+/// the flag of a cube out.
+fn as_one_cube(
+    claim: Claim,
+    format: PixelFormat,
+    data_bytes: usize,
+    interpretation: &mut Interpretation,
+) -> Claim {
+    let cube = Claim {
+        layers: 1,
+        faces: FACE_COUNT as u32,
+        ..claim
+    };
+    let is_array_of_cubes =
+        claim.faces == cube.faces && data_bytes >= claim.layers as usize * cube.data_bytes(format);
+    if is_array_of_cubes || cube.check_images().is_err() {
+        return claim;
+    }
+    interpretation.warn_of(if claim.faces == cube.faces {
+        "its header counts six cubes (arraySize 6), but it holds the faces of one; read as one cube"
+    } else {
+        "it is an array of six squares, not marked as a cube; read as the faces +x -x +y -y +z -z"
+    });
+    cube
+}
+
+/// Says which numbers of faces and levels these bytes would be.
+fn fitting(claim: &Claim, format: PixelFormat, length: usize) -> Option<Claim> {
+    let levels = 1..=LEVELS_MAX;
+    let claims = levels.flat_map(|levels| {
+        [1, FACE_COUNT as u32].map(|faces| Claim {
+            levels,
+            faces,
+            ..*claim
+        })
+    });
+    claims
+        .filter(|claim| claim.check().is_ok())
+        .find(|claim| claim.data_bytes(format) == length)
 }
 
 /// Reads a file of 1 or 6 faces.
 pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
     let Header {
         claim,
-        texel,
+        format,
+        interpretation,
         length,
     } = Header::read(bytes)?;
     let mut rest = &bytes[length..];
+    let stated_bytes = claim.data_bytes(format);
+    if rest.len() > stated_bytes {
+        let hint = match fitting(&claim, format, rest.len()) {
+            Some(Claim { faces, levels, .. }) => {
+                format!("; its bytes are {levels} levels of {faces} faces")
+            }
+            None => String::new(),
+        };
+        return Err(left_over(rest.len() - stated_bytes, &claim, &hint));
+    }
     let mut levels = vec![Vec::new(); claim.levels as usize];
     for _ in 0..claim.faces {
         for level in 0..claim.levels {
-            let needed = claim.face_bytes(level, texel);
+            let needed = claim.face_bytes(level, format);
             let (face, after) = rest
                 .split_at_checked(needed)
                 .ok_or_else(|| truncated(level, needed, rest.len()))?;
             let [width, height] = claim.size(level);
-            levels[level as usize].push(texel.image(width, height, face)?);
+            levels[level as usize].push(format.image(width, height, face, &interpretation)?);
             rest = after;
         }
     }
-    Ok(Texture {
+    Ok(interpretation.warn(Texture {
         levels,
-        texel: texel.name,
+        texel: format.name(),
         keys: Vec::new(),
-    })
+        warnings: Vec::new(),
+    }))
 }
 
 /// Writes a texture whose format has a DXGI code. DDS has no keys.

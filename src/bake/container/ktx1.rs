@@ -3,8 +3,9 @@
 //! A header of 64 bytes, keys and values, then the levels, largest first [KTX 1 file format,
 //! section 2].
 
-use super::texel::Texel;
-use super::{Claim, Encoding, Texture, pairs, truncated, unjoined};
+use super::interpretation::Interpretation;
+use super::pixel_format::PixelFormat;
+use super::{Claim, Encoding, Texture, left_over, pairs, truncated, unjoined};
 use crate::base::pixels::Fault;
 
 const IDENTIFIER: [u8; 12] = *b"\xabKTX 11\xbb\r\n\x1a\n";
@@ -80,17 +81,15 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
         key_bytes,
     } = Header::read(bytes)?;
     let face_count = claim.check()?;
-    let texel = Texel::with_code(
-        |texel| texel.gl == internal_format,
-        || format!("its glInternalFormat is {internal_format:#06x}"),
-    )?;
+    let format = PixelFormat::of_gl(internal_format)?;
     let mut position = HEADER.saturating_add(key_bytes);
     let keys = unjoined(bytes.get(HEADER..position).unwrap_or_default());
+    let interpretation = Interpretation::of_keys(&keys);
     let mut levels = Vec::new();
     for level in 0..claim.levels {
-        let [width, height] = claim.size(level).map(|side| side as usize);
-        let row = width * texel.bytes;
-        let face_bytes = row.next_multiple_of(4) * height;
+        let [width, height] = claim.size(level);
+        let row = format.row_bytes(width);
+        let face_bytes = row.next_multiple_of(4) * format.row_count(height);
         let rest = bytes.get(position..).unwrap_or_default();
         let Some((length, data)) = rest.split_first_chunk() else {
             return Err(truncated(level, 4, rest.len()));
@@ -100,7 +99,7 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
         if length != face_bytes {
             return Err(Fault::new(
                 format!("level {level} claims {length} bytes a face"),
-                format!("{face_bytes}, of its size in {}", texel.name),
+                format!("{face_bytes}, of its size in {}", format.name()),
             ));
         }
         let needed = face_bytes * face_count;
@@ -111,14 +110,20 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
         let rows = data
             .chunks(row.next_multiple_of(4))
             .flat_map(|padded| &padded[..row]);
-        levels.push(claim.faces_of(level, texel, &rows.copied().collect::<Vec<_>>())?);
+        let rows: Vec<u8> = rows.copied().collect();
+        levels.push(claim.faces_of(level, format, &rows, &interpretation)?);
         position += 4 + needed;
     }
-    Ok(Texture {
+    let rest = bytes.len() - position;
+    if rest > 0 {
+        return Err(left_over(rest, &claim, ""));
+    }
+    Ok(interpretation.warn(Texture {
         levels,
-        texel: texel.name,
+        texel: format.name(),
         keys,
-    })
+        warnings: Vec::new(),
+    }))
 }
 
 /// Writes header, keys, and the levels, largest first.

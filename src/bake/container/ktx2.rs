@@ -1,9 +1,12 @@
-//! KTX 2: levels anywhere in the file, plain or compressed by zstd.
+//! KTX 2: levels anywhere in the file, plain or compressed by zstd or zlib.
 
+use super::interpretation::Interpretation;
+use super::pixel_format::PixelFormat;
 use super::texel::Texel;
-use super::{Claim, Encoding, Texture, pairs, truncated, unjoined};
+use super::{Claim, Encoding, Texture, left_over, pairs, truncated, unjoined};
 use crate::base::names::Listed;
 use crate::base::pixels::{Fault, Pixels, reserved};
+use flate2::read::ZlibDecoder;
 use half::f16;
 use ktx2::dfd::{Basic, Block};
 use ktx2::{Header, Index, LevelIndex, ParseError, SupercompressionScheme};
@@ -29,54 +32,104 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
         levels: header.level_count.max(1),
     };
     let face_count = claim.check()?;
-    let texel = texel_of(&header)?;
-    let is_packed = is_packed(&header)?;
+    let format = PixelFormat::of_vulkan(header.format)?;
+    let keys = keys(bytes, &header);
+    let mut interpretation = Interpretation::of_keys(&keys);
+    if let Some(descriptor) = descriptor(bytes, &header) {
+        interpretation.take_descriptor(descriptor)?;
+    }
+    let packing = Packing::of(&header)?;
     let stored = stored_levels(bytes, claim.levels)?;
     check_apart(bytes, &stored)?;
+    check_end(bytes, &header, &claim, &stored)?;
     let mut levels = Vec::new();
     for (level, stored) in (0..).zip(stored) {
-        let needed = claim.face_bytes(level, texel) * face_count;
-        let data = if is_packed {
-            Cow::Owned(unpacked(stored, needed, level)?)
-        } else {
-            Cow::Borrowed(stored)
+        let needed = claim.face_bytes(level, format) * face_count;
+        let data = match packing {
+            Packing::Plain => Cow::Borrowed(stored),
+            Packing::Zstd => Cow::Owned(unpacked_zstd(stored, needed, level)?),
+            Packing::Zlib => Cow::Owned(unpacked(ZlibDecoder::new(stored), needed, level)?),
         };
         if data.len() != needed {
             return Err(truncated(level, needed, data.len()));
         }
-        levels.push(claim.faces_of(level, texel, &data)?);
+        levels.push(claim.faces_of(level, format, &data, &interpretation)?);
     }
-    Ok(Texture {
+    Ok(interpretation.warn(Texture {
         levels,
-        texel: texel.name,
-        keys: keys(bytes, &header),
-    })
+        texel: format.name(),
+        keys,
+        warnings: Vec::new(),
+    }))
 }
 
 fn unreadable(error: ParseError) -> Fault {
     Fault::new(format!("cannot be read ({error})"), "a complete KTX 2 file")
 }
 
-fn texel_of(header: &Header) -> Result<&'static Texel, Fault> {
-    let name = || match header.format {
-        Some(format) => format!("{format:?}"),
-        None => "undefined".to_owned(),
-    };
-    Texel::with_code(
-        |texel| Some(texel.vulkan) == header.format,
-        || format!("its pixel format is {}", name()),
-    )
+/// How levels are compressed.
+#[derive(Clone, Copy)]
+enum Packing {
+    Plain,
+    Zstd,
+    Zlib,
 }
 
-/// Whether levels are compressed by zstd.
-fn is_packed(header: &Header) -> Result<bool, Fault> {
-    match header.supercompression_scheme {
-        None => Ok(false),
-        Some(SupercompressionScheme::Zstandard) => Ok(true),
-        Some(other) => Err(Fault::new(
-            format!("its supercompression is {other:?}"),
-            "none, or zstd",
-        )),
+impl Packing {
+    fn of(header: &Header) -> Result<Self, Fault> {
+        match header.supercompression_scheme {
+            None => Ok(Self::Plain),
+            Some(SupercompressionScheme::Zstandard) => Ok(Self::Zstd),
+            Some(SupercompressionScheme::ZLIB) => Ok(Self::Zlib),
+            Some(other) => Err(Fault::new(
+                format!("its supercompression is {other:?}"),
+                "none, zstd or zlib",
+            )),
+        }
+    }
+}
+
+/// Position of colour model, primaries, transfer function and flags in the descriptor: after the
+/// descriptor's length and two words.
+const DESCRIPTOR_COLORS: usize = 12;
+
+/// Reads colour model, primaries, transfer function and flags; `None` without a basic descriptor.
+fn descriptor(bytes: &[u8], header: &Header) -> Option<[u8; 4]> {
+    let Index {
+        dfd_byte_offset,
+        dfd_byte_length,
+        ..
+    } = header.index;
+    bytes
+        .get(dfd_byte_offset as usize..)?
+        .get(..dfd_byte_length as usize)?
+        .get(DESCRIPTOR_COLORS..)?
+        .first_chunk()
+        .copied()
+}
+
+/// Refuses bytes behind everything that the header states.
+fn check_end(bytes: &[u8], header: &Header, claim: &Claim, stored: &[&[u8]]) -> Result<(), Fault> {
+    let Index {
+        dfd_byte_offset,
+        dfd_byte_length,
+        kvd_byte_offset,
+        kvd_byte_length,
+        sgd_byte_offset,
+        sgd_byte_length,
+    } = header.index;
+    let sections = [
+        u64::from(dfd_byte_offset) + u64::from(dfd_byte_length),
+        u64::from(kvd_byte_offset) + u64::from(kvd_byte_length),
+        sgd_byte_offset.saturating_add(sgd_byte_length),
+    ];
+    let levels = stored
+        .iter()
+        .map(|level| (level.as_ptr() as usize - bytes.as_ptr() as usize + level.len()) as u64);
+    let end = levels.chain(sections).max().unwrap_or_default();
+    match bytes.len() as u64 - end.min(bytes.len() as u64) {
+        0 => Ok(()),
+        count => Err(left_over(count as usize, claim, "")),
     }
 }
 
@@ -285,27 +338,33 @@ fn check_apart(bytes: &[u8], levels: &[&[u8]]) -> Result<(), Fault> {
     Ok(())
 }
 
-/// Unpacks exactly `needed` bytes of a level, with a window no larger than a level needs.
-fn unpacked(packed: &[u8], needed: usize, level: u32) -> Result<Vec<u8>, Fault> {
-    let refuse = |error: &dyn std::fmt::Display| {
-        Fault::new(
-            format!("level {level} cannot be unpacked ({error})"),
-            "zstd data of its size",
-        )
-    };
+fn not_unpacked(level: u32, error: &dyn std::fmt::Display) -> Fault {
+    Fault::new(
+        format!("level {level} cannot be unpacked ({error})"),
+        "packed data of its size",
+    )
+}
+
+/// Unpacks a level with a window no larger than it needs.
+fn unpacked_zstd(packed: &[u8], needed: usize, level: u32) -> Result<Vec<u8>, Fault> {
     let window = (needed as u64).next_power_of_two().max(WINDOW_MIN);
     let decoder = StreamingDecoder::new_with_max_window_size(packed, window)
-        .map_err(|error| refuse(&error))?;
+        .map_err(|error| not_unpacked(level, &error))?;
+    unpacked(decoder, needed, level)
+}
+
+/// Unpacks exactly `needed` bytes of a level.
+fn unpacked(decoder: impl Read, needed: usize, level: u32) -> Result<Vec<u8>, Fault> {
     let mut data = reserved(needed + 1)?;
     // One more byte detects a level that is too long.
     decoder
         .take(needed as u64 + 1)
         .read_to_end(&mut data)
-        .map_err(|error| refuse(&error))?;
+        .map_err(|error| not_unpacked(level, &error))?;
     if data.len() > needed {
         return Err(Fault::new(
             format!("level {level} unpacks to more than its {needed} bytes"),
-            "zstd data of its size",
+            "packed data of its size",
         ));
     }
     Ok(data)

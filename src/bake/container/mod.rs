@@ -4,15 +4,19 @@
 //! levels that halve.
 
 mod dds;
+mod interpretation;
 mod ktx1;
 mod ktx2;
+mod pixel_format;
 mod texel;
 
+pub(super) use interpretation::Interpretation;
 pub use ktx2::write_table;
-pub use texel::{TEXELS, Texel};
+pub use texel::{RGBD, RGBP, TEXELS, Texel};
 
 use crate::base::pixels::{Decoded, Fault, PixelsError, RgbImage, png, read_bounded};
 use crate::instrument::environment::FORMATS as IMAGES;
+use pixel_format::PixelFormat;
 use std::path::Path;
 
 /// Most texels of all levels and faces: 128 MiB as radiance, seven times as much while scored.
@@ -28,6 +32,8 @@ pub struct Texture {
     pub texel: &'static str,
     /// Metadata: keys and values.
     pub keys: Vec<(String, String)>,
+    /// One sentence each.
+    pub warnings: Vec<String>,
 }
 
 impl Texture {
@@ -122,7 +128,7 @@ fn extension(path: &Path) -> Result<String, PixelsError> {
         format!("its extension is {extension:?}"),
         format!("one of .{known}"),
     )
-    .at(path))
+    .in_file(path))
 }
 
 /// Reads a texture from memory; the extension of `path` selects the format.
@@ -131,12 +137,13 @@ pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Texture, PixelsError> {
         levels: vec![vec![decoded.rgb]],
         texel,
         keys: Vec::new(),
+        warnings: decoded.warnings,
     };
     let extension = extension(path)?;
     let container = FORMATS.iter().find(|format| format.extension == extension);
     let image_format = IMAGES.iter().find(|format| format.extension == extension);
     let texture = if let Some(format) = container {
-        (format.read)(bytes).map_err(|fault| fault.at(path))?
+        (format.read)(bytes).map_err(|fault| fault.in_file(path))?
     } else if let Some(format) = image_format {
         image(format.read(path, bytes)?, format.name)
     } else {
@@ -154,10 +161,10 @@ pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Texture, PixelsError> {
             format!("it has {texels} texels"),
             format!("at most {TEXELS_MAX}; bake a smaller map"),
         );
-        return Err(fault.at(path));
+        return Err(fault.in_file(path));
     }
     match first_oddity(&texture) {
-        Some(fault) => Err(fault.at(path)),
+        Some(fault) => Err(fault.in_file(path)),
         None => Ok(texture),
     }
 }
@@ -276,15 +283,29 @@ impl Claim {
         [self.width, self.height].map(|side| (side >> level).max(1))
     }
 
-    fn face_bytes(&self, level: u32, texel: &Texel) -> usize {
+    fn face_bytes(&self, level: u32, format: PixelFormat) -> usize {
         let [width, height] = self.size(level);
-        width as usize * height as usize * texel.bytes
+        format.image_bytes(width, height)
     }
 
-    fn faces_of(&self, level: u32, texel: &Texel, data: &[u8]) -> Result<Vec<RgbImage>, Fault> {
+    /// Returns the bytes of all levels of all faces, without padding.
+    fn data_bytes(&self, format: PixelFormat) -> usize {
+        let face: usize = (0..self.levels)
+            .map(|level| self.face_bytes(level, format))
+            .sum();
+        face * self.faces as usize
+    }
+
+    fn faces_of(
+        &self,
+        level: u32,
+        format: PixelFormat,
+        data: &[u8],
+        interpretation: &Interpretation,
+    ) -> Result<Vec<RgbImage>, Fault> {
         let [width, height] = self.size(level);
-        data.chunks_exact(self.face_bytes(level, texel))
-            .map(|face| texel.image(width, height, face))
+        data.chunks_exact(self.face_bytes(level, format))
+            .map(|face| format.image(width, height, face, interpretation))
             .collect()
     }
 }
@@ -318,6 +339,14 @@ fn unjoined(mut bytes: &[u8]) -> Vec<(String, String)> {
         bytes = rest.get(length.next_multiple_of(4)..).unwrap_or_default();
     }
     keys
+}
+
+/// Refuses bytes behind the last level: the header then states too little, and readers that trust
+/// it mix up levels and faces.
+fn left_over(count: usize, claim: &Claim, hint: &str) -> Fault {
+    let Claim { faces, levels, .. } = claim;
+    let what = format!("{count} bytes follow the {levels} levels of {faces} faces that it states");
+    Fault::new(what, format!("a header that states all of its data{hint}"))
 }
 
 fn truncated(level: u32, needed: usize, found: usize) -> Fault {

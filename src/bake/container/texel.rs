@@ -1,5 +1,6 @@
 //! Pixel formats by their codes in each container.
 
+use super::interpretation::Interpretation;
 use crate::base::names::{Listed, listed};
 use crate::base::pixels::{Fault, HALF_MAX, Pixels, RgbImage, reserved};
 use half::f16;
@@ -20,8 +21,8 @@ pub struct Texel {
     /// `DXGI_FORMAT` in DDS; three halves have none.
     pub dxgi: Option<u32>,
     pub largest: f32,
-    /// Decodes red, green and blue; 0 for missing channels.
-    decode: fn(&[u8]) -> [f32; 3],
+    /// Decodes red, green, blue and alpha; 0 for missing colours, 1 for missing alpha.
+    decode: fn(&[u8]) -> [f32; 4],
     /// Encodes red, green, blue and 1 within [0, largest], as many as fit.
     encode: fn([f32; 4], &mut [u8]),
 }
@@ -69,6 +70,36 @@ pub static TEXELS: &[Texel] = &[
         encode: to_eleven_eleven_ten,
     },
 ];
+
+/// Babylon.js' RGBD: `(rgb^2.2)/a`. No container of [`TEXELS`] holds it.
+pub static RGBD: Texel = color_in_bytes("rgbd", 255.0, rgbd, to_rgbd);
+
+/// PlayCanvas' RGBP: `(rgb (8 - 7 a))²`. No container of [`TEXELS`] holds it.
+pub static RGBP: Texel = color_in_bytes("rgbp", 64.0, rgbp, to_rgbp);
+
+/// A colour in the four bytes of RGBA8.
+const fn color_in_bytes(
+    name: &'static str,
+    largest: f32,
+    decode: fn(&[u8]) -> [f32; 4],
+    encode: fn([f32; 4], &mut [u8]),
+) -> Texel {
+    Texel {
+        name,
+        bytes: 4,
+        channels: 3,
+        vulkan: Format::R8G8B8A8_UNORM,
+        gl: 0x8058,
+        gl_type: GlType {
+            code: 0x1401,
+            size: 1,
+        },
+        dxgi: Some(28),
+        largest,
+        decode,
+        encode,
+    }
+}
 
 const fn half(
     name: &'static str,
@@ -125,20 +156,26 @@ impl Texel {
             .ok_or_else(unknown)
     }
 
-    /// Decodes `width` x `height` texels from the front of `bytes`.
-    pub(super) fn image(&self, width: u32, height: u32, bytes: &[u8]) -> Result<RgbImage, Fault> {
+    /// Decodes `width` x `height` texels from the front of `bytes`, rows as stored.
+    pub(in crate::bake) fn image(
+        &self,
+        width: u32,
+        height: u32,
+        bytes: &[u8],
+        interpretation: &Interpretation,
+    ) -> Result<RgbImage, Fault> {
         let count = width as usize * height as usize;
         let mut data = reserved(count)?;
         data.extend(
             bytes[..count * self.bytes]
                 .chunks_exact(self.bytes)
-                .map(self.decode),
+                .map(|texel| interpretation.color((self.decode)(texel))),
         );
         Ok(Pixels::new(width, height, data))
     }
 
     /// Encodes an image; clips to [0, largest].
-    pub(super) fn bytes_of(&self, image: &RgbImage) -> Vec<u8> {
+    pub(in crate::bake) fn bytes_of(&self, image: &RgbImage) -> Vec<u8> {
         let mut bytes = vec![0; image.data.len() * self.bytes];
         for (texel, encoded) in image.data.iter().zip(bytes.chunks_exact_mut(self.bytes)) {
             let [r, g, b] = texel.map(|value| value.clamp(0.0, self.largest));
@@ -164,18 +201,25 @@ const CMGEN: GlType = GlType {
 
 listed!(Texel, "texel format", TEXELS);
 
-fn halves(bytes: &[u8]) -> [f32; 3] {
+/// Values of channels that a texel lacks.
+const MISSING: [f32; 4] = [0.0, 0.0, 0.0, 1.0];
+
+fn halves(bytes: &[u8]) -> [f32; 4] {
     let words = bytes.as_chunks::<2>().0;
     std::array::from_fn(|i| {
         words
             .get(i)
-            .map_or(0.0, |word| f16::from_le_bytes(*word).to_f32())
+            .map_or(MISSING[i], |word| f16::from_le_bytes(*word).to_f32())
     })
 }
 
-fn floats(bytes: &[u8]) -> [f32; 3] {
+fn floats(bytes: &[u8]) -> [f32; 4] {
     let words = bytes.as_chunks::<4>().0;
-    std::array::from_fn(|i| words.get(i).map_or(0.0, |word| f32::from_le_bytes(*word)))
+    std::array::from_fn(|i| {
+        words
+            .get(i)
+            .map_or(MISSING[i], |word| f32::from_le_bytes(*word))
+    })
 }
 
 fn to_halves(values: [f32; 4], bytes: &mut [u8]) {
@@ -196,10 +240,11 @@ fn word(bytes: &[u8]) -> u32 {
 
 /// Decodes 9 bits of mantissa each and a shared exponent: `m 2^(e - 15 - 9)` [Vulkan13, "Shared
 /// Exponent to RGB"].
-fn shared_exponent(bytes: &[u8]) -> [f32; 3] {
+fn shared_exponent(bytes: &[u8]) -> [f32; 4] {
     let word = word(bytes);
     let scale = f32::powi(2.0, (word >> 27) as i32 - 24);
-    [0, 9, 18].map(|shift| ((word >> shift) & 0x1ff) as f32 * scale)
+    let [r, g, b] = [0, 9, 18].map(|shift| ((word >> shift) & 0x1ff) as f32 * scale);
+    [r, g, b, 1.0]
 }
 
 /// Encodes with the smallest exponent that fits the largest channel [Vulkan13, "RGB to Shared
@@ -232,18 +277,65 @@ fn to_eleven_eleven_ten([r, g, b, _]: [f32; 4], bytes: &mut [u8]) {
     bytes.copy_from_slice(&(bits(r, 4) | bits(g, 4) << 11 | bits(b, 5) << 22).to_le_bytes());
 }
 
+/// Exponent of a display's gamma in RGBD.
+const GAMMA: f32 = 2.2;
+/// Largest root in RGBP.
+const ROOT_MAX: f32 = 8.0;
+
+fn unorm(bytes: &[u8]) -> [f32; 4] {
+    std::array::from_fn(|i| f32::from(bytes[i]) / 255.0)
+}
+
+fn to_unorm(value: f32) -> u8 {
+    (255.0 * value.clamp(0.0, 1.0)).round() as u8
+}
+
+fn rgbd(bytes: &[u8]) -> [f32; 4] {
+    let [r, g, b, divisor] = unorm(bytes);
+    let divisor = divisor.max(1.0 / 255.0);
+    let [r, g, b] = [r, g, b].map(|signal| signal.powf(GAMMA) / divisor);
+    [r, g, b, 1.0]
+}
+
+/// The divisor is floored to a byte [Babylon.js 9.35.0, `helperFunctions.fx`, `toRGBD`].
+fn to_rgbd([r, g, b, _]: [f32; 4], bytes: &mut [u8]) {
+    let largest = r.max(g).max(b).max(f32::MIN_POSITIVE);
+    let divisor = (255.0 / largest).floor().clamp(1.0, 255.0) / 255.0;
+    let signals = [r, g, b].map(|value| to_unorm((value * divisor).powf(1.0 / GAMMA)));
+    bytes[..3].copy_from_slice(&signals);
+    bytes[3] = to_unorm(divisor);
+}
+
+fn rgbp(bytes: &[u8]) -> [f32; 4] {
+    let [r, g, b, scale] = unorm(bytes);
+    let factor = ROOT_MAX - (ROOT_MAX - 1.0) * scale;
+    let [r, g, b] = [r, g, b].map(|root| (root * factor).powi(2));
+    [r, g, b, 1.0]
+}
+
+/// The scale is rounded down to a byte, so that the largest root fits.
+fn to_rgbp([r, g, b, _]: [f32; 4], bytes: &mut [u8]) {
+    let roots = [r, g, b].map(f32::sqrt);
+    let largest = roots.into_iter().fold(1.0, f32::max).min(ROOT_MAX);
+    let scale = (255.0 * (1.0 - (largest - 1.0) / (ROOT_MAX - 1.0))).floor() / 255.0;
+    let factor = ROOT_MAX - (ROOT_MAX - 1.0) * scale;
+    bytes[..3].copy_from_slice(&roots.map(|root| to_unorm(root / factor)));
+    bytes[3] = to_unorm(scale);
+}
+
 /// Largest shared-exponent number, and float of 10 bits.
 const SHARED_MAX: f32 = 65408.0;
 const PACKED_MAX: f32 = 64512.0;
 
 /// Decodes unsigned halves with 6 and 5 bits of mantissa [Vulkan13, "Unsigned 11-Bit Floating-Point
 /// Numbers"].
-fn eleven_eleven_ten(bytes: &[u8]) -> [f32; 3] {
+fn eleven_eleven_ten(bytes: &[u8]) -> [f32; 4] {
     let word = word(bytes);
     let half = |bits: u32| f16::from_bits(bits as u16).to_f32();
     [
         half((word & 0x7ff) << 4),
         half(((word >> 11) & 0x7ff) << 4),
         half((word >> 22) << 5),
+        1.0,
     ]
 }

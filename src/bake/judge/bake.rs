@@ -1,13 +1,16 @@
 //! Judges a whole bake: every part against its integral.
 
+use super::blurred_chain;
 use super::chain::{self, Chain};
-use super::doubt::{AxesDoubt, Doubt, MapPart, RankedAxes, Warning};
+use super::doubt::{Arrangement, AxesDoubt, Doubt, MapPart, RankedAxes, Warning, turned_back};
+use super::faces::FaceTurn;
 use super::guess::{self, AxesFit};
 use super::level::{self, LevelScore};
 use super::sh::{self, ShScore};
 use super::table::{self, TableScore};
 use super::verdict::{Part, PartVerdict, Verdict};
 use super::{Cause, EXPLAINED, GOOD, Truth};
+use crate::bake::container::FACE_COUNT;
 use crate::bake::convention::{Axes, Convention, PRESETS, Preset};
 use crate::bake::parts::{Bake, Map, Stated, TexelOrder};
 use crate::base::names::Listed;
@@ -29,8 +32,8 @@ pub struct Judged {
     pub convention: Convention,
     /// The axes of each map: of the prefiltered map first.
     pub axes: Vec<RankedAxes>,
-    /// How the file orders its texels, if that explains why the light does not fit.
-    pub order: Option<TexelOrder>,
+    /// How the file arranges its texels, if that explains why the light does not fit.
+    pub arrangement: Option<Arrangement>,
     /// Finest level first.
     pub levels: Vec<LevelScore>,
     /// The chain that the widths of all levels have, unless it is the assumed one.
@@ -96,44 +99,60 @@ impl Judging {
         let mut truth = Truth::judging(environment, kernel, &alphas);
         doing("comparing the axes");
         let mut axes = Vec::new();
-        let mut order = None;
+        let mut arrangement = None;
         if let Some(map) = &bake.specular {
             let fits = guess::axes(&truth, map, convention)?;
             truth.is_other = fits[0].correlation < guess::SAME_LIGHT;
             if truth.is_other {
-                order = fitting_order(&truth, map, convention);
+                arrangement = fitting_arrangement(&truth, map, convention);
             }
             axes.push(RankedAxes {
                 map: MapPart::Prefiltered,
-                fits,
+                ranking: fits,
             });
         }
         if let Some(map) = &bake.irradiance {
             axes.push(RankedAxes {
                 map: MapPart::Irradiance,
-                fits: guess::irradiance_axes(&truth, map),
+                ranking: guess::irradiance_axes(&truth, map),
             });
         }
         doing("scoring levels");
         let judged = scored(&truth, self.brdf, bake, convention.clone())?;
         let mut judged = Judged {
             axes,
-            order,
+            arrangement,
             ..judged
         };
+        // The slips of a level look for the light of another map no longer.
+        truth.is_other &= arrangement.is_none();
         judged.fix_convention(&truth, self.brdf, bake, &doing)?;
         Ok(judged)
     }
 }
 
-/// Finds the order of the file's texels in which the light fits.
-fn fitting_order(truth: &Truth, map: &Map, convention: &Convention) -> Option<TexelOrder> {
-    let is_sure = |map: &Map| {
-        guess::axes(truth, map, convention).is_ok_and(|fits| fits[0].correlation >= guess::SURE)
+/// Finds the order of the file's texels, or the turn of every face, in which the light fits.
+fn fitting_arrangement(truth: &Truth, map: &Map, convention: &Convention) -> Option<Arrangement> {
+    let sure_fit = |map: &Map| {
+        let fits = guess::axes(truth, map, convention).ok()?;
+        (fits[0].correlation >= guess::SURE).then_some(fits[0])
     };
-    TexelOrder::ALL
+    let order = TexelOrder::ALL
         .into_iter()
-        .find(|order| is_sure(&map.reordered(*order)))
+        .find(|order| sure_fit(&map.reordered(*order)).is_some());
+    if let Some(order) = order {
+        return Some(Arrangement::Order(order));
+    }
+    if map.layout.face_count as usize != FACE_COUNT {
+        return None;
+    }
+    // Rows from the bottom are the usual case.
+    std::iter::once(FaceTurn::FlippedTopBottom)
+        .chain(FaceTurn::ALL)
+        .find_map(|turn| {
+            let best = sure_fit(&turned_back(map, turn))?;
+            Some(Arrangement::TurnedFaces { turn, best })
+        })
 }
 
 fn scored(
@@ -146,8 +165,12 @@ fn scored(
         Some(map) => level::score(truth, map, &convention)?,
         None => Vec::new(),
     };
+    let blurred_chain = || {
+        let map = bake.specular.as_ref()?;
+        blurred_chain::slip(truth, map, &convention, &levels)
+    };
     Ok(Judged {
-        chain: chain::slip(&convention, &levels),
+        chain: chain::slip(&convention, &levels).or_else(blurred_chain),
         irradiance: bake
             .irradiance
             .as_ref()
@@ -163,7 +186,7 @@ fn scored(
         fixed: None,
         convention,
         axes: Vec::new(),
-        order: None,
+        arrangement: None,
         levels,
     })
 }
@@ -179,15 +202,27 @@ impl Judged {
     ) -> Result<(), String> {
         let doubt = self.first_doubt();
         let convention = self.fixed_convention(doubt.as_ref());
-        if convention.axes != self.convention.axes || convention.alphas != self.convention.alphas {
+        let arranged = self.arrangement.zip(bake.specular.as_ref());
+        let arranged = arranged.map(|(arrangement, map)| Bake {
+            specular: Some(arrangement.undone(map)),
+            ..bake.clone()
+        });
+        let bake = arranged.as_ref().unwrap_or(bake);
+        let is_changed = convention.axes != self.convention.axes
+            || convention.alphas != self.convention.alphas
+            || arranged.is_some();
+        if is_changed {
             doing("looking for further slips");
             let mut fixed = scored(truth, brdf, bake, convention)?;
-            if doubt.is_some() && self.is_simpler_than(&fixed) {
+            if arranged.is_none() && doubt.is_some() && self.is_simpler_than(&fixed) {
                 let used = self.convention.axes;
-                self.axes[0].fits.retain(|fit| fit.axes == used);
+                self.axes[0].ranking.retain(|fit| fit.axes == used);
                 return self.fix_convention(truth, brdf, bake, doing);
             }
             fixed.axes.clone_from(&self.axes);
+            if let Some(map) = arranged.as_ref().and_then(|bake| bake.specular.as_ref()) {
+                fixed.axes[0].ranking = guess::axes(truth, map, &fixed.convention)?;
+            }
             // A part that is good needs no fix.
             if self
                 .irradiance
@@ -256,7 +291,7 @@ impl Judged {
 
     /// Describes why the axes or the light of a map seem wrong, if they do.
     pub fn doubt(&self, ranked: &RankedAxes) -> Option<Doubt> {
-        let fits = &ranked.fits;
+        let fits = &ranked.ranking;
         let best = fits[0];
         // A good level proves the light, as does one that a slip explains. With a constant light
         // nothing correlates.
@@ -269,9 +304,20 @@ impl Judged {
         let is_sure = best.correlation >= guess::SURE;
         let is_same_light =
             best.correlation >= guess::SAME_LIGHT && (is_sure || alike.len() < guess::ALIKE_MAX);
-        let is_reordered = self.order.is_some() && ranked.map != MapPart::Irradiance;
-        if is_wrong && !is_same_light || is_reordered {
-            return Some(self.order.map_or(Doubt::OtherLight(best), Doubt::Order));
+        let arrangement = self
+            .arrangement
+            .filter(|_| ranked.map != MapPart::Irradiance);
+        match arrangement {
+            Some(Arrangement::Order(order)) => return Some(Doubt::Order(order)),
+            Some(Arrangement::TurnedFaces { turn, best }) => {
+                return Some(Doubt::TurnedFaces {
+                    turn,
+                    best,
+                    has_other_axes: best.axes != self.convention.axes,
+                });
+            }
+            None if is_wrong && !is_same_light => return Some(Doubt::OtherLight(best)),
+            None => {}
         }
         let used = *fits.iter().find(|fit| fit.axes == self.convention.axes)?;
         let is_explained = !is_sure
@@ -369,7 +415,7 @@ impl Judged {
                 Cause::Doubt(_) => Part::Map(self.axes[0].map),
                 _ => Part::Widths,
             };
-            parts.push(part(whole, Verdict::of(vec![cause])));
+            parts.push(part(whole, Verdict::from_causes(vec![cause])));
         }
         for mut part in fixed.parts() {
             // Axes and widths have no effect on a table.

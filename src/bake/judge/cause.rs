@@ -6,6 +6,7 @@ use super::faces::FaceSlip;
 use super::fit::Gain;
 use super::light::SourceSlip;
 use super::lobe::Lobe;
+use super::negative::NegativeTexels;
 use super::table_slip::TableSlip;
 use super::texel::{ChannelCopy, ChannelOrder, ColorConversion, Curve, Packing, Rgbm, Tone};
 use crate::bake::convention::Axes;
@@ -19,6 +20,8 @@ pub enum Cause {
     /// The axes or the light of the whole bake.
     Doubt(Doubt),
     Chain(ChainSlip),
+    /// A level that is good otherwise has texels far below 0.
+    Negative(NegativeTexels),
     /// Every texel of the level is black.
     Black,
     BlackFaces(Vec<usize>),
@@ -45,6 +48,14 @@ pub enum Cause {
     /// Filtered from the level before it by its whole width.
     BlursAddUp,
     Mips(Mips),
+    /// Samples read mips these many levels too blurred, if there are 1024.
+    CoarseMips {
+        levels: f64,
+    },
+    /// Each face of a cube is filtered without its neighbours.
+    FacesAlone,
+    /// Every texel has one value.
+    Flat,
     Grid(TexelGrid),
     Sh(ShSlip),
     Table(TableSlip),
@@ -95,6 +106,13 @@ pub enum WidthLaw {
     NotSquared,
     /// The mapping covers levels that the engine does not read.
     EveryLevel,
+    /// Roughness is k/n in a chain that is read at k/(n - 1).
+    OverCount,
+    /// Roughness is k/(n - 1/2) in a chain that is read at k/(n - 1): 2k/11 of six levels, as of
+    /// PlayCanvas 2.23.
+    OverHalfCount,
+    /// A factor on the roughness of every level.
+    RoughnessTimes(f64),
 }
 
 /// A level of another width.
@@ -187,6 +205,8 @@ pub enum Mips {
     OfEnvironment,
     /// One lookup of the environment a texel.
     OneLookup,
+    /// One lookup a texel, of the pixel whose index is rounded: half a pixel off.
+    OneLookupRounded,
 }
 
 /// A slip of SH that maps cannot have.
@@ -235,6 +255,34 @@ impl Cause {
     /// Whether it names black texels.
     pub fn is_black(&self) -> bool {
         matches!(self, Self::Black | Self::BlackFaces(_))
+    }
+
+    /// Whether it only moves or spreads light, which keeps the mean of a level.
+    pub fn keeps_mean(&self) -> bool {
+        matches!(
+            self,
+            Self::Faces(_)
+                | Self::Width(_)
+                | Self::Turn(_)
+                | Self::Weight(_)
+                | Self::Model(_)
+                | Self::Lobe(_)
+                | Self::BlursAddUp
+                | Self::Mips(Mips::OfEnvironment)
+                | Self::CoarseMips { .. }
+                | Self::Grid(_)
+        )
+    }
+
+    /// Whether it names a cut of the level or of its source.
+    pub fn is_cut(&self) -> bool {
+        matches!(
+            self,
+            Self::Cut(_)
+                | Self::Source(
+                    SourceSlip::Cut { .. } | SourceSlip::CutAndCurve(_) | SourceSlip::Level0
+                )
+        )
     }
 
     /// Whether the level seems not to be prefiltered.

@@ -10,6 +10,10 @@ use crate::instrument::precompute::prefilter::{LEVEL_MAPPINGS, LevelMapping};
 /// Largest ratio of a fitted width and a level's.
 const SAME: f64 = 1.06;
 const MISSING_MAX: usize = 8;
+/// Fewest known levels whose widths prove a factor.
+const KNOWN_MIN: usize = 3;
+/// The mapping k/(n - 1).
+const LINEAR: &str = "linear";
 
 const LAWS: [WidthLaw; 5] = [
     WidthLaw::NextLevel,
@@ -26,13 +30,25 @@ pub struct Chain {
     pub alphas: Vec<f64>,
 }
 
+impl Chain {
+    pub fn of_law(law: WidthLaw, alphas: Vec<f64>) -> Self {
+        Self {
+            slip: ChainSlip::Law {
+                law,
+                alphas: alphas.clone(),
+            },
+            alphas,
+        }
+    }
+}
+
 /// Finds the chain whose levels have the fitted widths; `None` if it is the assumed one, if no
 /// known one fits, or if the widths are given.
 pub fn slip(convention: &Convention, scores: &[LevelScore]) -> Option<Chain> {
     // A chain explains every level, or none.
     let is_unexplained =
         |score: &LevelScore| score.alpha >= fit::ALPHA_MIN && score.has(Cause::is_unknown);
-    if convention.alphas.is_some() || scores.iter().any(is_unexplained) {
+    if !convention.has_mapping() || scores.iter().any(is_unexplained) {
         return None;
     }
     let levels = Levels::new(convention, scores);
@@ -41,6 +57,11 @@ pub fn slip(convention: &Convention, scores: &[LevelScore]) -> Option<Chain> {
         return None;
     }
     levels.mapping_slip().or_else(|| levels.law())
+}
+
+/// Whether the engine reads level k at roughness k/(n - 1).
+pub fn is_linear(convention: &Convention) -> bool {
+    convention.has_mapping() && convention.mapping.name == LINEAR
 }
 
 /// A level whose width is known.
@@ -130,6 +151,13 @@ impl<'a> Levels<'a> {
         if is_assumed && missing == 0 {
             return None;
         }
+        let alphas: Vec<f64> = (0..self.assumed.len())
+            .map(|level| mapped(mapping, level_count, first + level))
+            .collect();
+        // The widths of a chain without its last level, but a slip that is far more usual.
+        if mapping.name == LINEAR && missing == 1 && first == 0 {
+            return Some(Chain::of_law(WidthLaw::OverCount, alphas));
+        }
         Some(Chain {
             slip: ChainSlip::Mapping(MappingSlip {
                 mapping: (!is_assumed).then_some(mapping),
@@ -137,9 +165,7 @@ impl<'a> Levels<'a> {
                 last_missing: missing - first,
                 level_count,
             }),
-            alphas: (0..self.assumed.len())
-                .map(|level| mapped(mapping, level_count, first + level))
-                .collect(),
+            alphas,
         })
     }
 
@@ -148,34 +174,46 @@ impl<'a> Levels<'a> {
         if self.known.len() < 2 {
             return None;
         }
-        let law = LAWS
-            .into_iter()
-            .find(|law| self.have(|level| self.alpha_by(*law, level)))?;
-        let alphas: Vec<f64> = (0..self.assumed.len())
-            .map(|level| self.alpha_by(law, level))
-            .collect();
-        Some(Chain {
-            slip: ChainSlip::Law {
-                law,
-                alphas: alphas.clone(),
-            },
-            alphas,
-        })
+        LAWS.into_iter()
+            .chain(is_linear(self.convention).then_some(WidthLaw::OverHalfCount))
+            .chain(self.roughness_times())
+            .map(|law| Chain::of_law(law, alphas_by(law, self.convention, &self.assumed)))
+            .find(|chain| self.have(|level| chain.alphas[level]))
     }
 
-    fn alpha_by(&self, law: WidthLaw, level: usize) -> f64 {
-        let count = self.assumed.len();
-        match law {
-            WidthLaw::NextLevel => self.assumed[(level + 1).min(count - 1)],
-            WidthLaw::LevelBefore => self.assumed[level.saturating_sub(1)],
-            WidthLaw::SquaredTwice => self.assumed[level].powi(2),
-            WidthLaw::NotSquared => self.assumed[level].sqrt(),
-            WidthLaw::EveryLevel => {
-                let mapping = self.convention.mapping;
-                mapping.alpha_from_mip(level as f64, count as u32)
-            }
+    /// Returns the factor on roughness of the middle known level.
+    fn roughness_times(&self) -> Option<WidthLaw> {
+        if self.known.len() < KNOWN_MIN {
+            return None;
         }
+        let mut factors: Vec<f64> = self
+            .known
+            .iter()
+            .map(|known| (known.alpha / self.assumed[known.level]).sqrt())
+            .collect();
+        factors.sort_by(f64::total_cmp);
+        Some(WidthLaw::RoughnessTimes(factors[factors.len() / 2]))
     }
+}
+
+/// Returns the width of each level by a law, from the assumed widths.
+pub fn alphas_by(law: WidthLaw, convention: &Convention, assumed: &[f64]) -> Vec<f64> {
+    let count = assumed.len();
+    let linear = |level: usize, last: f64| (level as f64 / last).powi(2);
+    let alpha = |level: usize| match law {
+        WidthLaw::NextLevel => assumed[(level + 1).min(count - 1)],
+        WidthLaw::LevelBefore => assumed[level.saturating_sub(1)],
+        WidthLaw::SquaredTwice => assumed[level].powi(2),
+        WidthLaw::NotSquared => assumed[level].sqrt(),
+        WidthLaw::OverCount => linear(level, count as f64),
+        WidthLaw::OverHalfCount => linear(level, count as f64 - 0.5),
+        WidthLaw::RoughnessTimes(factor) => assumed[level] * factor * factor,
+        WidthLaw::EveryLevel => {
+            let mapping = convention.mapping;
+            mapping.alpha_from_mip(level as f64, count as u32)
+        }
+    };
+    (0..count).map(alpha).collect()
 }
 
 /// Returns the width of a level in a chain of `level_count` levels.

@@ -45,14 +45,6 @@ impl Clause {
         self.path[0].insert_str(0, words);
         self
     }
-
-    /// Returns the clause without its last detail.
-    pub fn without_detail(mut self) -> Self {
-        if self.path.len() > 1 {
-            self.path.pop();
-        }
-        self
-    }
 }
 
 impl fmt::Display for Clause {

@@ -15,7 +15,7 @@ pub struct Directions {
     indices: Vec<usize>,
     pub(super) layout: &'static MapLayout,
     pub(super) axes: Axes,
-    pub(super) size: [u32; 2],
+    pub(in crate::bake) size: [u32; 2],
     grid: TexelGrid,
 }
 
@@ -29,8 +29,34 @@ pub enum TexelGrid {
     Corners,
     /// `(i + 1)/n`
     FarCorners,
+    /// Columns at `i/n`, rows at `(j + 1)/n`
+    NearFarCorners,
+    /// Columns at `(i + 1)/n`, rows at `j/n`
+    FarNearCorners,
     /// `i/(n - 1)`
     EdgeToEdge,
+}
+
+impl TexelGrid {
+    /// The grids of texels at a corner.
+    pub const CORNERS: [Self; 4] = [
+        Self::Corners,
+        Self::FarCorners,
+        Self::NearFarCorners,
+        Self::FarNearCorners,
+    ];
+
+    /// Returns how far a texel lies from its centre, texels; 0 from edge to edge, where texels
+    /// differ.
+    pub fn shift(self) -> DVec2 {
+        match self {
+            Self::Centres | Self::EdgeToEdge => DVec2::ZERO,
+            Self::Corners => DVec2::new(-0.5, -0.5),
+            Self::FarCorners => DVec2::new(0.5, 0.5),
+            Self::NearFarCorners => DVec2::new(-0.5, 0.5),
+            Self::FarNearCorners => DVec2::new(0.5, -0.5),
+        }
+    }
 }
 
 impl Directions {
@@ -82,6 +108,18 @@ impl Directions {
             index % width,
             index / width % height,
         ]
+    }
+
+    /// Averages texels over the sphere.
+    pub fn mean(&self, texels: &[DVec3]) -> DVec3 {
+        let terms = self.weights.iter().zip(texels);
+        let sum: DVec3 = terms.map(|(weight, texel)| *weight * *texel).sum();
+        sum / self.weights.iter().sum::<f64>()
+    }
+
+    /// Returns face, column and row of one of these texels in the whole level.
+    pub fn texel_of(&self, index: usize) -> [usize; 3] {
+        self.texel(self.indices[index])
     }
 
     /// Averages a function over `n` x `n` points of each texel.
@@ -150,10 +188,8 @@ fn file_direction(
     let texels = corner + point;
     let size = DVec2::new(width.into(), height.into());
     let uv = match grid {
-        TexelGrid::Centres => texels / size,
-        TexelGrid::Corners => (texels - 0.5) / size,
-        TexelGrid::FarCorners => (texels + 0.5) / size,
         TexelGrid::EdgeToEdge => (texels - 0.5) / (size - 1.0),
+        _ => (texels + grid.shift()) / size,
     };
     (layout.direction)(face as u32, uv)
 }

@@ -44,6 +44,20 @@ impl fmt::Display for Doubt {
 pub fn doubt_clauses(doubt: &Doubt) -> Vec<Clause> {
     match doubt {
         Doubt::Order(order) => order_clauses(*order),
+        Doubt::TurnedFaces {
+            turn,
+            best,
+            has_other_axes,
+        } => {
+            let text = format!("every face is {turn}");
+            let axes = || {
+                let axes = best.axes;
+                Clause::detailed(format!("axes {axes} fit then"), format!("--axes={axes}"))
+            };
+            std::iter::once(Clause::new(text))
+                .chain(has_other_axes.then(axes))
+                .collect()
+        }
         Doubt::OtherLight(best) => vec![Clause::detailed(
             "seems to be a bake of another map",
             format!(
@@ -104,13 +118,7 @@ pub fn chain_clauses(slip: &ChainSlip) -> Vec<Clause> {
     match slip {
         ChainSlip::Mapping(slip) => mapping_clauses(*slip),
         ChainSlip::Law { law, alphas } => {
-            let text = match law {
-                WidthLaw::NextLevel => "each level has the width of the next one",
-                WidthLaw::LevelBefore => "each level has the width of the one before it",
-                WidthLaw::SquaredTwice => "roughness is squared twice",
-                WidthLaw::NotSquared => "roughness is not squared",
-                WidthLaw::EveryLevel => "the mapping covers every level of the file",
-            };
+            let text = law_words(*law);
             let alphas: Vec<String> = alphas.iter().map(|alpha| format!("{alpha:.4}")).collect();
             vec![Clause::detailed(
                 text,
@@ -118,6 +126,24 @@ pub fn chain_clauses(slip: &ChainSlip) -> Vec<Clause> {
             )]
         }
     }
+}
+
+fn law_words(law: WidthLaw) -> String {
+    let text = match law {
+        WidthLaw::NextLevel => "each level has the width of the next one",
+        WidthLaw::LevelBefore => "each level has the width of the one before it",
+        WidthLaw::SquaredTwice => "roughness is squared twice",
+        WidthLaw::NotSquared => "roughness is not squared",
+        WidthLaw::EveryLevel => "the mapping covers every level of the file",
+        WidthLaw::OverCount => "level k is made for roughness k/n, and read at k/(n - 1)",
+        WidthLaw::OverHalfCount => {
+            "level k is made for roughness k/(n - 1/2), and read at k/(n - 1)"
+        }
+        WidthLaw::RoughnessTimes(factor) => {
+            return format!("each level is made for {factor:.2} times its roughness");
+        }
+    };
+    text.to_owned()
 }
 
 fn mapping_clauses(slip: MappingSlip) -> Vec<Clause> {

@@ -4,6 +4,7 @@ use super::directions::Directions;
 use super::{EXPLAINED, Truth, relative_square};
 use crate::bake::container::FACE_COUNT;
 use crate::bake::convention::Axes;
+use crate::base::pixels::RgbImage;
 use glam::DVec3;
 
 /// A turn or mirror image of a face.
@@ -31,6 +32,19 @@ impl FaceTurn {
         Self::Transposed,
         Self::AntiTransposed,
     ];
+
+    /// Returns a square face as it was before the turn.
+    pub fn undone(self, face: &RgbImage) -> RgbImage {
+        let mut right = face.clone();
+        let last = face.width as usize - 1;
+        for y in 0..=last {
+            for x in 0..=last {
+                let [column, row] = self.source(x, y, last);
+                right.data[row * (last + 1) + column] = face.data[y * (last + 1) + x];
+            }
+        }
+        right
+    }
 
     /// Returns column and row in the right face of the texel at (x, y) of the turned one.
     fn source(self, x: usize, y: usize, last: usize) -> [usize; 2] {

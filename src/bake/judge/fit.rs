@@ -8,6 +8,8 @@ use std::f64::consts::PI;
 
 /// Tries lobes narrower and wider by this factor.
 const REACH: f64 = 5.0;
+/// Of levels wider than the BRDF's, lobes are tried up to this factor.
+const BEYOND: f64 = 1.5;
 const DIRECTIONS: usize = 600;
 /// Largest degree of the harmonics of a fit.
 pub const DEGREE_MAX: usize = 320;
@@ -75,7 +77,8 @@ pub fn fit(
     let high = if is_narrow(alpha) {
         1.0
     } else {
-        (alpha * REACH).min(1.0)
+        let widest = if alpha > 1.0 { BEYOND * alpha } else { 1.0 };
+        (alpha * REACH).min(widest)
     };
     let low = (alpha / REACH).max(ALPHA_MIN);
     let widths = (0..=GRID).map(|k| low * (high / low).powf(f64::from(k) / f64::from(GRID)));

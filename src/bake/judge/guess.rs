@@ -93,7 +93,7 @@ fn directions() -> Directions {
 fn ranked(truth: &Truth, map: &Map, level: usize, light: &[DVec3]) -> Vec<AxesFit> {
     let directions = directions();
     let texel_along = |direction: DVec3| {
-        let (face, uv) = (LAYOUTS[0].place)(direction);
+        let (face, uv) = (LAYOUTS[0].face_uv)(direction);
         let [x, y] = (uv * f64::from(SIDE))
             .to_array()
             .map(|texel| (texel as u32).min(SIDE - 1));

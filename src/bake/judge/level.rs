@@ -1,14 +1,14 @@
 //! The score of a level: errors, the worst direction, and a likely cause.
 
-use super::cause::{CutSlip, Mips, Scale, ScaleFlag, Unknown, WidthSlip};
+use super::cause::{Mips, Scale, ScaleFlag, Unknown, WidthSlip};
 use super::directions::{Directions, texels};
 use super::exact::{exact, finer};
 use super::faces::BlackFaces;
 use super::fit::{self, Fit, KnownFactor, picked};
 use super::light::{self, OtherLights};
+use super::negative::NegativeTexels;
 use super::sample::{self, Level};
 use super::slip::Slip;
-use super::texel::Cut;
 use super::verdict::{Quality, Verdict};
 use super::{Cause, Errors, GOOD, Truth, errors, has_width, relative_square};
 use crate::bake::convention::{Axes, Convention};
@@ -20,7 +20,7 @@ use rayon::prelude::*;
 use std::cell::LazyCell;
 
 /// Largest bias of a good level: a few bright texels carry much of the light, and little of relMSE.
-const GOOD_BIAS: f64 = 0.03;
+pub const GOOD_BIAS: f64 = 0.03;
 /// Smallest shift in levels that a verdict mentions.
 const SHIFT: f64 = 0.05;
 /// Ratios of widths that a verdict mentions, if it is not a shift in levels.
@@ -51,6 +51,7 @@ pub struct LevelScore {
     /// not read and irradiance.
     pub between: Option<f64>,
     pub worst: Worst,
+    pub negative: Option<NegativeTexels>,
     /// Set if relMSE is above [`GOOD`].
     pub fit: Option<Fit>,
     /// Slip that explains the error, if the fit does not.
@@ -75,7 +76,7 @@ impl Sheet {
     }
 
     fn mean(&self) -> DVec3 {
-        mean(&self.directions, &self.found)
+        self.directions.mean(&self.found)
     }
 }
 
@@ -88,10 +89,13 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
         .collect();
     let changed = LazyCell::new(|| changed_sources(truth, &sheets, &alphas));
     let summed = LazyCell::new(|| light::summed(truth.environment));
-    let lights = OtherLights::new(truth, &alphas, &changed, &summed);
+    let level_0 = LazyCell::new(|| {
+        light::of_level_0(truth.environment, map.layout, &map.levels[0], convention)
+    });
+    let lights = OtherLights::new(truth, &alphas, &changed, &summed, &level_0);
     // Of a map of another light, one unexplained level ends the long searches.
     let mut is_lost = false;
-    let mut scores = Vec::new();
+    let mut scores: Vec<LevelScore> = Vec::new();
     for (k, sheet) in sheets.iter().enumerate() {
         let faces = &map.levels[k];
         let alpha = alphas[k];
@@ -107,11 +111,14 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
                 flag: ScaleFlag::Radiance,
                 value: convention.scale,
             },
+            mean_ratio: 1.0,
+            proven_cut: None,
+            may_inherit: scores.first().is_some_and(LevelScore::hands_on),
             is_lost,
         };
         let mut score = level.score(true, |alpha| level_of(convention, alphas.len(), alpha));
         if k > 0 && score.errors.relmse > GOOD && is_mip(&map.levels[k - 1], faces) {
-            score.verdict = Verdict::of(vec![Cause::Mips(Mips::OfLevelBefore)]);
+            score.verdict = Verdict::from_causes(vec![Cause::Mips(Mips::OfLevelBefore)]);
         }
         is_lost |= truth.is_other && has_width(alpha) && !score.is_explained();
         if k < read_count && has_width(alpha) {
@@ -163,16 +170,6 @@ fn is_mip_face(above: &RgbImage, face: &RgbImage) -> bool {
         .all(|(found, mean)| (f64::from(*found) - mean).abs() <= 0.01 * mean.abs() + 1e-4)
 }
 
-fn mean(directions: &Directions, texels: &[DVec3]) -> DVec3 {
-    let sum: DVec3 = directions
-        .weights
-        .iter()
-        .zip(texels)
-        .map(|(weight, texel)| *weight * *texel)
-        .sum();
-    sum / directions.weights.iter().sum::<f64>()
-}
-
 impl Level<'_, '_> {
     /// Scores the level, and names its slips if it is not good. Irradiance has no width to fit.
     fn score(&self, may_fit: bool, level_of: impl Fn(f64) -> Option<f64>) -> LevelScore {
@@ -182,12 +179,27 @@ impl Level<'_, '_> {
             alpha: self.alpha,
             errors,
             worst: self.worst(&exact),
+            negative: NegativeTexels::of(self.directions, self.found),
             ..LevelScore::default()
         };
         if errors.relmse > GOOD || errors.relmse.is_nan() {
             self.explain(&mut score, &exact, may_fit, level_of);
+            let is_vague = |cause: &Cause| cause.is_unknown() || *cause == Cause::Noise;
+            if let Some(texels) = score.negative.filter(|texels| texels.is_large)
+                && score.has(is_vague)
+            {
+                let causes = score.verdict.causes().iter().cloned();
+                score.verdict = Verdict::from_causes(
+                    [Cause::Negative(texels)]
+                        .into_iter()
+                        .chain(causes)
+                        .collect(),
+                );
+            }
         } else if errors.bias_rel.abs() > GOOD_BIAS {
-            score.verdict = Verdict::of(vec![self.bias_cause(&exact, errors.bias_rel)]);
+            score.verdict = Verdict::from_causes(vec![self.bias_cause(&exact, errors.bias_rel)]);
+        } else if let Some(texels) = score.negative.filter(|texels| texels.is_large) {
+            score.verdict = Verdict::from_causes(vec![Cause::Negative(texels)]);
         }
         score
     }
@@ -219,29 +231,6 @@ impl Level<'_, '_> {
         (exact, errors)
     }
 
-    /// Names why the mean of a good level is off: a cut of few bright texels, if it is one.
-    fn bias_cause(&self, exact: &[DVec3], bias_rel: f64) -> Cause {
-        let limit = self
-            .found
-            .iter()
-            .map(|texel| texel.max_element())
-            .fold(0.0, f64::max);
-        let cut: Vec<DVec3> = exact
-            .iter()
-            .map(|texel| Cut::EachChannel.apply(*texel, limit))
-            .collect();
-        let found_mean = mean(self.directions, self.found).element_sum();
-        let cut_mean = mean(self.directions, &cut).element_sum();
-        if (found_mean / cut_mean - 1.0).abs() < light::SAME_MEAN {
-            Cause::Cut(CutSlip {
-                limit,
-                bias_rel: Some(bias_rel),
-            })
-        } else {
-            Cause::Unknown(Unknown::Mean { bias_rel })
-        }
-    }
-
     /// Finds black faces, and a fit or slips of the others.
     fn explain(
         &self,
@@ -257,9 +246,15 @@ impl Level<'_, '_> {
             ..*self
         };
         let exact = picked(exact, &black.other_texels);
-        let relmse = rest.errors(&exact).relmse;
+        let Errors { relmse, bias_rel } = rest.errors(&exact);
+        let rest = Level {
+            mean_ratio: 1.0 + bias_rel,
+            proven_cut: rest.proven_cut(&exact, bias_rel),
+            ..rest
+        };
         let is_narrow = fit::is_narrow(self.alpha);
-        let may_fit = may_fit && relmse > GOOD;
+        // The width of a fit would explain a cut.
+        let may_fit = may_fit && relmse > GOOD && rest.proven_cut.is_none();
         if may_fit && !is_narrow {
             score.fit = rest.fit(&exact);
         }
@@ -279,6 +274,12 @@ impl Level<'_, '_> {
         let causes = match (&score.slip, score.fit) {
             (Some(slip), _) => slip.causes.clone(),
             (None, Some(fit)) if fit.explains(relmse) => rest.fit_causes(fit, level_of),
+            _ if rest.proven_cut.is_some() => rest
+                .proven_cut
+                .map(Cause::Cut)
+                .into_iter()
+                .chain([Cause::Unknown(Unknown::NoSlip)])
+                .collect(),
             _ if rest.is_noisy(&exact) => vec![Cause::Noise],
             _ => vec![Cause::Unknown(Unknown::NoSlip)],
         };
@@ -287,7 +288,7 @@ impl Level<'_, '_> {
         if let Some(slip) = &mut score.slip {
             slip.causes.clone_from(&causes);
         }
-        score.verdict = Verdict::of(causes);
+        score.verdict = Verdict::from_causes(causes);
     }
 
     fn fit(&self, exact: &[DVec3]) -> Option<Fit> {
@@ -330,7 +331,8 @@ impl Level<'_, '_> {
             alpha: self.alpha,
             shift,
         }));
-        let has_gain = (fit.gain - 1.0).abs() >= GAIN_APART;
+        // A convolution keeps the mean, so the mean shows whether there is a gain.
+        let has_gain = (fit.gain - 1.0).abs() >= GAIN_APART && self.has_mean(fit.gain);
         let gain = has_gain.then(|| self.gain_cause(fit.gain));
         if width.is_none() && gain.is_none() {
             return vec![Cause::SlightlyOff];
@@ -389,10 +391,11 @@ pub fn score_irradiance(truth: &Truth, map: &Map, convention: &Convention) -> Le
         light::sources(truth.environment, sheet.mean(), &gains)
     });
     let summed = LazyCell::new(|| light::summed(truth.environment));
+    let level_0 = LazyCell::new(Vec::new);
     let level = Level {
         truth,
         kernel,
-        lights: &OtherLights::new(truth, &[], &changed, &summed),
+        lights: &OtherLights::new(truth, &[], &changed, &summed, &level_0),
         directions: &sheet.directions,
         found: &sheet.found,
         alpha,
@@ -401,6 +404,9 @@ pub fn score_irradiance(truth: &Truth, map: &Map, convention: &Convention) -> Le
             flag: ScaleFlag::Irradiance,
             value: convention.irradiance_scale,
         },
+        mean_ratio: 1.0,
+        proven_cut: None,
+        may_inherit: false,
         is_lost: false,
     };
     level.score(false, |_| None)
@@ -409,7 +415,7 @@ pub fn score_irradiance(truth: &Truth, map: &Map, convention: &Convention) -> Le
 /// Returns the fractional level of a width by the convention's mapping; `None` if widths are given
 /// one by one.
 fn level_of(convention: &Convention, count: usize, alpha: f64) -> Option<f64> {
-    let has_mapping = convention.alphas.is_none() && count > 1;
+    let has_mapping = convention.has_mapping() && count > 1;
     has_mapping.then(|| {
         convention
             .mapping
@@ -450,6 +456,20 @@ impl LevelScore {
             || self.has(Cause::is_black) && !self.has(Cause::is_unknown)
     }
 
+    /// Whether levels that are filtered from this one inherit a slip of its texels. The light of
+    /// another map would explain such levels as well, so the slip must be known.
+    fn hands_on(&self) -> bool {
+        let is_of_texels = |cause: &Cause| {
+            matches!(
+                cause,
+                Cause::Grid(_)
+                    | Cause::Cut(_)
+                    | Cause::Mips(Mips::OneLookup | Mips::OneLookupRounded)
+            )
+        };
+        self.slip.is_some() && self.has(is_of_texels)
+    }
+
     /// Whether the verdict names such a cause.
     pub fn has(&self, is_such: impl Fn(&Cause) -> bool) -> bool {
         self.verdict.causes().iter().any(is_such)
@@ -458,7 +478,7 @@ impl LevelScore {
     /// Removes width and gain from the verdict because the axes or the light do not fit.
     pub fn doubt(&mut self) {
         if !self.is_explained() {
-            self.verdict = Verdict::of(vec![Cause::Unknown(Unknown::Doubt)]);
+            self.verdict = Verdict::from_causes(vec![Cause::Unknown(Unknown::Doubt)]);
         }
     }
 }

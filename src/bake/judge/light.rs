@@ -3,10 +3,13 @@
 
 use super::Truth;
 use super::texel::{Curve, Cut, Tone};
+use crate::bake::convention::Convention;
 use crate::base::color::luminance;
+use crate::base::math::equirect::direction_from_uv;
 use crate::base::pixels::RgbImage;
 use crate::instrument::environment::Environment;
-use glam::DVec3;
+use crate::instrument::environment::layout::{FilteredMap, MapLayout};
+use glam::{DVec2, DVec3};
 use std::cell::LazyCell;
 use std::f64::consts::PI;
 
@@ -18,6 +21,9 @@ pub const UNCUT: f64 = 0.98;
 const ROWS: u32 = 64;
 /// Rows of a map whose mean decides.
 const ROWS_SURE: u32 = 8 * ROWS;
+/// Rows of a lat-long map for each row of a face: a cube has two faces from pole to pole, and
+/// linear lookups between its texels need more.
+const LEVEL_0_ROWS: u32 = 4;
 /// Range of exposures, and the smallest value of a cut.
 const EXPOSURES: [f64; 2] = [1e-3, 1e3];
 
@@ -41,6 +47,8 @@ pub enum SourceSlip {
     WithoutSolidAngle,
     /// Samples are weighted by 1/(1 + luminance).
     DarkWeighted,
+    /// Level 0 of the bake, and what is wrong there.
+    Level0,
 }
 
 /// A half of a lat-long map.
@@ -66,7 +74,7 @@ impl SourceSlip {
                     color
                 }
             }
-            Self::WithoutSolidAngle | Self::DarkWeighted => color,
+            Self::WithoutSolidAngle | Self::DarkWeighted | Self::Level0 => color,
         }
     }
 }
@@ -123,15 +131,22 @@ pub struct OtherLights<'l> {
     pub changed: Lazy<'l, Vec<Lit<'l>>>,
     /// Sources that are sums by other weights.
     pub summed: Lazy<'l, Vec<Lit<'l>>>,
+    /// Level 0 of the bake.
+    pub level_0: Lazy<'l, Vec<Lit<'l>>>,
 }
 
 impl<'l> OtherLights<'l> {
     /// Convolves sources when a level reads them.
-    pub fn new<F: FnOnce() -> Vec<Source>, G: FnOnce() -> Vec<Source>>(
+    pub fn new<
+        F: FnOnce() -> Vec<Source>,
+        G: FnOnce() -> Vec<Source>,
+        H: FnOnce() -> Vec<Source>,
+    >(
         truth: &'l Truth,
         alphas: &'l [f64],
         changed: &'l LazyCell<Vec<Source>, F>,
         summed: &'l LazyCell<Vec<Source>, G>,
+        level_0: &'l LazyCell<Vec<Source>, H>,
     ) -> Self {
         let lit = move |sources: &'l [Source]| -> Vec<Lit<'l>> {
             sources
@@ -142,6 +157,7 @@ impl<'l> OtherLights<'l> {
         Self {
             changed: LazyCell::new(Box::new(move || lit(changed))),
             summed: LazyCell::new(Box::new(move || lit(summed))),
+            level_0: LazyCell::new(Box::new(move || lit(level_0))),
         }
     }
 }
@@ -323,6 +339,29 @@ pub fn summed(environment: &Environment) -> Vec<Source> {
             Some(weights(image, dark)),
         ),
     ]
+}
+
+/// Level 0 of the bake as a light: most bakers filter the other levels from it, with all that is
+/// wrong there.
+pub fn of_level_0(
+    environment: &Environment,
+    layout: &'static MapLayout,
+    faces: &[RgbImage],
+    convention: &Convention,
+) -> Vec<Source> {
+    let texel = |texel: [f32; 3]| convention.scale * DVec3::from_array(texel.map(f64::from));
+    let level = FilteredMap {
+        layout,
+        levels: vec![faces.iter().map(|face| face.map(texel)).collect()],
+    };
+    let rows = (LEVEL_0_ROWS * faces[0].height).clamp(ROWS, ROWS_SURE);
+    let size = DVec2::new((2 * rows).into(), rows.into());
+    let image = RgbImage::from_fn(2 * rows, rows, |x, y| {
+        let uv = (DVec2::new(x.into(), y.into()) + 0.5) / size;
+        let file = convention.axes.to_file(direction_from_uv(uv));
+        level.value(file, 0.0).max(DVec3::ZERO).as_vec3().to_array()
+    });
+    vec![Source::new(environment, SourceSlip::Level0, image, None)]
 }
 
 fn weighted(image: &RgbImage, weight: impl Fn(u32, u32) -> f32) -> RgbImage {

@@ -4,9 +4,11 @@
 //! below 1e-6). Means weight each texel by its solid angle.
 
 mod bake;
+mod blurred_chain;
 mod cause;
 mod chain;
 mod clause;
+mod cut;
 mod directions;
 mod doubt;
 mod doubt_words;
@@ -17,6 +19,8 @@ pub mod guess;
 pub mod level;
 mod light;
 mod lobe;
+mod negative;
+mod other_filters;
 mod sample;
 mod scores;
 pub mod sh;
@@ -27,6 +31,7 @@ mod shader_words;
 pub mod slip;
 mod summary;
 pub mod table;
+mod table_borders;
 mod table_slip;
 mod table_texels;
 mod table_words;
@@ -36,12 +41,17 @@ mod verdict;
 mod words;
 
 pub use bake::{Judged, Judging};
-pub use cause::Cause;
+pub use cause::{Cause, ChainSlip, CutSlip, Mips, Unknown, WidthLaw};
 pub use clause::{Clause, joined};
-pub use directions::{Directions, texels};
+pub use directions::{Directions, TexelGrid, texels};
 pub use doubt::{Doubt, MapPart, RankedAxes, Warning};
+pub use faces::FaceTurn;
 pub use fit::{Fit, Gain};
+pub use level::GOOD_BIAS;
+pub use light::SourceSlip;
+pub use negative::NegativeTexels;
 pub use scores::{Limits, as_json};
+pub use table_slip::{TableFlags, TableSlip, WrongBorders};
 pub use verdict::{Part, PartVerdict, Quality, Verdict};
 
 use crate::base::math::harmonics::{Harmonics, SmoothMap};

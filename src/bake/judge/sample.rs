@@ -1,6 +1,6 @@
 //! The texels of a level that are compared, and what they would be by each slip of the bake.
 
-use super::cause::{Cause, Mips, Scale, Turn, TurnAxis};
+use super::cause::{Cause, CutSlip, Mips, Scale, Turn, TurnAxis};
 use super::directions::{Directions, TexelGrid};
 use super::exact::{exact, mirror};
 use super::light::{Lit, OtherLights};
@@ -42,13 +42,49 @@ pub fn usual_gain(truth: &Truth, directions: &Directions, found: &[DVec3], alpha
     ratios[ratios.len() / 2].max(EXACT_MIN)
 }
 
-/// Returns the pixel of a direction, not interpolated.
-fn nearest(environment: &Environment, world: DVec3) -> DVec3 {
-    let image = &environment.image;
-    let pixel = uv_from_direction(world) * DVec2::new(image.width.into(), image.height.into());
-    let x = pixel.x as u32 % image.width;
-    let y = (pixel.y as u32).min(image.height - 1);
-    DVec3::from_array(image.get(x, y).map(f64::from))
+/// A way to look the environment up once a texel.
+#[derive(Clone, Copy)]
+struct Lookup {
+    mips: Mips,
+    /// Added to the position in pixels before it is floored; `None` to interpolate.
+    shift: Option<DVec2>,
+}
+
+const fn rounded(x: f64, y: f64) -> Lookup {
+    Lookup {
+        mips: Mips::OneLookupRounded,
+        shift: Some(DVec2::new(x, y)),
+    }
+}
+
+/// Rounded rows may be counted from the bottom.
+const LOOKUPS: [Lookup; 6] = [
+    Lookup {
+        mips: Mips::OneLookup,
+        shift: None,
+    },
+    Lookup {
+        mips: Mips::OneLookup,
+        shift: Some(DVec2::ZERO),
+    },
+    rounded(0.5, 0.5),
+    rounded(0.5, -0.5),
+    rounded(-0.5, 0.5),
+    rounded(-0.5, -0.5),
+];
+
+impl Lookup {
+    fn value(self, environment: &Environment, world: DVec3) -> DVec3 {
+        let Some(shift) = self.shift else {
+            return environment.radiance(world);
+        };
+        let image = &environment.image;
+        let size = DVec2::new(image.width.into(), image.height.into());
+        let pixel = (uv_from_direction(world) * size + shift).floor();
+        let x = pixel.x.rem_euclid(size.x) as u32;
+        let y = pixel.y.clamp(0.0, size.y - 1.0) as u32;
+        DVec3::from_array(image.get(x, y).map(f64::from))
+    }
 }
 
 #[derive(Clone, Copy)]
@@ -94,6 +130,12 @@ pub struct Level<'t, 'd> {
     /// Widths of the levels before it.
     pub alphas_before: &'d [f64],
     pub scale: Scale,
+    /// Mean of all texels over the exact mean.
+    pub mean_ratio: f64,
+    /// A cut that texels at one maximum prove.
+    pub proven_cut: Option<CutSlip>,
+    /// Whether it may have been filtered from level 0, where something is wrong.
+    pub may_inherit: bool,
     /// Whether only the first slips are tried.
     pub is_lost: bool,
 }
@@ -106,7 +148,7 @@ pub struct Slipped {
 }
 
 impl Slipped {
-    fn one(cause: Cause, values: Vec<DVec3>) -> Self {
+    pub fn one(cause: Cause, values: Vec<DVec3>) -> Self {
         Self {
             causes: vec![cause],
             values,
@@ -177,7 +219,7 @@ impl<'a, 't> Sample<'a, 't> {
         errors(&self.directions, &self.found, slipped, epsilon, 1.0).relmse
     }
 
-    fn is_irradiance(&self) -> bool {
+    pub fn is_irradiance(&self) -> bool {
         self.level.kernel.brdf.name() != self.level.truth.kernel.brdf.name()
     }
 
@@ -243,18 +285,32 @@ impl<'a, 't> Sample<'a, 't> {
             all.push(Slipped::one(Cause::Mips(Mips::OfEnvironment), plain));
         }
         all.extend(self.added_blurs());
+        all.extend(self.coarse_mips());
+        all.extend(self.faces_alone());
         all
     }
 
-    /// Mirror levels of one lookup a texel, interpolated or nearest.
+    /// Mirror levels of one lookup a texel: interpolated, nearest or rounded, at centres or
+    /// corners.
     fn single_lookups(&self) -> Vec<Slipped> {
         let environment = self.level.truth.environment;
-        let world = &self.directions.world;
-        let linear = world.iter().map(|world| environment.radiance(*world));
-        let nearest = world.iter().map(|world| nearest(environment, *world));
-        [linear.collect(), nearest.collect()]
-            .map(|values| Slipped::one(Cause::Mips(Mips::OneLookup), values))
-            .to_vec()
+        let looked_up = |directions: &Directions, lookup: Lookup| -> Slipped {
+            let world = directions.world.iter();
+            let values = world.map(|world| lookup.value(environment, *world));
+            Slipped::one(Cause::Mips(lookup.mips), values.collect())
+        };
+        let mut all = LOOKUPS
+            .map(|lookup| looked_up(&self.directions, lookup))
+            .to_vec();
+        for grid in TexelGrid::CORNERS {
+            let directions = self.directions.on(grid);
+            all.extend(LOOKUPS.iter().map(|lookup| {
+                let mut slipped = looked_up(&directions, *lookup);
+                slipped.causes.push(Cause::Grid(grid));
+                slipped
+            }));
+        }
+        all
     }
 
     fn lobes(&self) -> Vec<Slipped> {
@@ -312,16 +368,15 @@ impl<'a, 't> Sample<'a, 't> {
         if self.directions.size.contains(&1) {
             return Vec::new();
         }
-        [
-            TexelGrid::Corners,
-            TexelGrid::FarCorners,
-            TexelGrid::EdgeToEdge,
-        ]
-        .map(|grid| {
-            let values = self.right(&self.directions.on(grid), DQuat::IDENTITY);
-            Slipped::one(Cause::Grid(grid), values)
-        })
-        .to_vec()
+        let grids = TexelGrid::CORNERS
+            .into_iter()
+            .chain([TexelGrid::EdgeToEdge]);
+        grids
+            .map(|grid| {
+                let values = self.right(&self.directions.on(grid), DQuat::IDENTITY);
+                Slipped::one(Cause::Grid(grid), values)
+            })
+            .collect()
     }
 
     /// Levels of other sources.

@@ -212,6 +212,7 @@ fn level_json(score: &LevelScore, passes: bool) -> Value {
             "found": worst.found.to_array(),
             "exact": worst.exact.to_array(),
         },
+        "negative_texels": score.negative.map_or(0, |texels| texels.count),
         "slip": slip,
         "causes": causes_json(score.verdict.causes()),
         "relmse_left": score.left(),
@@ -222,7 +223,7 @@ fn level_json(score: &LevelScore, passes: bool) -> Value {
 
 fn axes_json(judged: &Judged, ranked: &RankedAxes) -> Value {
     let best: Vec<Value> = ranked
-        .fits
+        .ranking
         .iter()
         .take(AXES_LISTED)
         .map(|fit| json!({ "axes": fit.axes.to_string(), "correlation": fit.correlation }))

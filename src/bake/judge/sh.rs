@@ -135,7 +135,7 @@ pub fn score(truth: &Truth, found: &Coefficients, axes: Axes) -> ShScore {
     let verdict = if errors.relmse <= GOOD {
         Verdict::Good(Quality::Map)
     } else {
-        Verdict::of(causes(truth, found, &radiance, &exact, axes))
+        Verdict::from_causes(causes(truth, found, &radiance, &exact, axes))
     };
     ShScore {
         errors,
@@ -345,7 +345,7 @@ impl ShScore {
     pub fn doubt(&mut self) {
         let names_axes = self.verdict.causes().iter().any(Cause::is_axes);
         if self.errors.relmse > GOOD && !names_axes {
-            self.verdict = Verdict::of(vec![Cause::Unknown(Unknown::Doubt)]);
+            self.verdict = Verdict::from_causes(vec![Cause::Unknown(Unknown::Doubt)]);
         }
     }
 }

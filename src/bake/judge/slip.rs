@@ -4,7 +4,7 @@
 //! that comes nearest is named if it leaves at most `EXPLAINED` of the error, and at most `CLOSE`;
 //! two slips, if one leaves the level wrong.
 
-use super::cause::{Cause, CutSlip, Encoding, GainSlip};
+use super::cause::{Cause, CutSlip, Encoding, GainSlip, Mips};
 use super::faces::FaceSlip;
 use super::fit::Gain;
 use super::light::{SAME_MEAN, UNCUT, solved_exposure};
@@ -12,7 +12,7 @@ use super::sample::{Level, Sample, Slipped};
 use super::texel::{
     ChannelCopy, ChannelOrder, ColorConversion, Curve, Cut, Packing, Primaries, Rgbm, Tone,
 };
-use super::{EXPLAINED, GOOD, faces, fit, has_width};
+use super::{EXPLAINED, GOOD, GOOD_BIAS, faces, fit, has_width};
 use crate::instrument::precompute::prefilter::{Kernel, harmonic};
 use glam::{DQuat, DVec3};
 
@@ -38,6 +38,10 @@ pub const BETTER: f64 = 0.3;
 const BETTER_THAN_FIT: f64 = 0.5;
 /// Smallest ratio of two channels' gains that is a slip.
 const CHANNELS_APART: f64 = 1.02;
+/// Largest difference of the texels of a flat level, as a share.
+const FLAT: f64 = 1e-3;
+/// A face of one texel cannot vary within itself.
+const FLAT_COUNT_MIN: usize = 6;
 /// Smallest sum that a gain is taken of.
 const SUM_MIN: f64 = 1e-12;
 
@@ -49,16 +53,23 @@ enum Stage {
     Kernels,
     Turns,
     SummedSources,
+    Level0,
 }
 
-const STAGES: [Stage; 4] = [
+const STAGES: [Stage; 5] = [
     Stage::Texels,
     Stage::Kernels,
     Stage::Turns,
     Stage::SummedSources,
+    Stage::Level0,
 ];
 
 impl Level<'_, '_> {
+    /// Whether the level's mean is this multiple of the exact mean.
+    pub fn has_mean(&self, gain: f64) -> bool {
+        (self.mean_ratio / gain - 1.0).abs() <= GOOD_BIAS
+    }
+
     /// Names a gain, and the factor of the file that it changes.
     pub fn gain_cause(&self, gain: f64) -> Cause {
         // Half vectors of density D n·h give l of density D/4 at n = v.
@@ -93,6 +104,13 @@ impl Level<'_, '_> {
             causes: Vec::new(),
             values: sample.right(&sample.directions, DQuat::IDENTITY),
         };
+        if is_flat(self.found) && !is_flat(&right.values) {
+            return Some(Slip {
+                causes: vec![Cause::Flat],
+                left: 0.0,
+                relmse: 0.0,
+            });
+        }
         let relmse = sample.relmse(&right.values);
         let explains = |left: f64, most: f64| left <= EXPLAINED && left * relmse <= most;
         let mut best = BestSlips::default();
@@ -101,7 +119,7 @@ impl Level<'_, '_> {
             let known = best.one_left().min(best.two_left()).min(fit_left);
             if explains(best.one_left(), ENOUGH)
                 || fit_left * relmse <= SURE
-                || *stage == Stage::SummedSources && explains(known, GOOD)
+                || matches!(stage, Stage::SummedSources | Stage::Level0) && explains(known, GOOD)
             {
                 break;
             }
@@ -121,6 +139,18 @@ impl Level<'_, '_> {
         // For another map, a slip that flattens the level leaves a small part of a huge error.
         two.or(one).filter(|slip| explains(slip.left, CLOSE))
     }
+}
+
+/// Whether all texels have one value.
+fn is_flat(texels: &[DVec3]) -> bool {
+    let Some(first) = texels.first() else {
+        return false;
+    };
+    let most = FLAT * first.max_element();
+    texels.len() > FLAT_COUNT_MIN
+        && texels
+            .iter()
+            .all(|texel| (*texel - *first).abs().max_element() <= most)
 }
 
 /// The slips that leave least of a level.
@@ -177,6 +207,8 @@ impl Sample<'_, '_> {
             }
             Stage::Turns => [self.turns(), self.likeliest_source_by_others()].concat(),
             Stage::SummedSources => self.of_sources(&lights.summed),
+            Stage::Level0 if self.level.may_inherit => self.of_sources(&lights.level_0),
+            Stage::Level0 => Vec::new(),
         }
     }
 
@@ -227,10 +259,21 @@ impl Sample<'_, '_> {
     /// Adds a gain, gains by channel, a cut or moved faces to fewer than two slips, and compares
     /// each with the level.
     fn finished(&self, base: Slipped) -> Vec<Candidate> {
+        if self.level.proven_cut.is_some() && self.needs_cut(&base) {
+            return self
+                .cuts(&base)
+                .into_iter()
+                .map(|slipped| self.candidate(slipped))
+                .collect();
+        }
         if base.causes.len() >= 2 {
             return vec![self.candidate(base)];
         }
-        let mut all = vec![self.with_gain(&base, self.gain(&base.values))];
+        let gain = self.gain(&base.values);
+        let mut all = Vec::new();
+        if self.has_mean(&base, gain) {
+            all.push(self.with_gain(&base, gain));
+        }
         let is_first = base.causes.is_empty();
         // Beside an encoding they would fit too much.
         if is_first {
@@ -255,6 +298,22 @@ impl Sample<'_, '_> {
             .map(|slipped| self.candidate(slipped))
             .chain(moved)
             .collect()
+    }
+
+    /// Whether slips of a level that was cut do not say why. An encoding may end at the limit.
+    fn needs_cut(&self, base: &Slipped) -> bool {
+        let is_below = |value: &DVec3| value.max_element() <= self.most;
+        let is_light = |cause: &Cause| cause.keeps_mean() || matches!(cause, Cause::Mips(_));
+        !base.causes.iter().any(Cause::is_cut)
+            && (base.causes.iter().all(is_light) || !base.values.iter().all(is_below))
+    }
+
+    /// Whether the mean of the whole level agrees with a gain beside slips that keep the mean. The
+    /// gain of least relMSE alone follows the dark texels.
+    fn has_mean(&self, base: &Slipped, gain: f64) -> bool {
+        let keeps_mean = base.causes.iter().all(Cause::keeps_mean);
+        let looks_up = base.causes == [Cause::Mips(Mips::OneLookup)];
+        !(keeps_mean || looks_up) || self.level.has_mean(gain)
     }
 
     fn candidate(&self, slipped: Slipped) -> Candidate {
@@ -284,6 +343,7 @@ impl Sample<'_, '_> {
     fn cuts(&self, base: &Slipped) -> [Slipped; 3] {
         let limit = self.most;
         Cut::ALL.map(|cut| {
+            // The table of levels has the bias; without it levels share a line.
             let slip = CutSlip {
                 limit,
                 bias_rel: None,

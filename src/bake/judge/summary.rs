@@ -74,7 +74,9 @@ impl Judged {
             .collect();
         wrong.sort_by_key(|part| {
             let is_of_levels = matches!(part.part, Part::Levels(..));
-            [part.verdict.lacks_slip(), !is_of_levels]
+            // A cut costs more light than other slips.
+            let is_cut = part.verdict.causes().iter().any(Cause::is_cut);
+            [part.verdict.lacks_slip(), !is_cut, !is_of_levels]
         });
         if wrong.is_empty() {
             return None;

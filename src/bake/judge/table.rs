@@ -1,6 +1,7 @@
 //! The score of a DFG table, and the conventions that fit it best.
 
 use super::cause::{Cause, Unknown};
+use super::table_borders::{Deviation, wrong_borders};
 use super::table_slip::{Integral, Reading, StretchedLines, TableFlags, TableSlip, shaded_alpha};
 use super::table_texels::{TableTexel, odd_texels, spread_texels};
 use super::verdict::{Quality, Verdict};
@@ -50,17 +51,6 @@ pub struct TableScore {
     pub verdict: Verdict,
 }
 
-/// The errors of a texel.
-#[derive(Clone, Copy, Default)]
-struct Deviation {
-    /// n·v and perceptual roughness.
-    parameters: DVec2,
-    /// Larger error of A and B.
-    max: f64,
-    /// Mean square error of A and B.
-    mean_square: f64,
-}
-
 fn deviations(
     table: &RgbImage,
     brdf: &'static dyn Brdf,
@@ -84,6 +74,7 @@ fn deviations(
             .filter(|other| other.abs().max_element() < clamped.abs().max_element())
             .unwrap_or(clamped);
         Deviation {
+            uv: texel.uv,
             parameters,
             max: error.abs().max_element(),
             mean_square: 0.5 * error.length_squared(),
@@ -116,13 +107,7 @@ pub fn score(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention)
         .unwrap_or_default();
     let rms = root_mean_square(&deviations);
     let verdict = if worst.max > GOOD {
-        let is_good_beyond_grazing = deviations
-            .iter()
-            .all(|deviation| deviation.parameters.x < GRAZING || deviation.max <= GOOD);
-        let cause = Suspect::new(table, brdf, convention).cause(rms, worst.max);
-        let is_noise = cause.is_unknown() && is_good_beyond_grazing;
-        let noise = Cause::Table(TableSlip::TooFewSamples);
-        Verdict::of(vec![if is_noise { noise } else { cause }])
+        Verdict::from_causes(causes(table, brdf, convention, &deviations, worst.max))
     } else {
         Verdict::Good(Quality::Table)
     };
@@ -132,6 +117,38 @@ pub fn score(table: &RgbImage, brdf: &'static dyn Brdf, convention: &Convention)
         worst: worst.parameters,
         count: deviations.len(),
         verdict,
+    }
+}
+
+/// Names wrong borders, a slip of the whole table, or too few samples.
+fn causes(
+    table: &RgbImage,
+    brdf: &'static dyn Brdf,
+    convention: &Convention,
+    deviations: &[Deviation],
+    max_error: f64,
+) -> Vec<Cause> {
+    let noise = Cause::Table(TableSlip::TooFewSamples);
+    let is_grazing = |deviation: &Deviation| deviation.parameters.x < GRAZING;
+    if let Some(borders) = wrong_borders([table.width, table.height], deviations, GOOD, is_grazing)
+    {
+        return vec![Cause::Table(TableSlip::Borders(borders))];
+    }
+    let suspect = Suspect::new(table, brdf, convention);
+    let rms = root_mean_square(deviations);
+    let cause = suspect.cause(rms, max_error);
+    if !cause.is_unknown() {
+        return vec![cause];
+    }
+    let is_good_beyond_grazing = deviations
+        .iter()
+        .all(|deviation| is_grazing(deviation) || deviation.max <= GOOD);
+    if is_good_beyond_grazing {
+        return vec![noise];
+    }
+    match suspect.masking_beyond_grazing() {
+        Some(convention) => vec![Cause::Table(convention), noise],
+        None => vec![cause],
     }
 }
 
@@ -214,6 +231,43 @@ impl<'a> Suspect<'a> {
             }),
             Cause::Table,
         )
+    }
+
+    /// Finds another masking that fits where few samples err little.
+    fn masking_beyond_grazing(&self) -> Option<TableSlip> {
+        let Convention {
+            table_axes,
+            table_channels,
+            masking: assumed,
+            ..
+        } = *self.convention;
+        let max_by = |masking: MaskingShadowing| {
+            self.texels
+                .iter()
+                .filter_map(|texel| {
+                    let parameters = compared(table_axes.parameters(texel.uv));
+                    (parameters.x >= GRAZING).then(|| {
+                        let exact = exact(self.brdf, masking, parameters, SEARCHED_WITHIN);
+                        ((table_channels.pair)(texel.value) - exact)
+                            .abs()
+                            .max_element()
+                    })
+                })
+                .fold(0.0, f64::max)
+        };
+        let (masking, _) = MaskingShadowing::all()
+            .filter(|masking| masking.name() != assumed.name())
+            .map(|masking| (*masking, max_by(*masking)))
+            .filter(|(_, error)| *error <= GOOD)
+            .min_by(|(_, a), (_, b)| a.total_cmp(b))?;
+        let left = deviations(self.table, self.brdf, table_axes, table_channels, masking);
+        Some(TableSlip::Convention {
+            flags: TableFlags {
+                masking: Some(masking.name()),
+                ..TableFlags::default()
+            },
+            rms_left: root_mean_square(&left),
+        })
     }
 
     /// Finds another integral or a misreading by the assumed conventions.

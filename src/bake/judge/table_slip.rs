@@ -33,6 +33,57 @@ pub enum TableSlip {
     },
     /// Errs at grazing angles only.
     TooFewSamples,
+    /// Only the outermost texels err.
+    Borders(WrongBorders),
+}
+
+/// The sides of a table whose outermost texels are wrong.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct WrongBorders {
+    pub left: bool,
+    pub right: bool,
+    pub top: bool,
+    pub bottom: bool,
+}
+
+impl WrongBorders {
+    /// Returns the sides that a texel at these texture coordinates lies on, in a table with texels
+    /// of this size.
+    pub fn at(uv: DVec2, texel_size: DVec2) -> Self {
+        Self {
+            left: uv.x < texel_size.x,
+            right: 1.0 - uv.x < texel_size.x,
+            top: uv.y < texel_size.y,
+            bottom: 1.0 - uv.y < texel_size.y,
+        }
+    }
+
+    pub fn is_empty(self) -> bool {
+        self == Self::default()
+    }
+
+    /// Returns the number of sides.
+    pub fn count(self) -> usize {
+        let sides = [self.left, self.right, self.top, self.bottom];
+        sides.into_iter().filter(|side| *side).count()
+    }
+
+    /// Whether both have a side.
+    pub fn intersects(self, other: Self) -> bool {
+        self.left && other.left
+            || self.right && other.right
+            || self.top && other.top
+            || self.bottom && other.bottom
+    }
+
+    pub fn or(self, other: Self) -> Self {
+        Self {
+            left: self.left || other.left,
+            right: self.right || other.right,
+            top: self.top || other.top,
+            bottom: self.bottom || other.bottom,
+        }
+    }
 }
 
 /// Conventions of a table that differ from the assumed ones.

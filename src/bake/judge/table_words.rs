@@ -2,7 +2,7 @@
 
 use super::clause::Clause;
 use super::table::GRAZING;
-use super::table_slip::{Integral, Reading, StretchedLines, TableFlags, TableSlip};
+use super::table_slip::{Integral, Reading, StretchedLines, TableFlags, TableSlip, WrongBorders};
 use super::texel_words::curve_clause;
 use glam::DVec2;
 
@@ -19,6 +19,7 @@ pub fn kind(slip: TableSlip) -> &'static str {
         TableSlip::Shift { .. } | TableSlip::Stretch { .. } => "shift",
         TableSlip::Integral(_) => "integral",
         TableSlip::TooFewSamples => "noise",
+        TableSlip::Borders(_) => "borders",
     }
 }
 
@@ -39,6 +40,13 @@ pub fn clauses(slip: TableSlip) -> Vec<Clause> {
                 format!("beyond n·v {GRAZING} it is within a step of 8 bits"),
             )];
         }
+        TableSlip::Borders(sides) => {
+            let sides = border_words(sides);
+            return vec![Clause::detailed(
+                format!("its outermost texels at the {sides} are wrong"),
+                "the others are within a step of 8 bits",
+            )];
+        }
         TableSlip::Reading {
             reading,
             share_left,
@@ -48,6 +56,21 @@ pub fn clauses(slip: TableSlip) -> Vec<Clause> {
     };
     let left = format!("fixing it leaves {:.0} % of the rms", 100.0 * share_left);
     clauses.into_iter().chain([Clause::new(left)]).collect()
+}
+
+fn border_words(sides: WrongBorders) -> String {
+    let named = [
+        (sides.left, "left"),
+        (sides.right, "right"),
+        (sides.top, "top"),
+        (sides.bottom, "bottom"),
+    ];
+    let names: Vec<&str> = named
+        .iter()
+        .filter(|(is_wrong, _)| *is_wrong)
+        .map(|(_, name)| *name)
+        .collect();
+    names.join(", ")
 }
 
 fn fitting_clause(flags: TableFlags) -> Clause {

@@ -46,6 +46,10 @@ pub fn source_clause(slip: SourceSlip) -> Clause {
         SourceSlip::WithoutSolidAngle => {
             Clause::new("source summed without the solid angle of its pixels, sin θ")
         }
+        SourceSlip::Level0 => Clause::detailed(
+            "right for level 0 of the file as the light",
+            "it inherits what is wrong there",
+        ),
         SourceSlip::DarkWeighted => {
             Clause::new("samples weighted by 1/(1 + luminance), as against fireflies")
         }

@@ -26,7 +26,7 @@ pub enum Quality {
 
 impl Verdict {
     /// Judges a part that is not good.
-    pub fn of(causes: Vec<Cause>) -> Self {
+    pub fn from_causes(causes: Vec<Cause>) -> Self {
         if causes.iter().any(Cause::is_unknown) {
             Self::Unexplained(causes)
         } else {

@@ -11,6 +11,8 @@ use super::doubt_words::{chain_clauses, doubt_clauses};
 use super::faces::{FaceSlip, FaceTurn, MovedFace};
 use super::fit::{Gain, KnownFactor};
 use super::lobe::Lobe;
+use super::negative::NegativeTexels;
+use super::other_filters::SAMPLES;
 use super::table_words;
 use super::texel_words::{
     channels, conversion_words, copy_words, encoding_clause, source_clause, three_digits,
@@ -29,8 +31,10 @@ impl Cause {
         match self {
             Self::Unknown(_) => "unknown",
             Self::Doubt(Doubt::Axes(_)) => "axes",
+            Self::Doubt(Doubt::TurnedFaces { .. }) => "faces",
             Self::Doubt(_) => "map",
             Self::Chain(_) => "levels",
+            Self::Negative(_) => "negative",
             Self::Black | Self::BlackFaces(_) => "black",
             Self::Faces(FaceSlip::Axes(_)) => "axes",
             Self::Faces(_) => "faces",
@@ -47,7 +51,9 @@ impl Cause {
             Self::Weight(_) | Self::NoCosine => "weight",
             Self::Model(_) => "model",
             Self::Lobe(_) | Self::BlursAddUp => "lobe",
-            Self::Mips(_) => "mips",
+            Self::Mips(_) | Self::CoarseMips { .. } => "mips",
+            Self::FacesAlone => "faces",
+            Self::Flat => "flat",
             Self::Grid(_) => "shift",
             Self::Sh(ShSlip::Form(_)) => "order",
             Self::Sh(ShSlip::Axes(_)) => "axes",
@@ -70,6 +76,7 @@ impl Cause {
             Self::Grid(grid) => return grid_clauses(*grid),
             Self::Sh(slip) => return sh_clauses(*slip),
             Self::Table(slip) => return table_words::clauses(*slip),
+            Self::Negative(texels) => Clause::new(texels.to_string()),
             Self::Black => Clause::new("every texel is black"),
             Self::Noise => Clause::detailed("noise from texel to texel", "too few samples"),
             Self::SlightlyOff => Clause::new("slightly off"),
@@ -93,6 +100,14 @@ impl Cause {
                 "blurs add up",
             ),
             Self::Mips(mips) => mips_clause(*mips),
+            Self::CoarseMips { levels } => Clause::detailed(
+                format!("samples read mips {levels:.1} levels too blurred"),
+                format!("if there are {SAMPLES}"),
+            ),
+            Self::FacesAlone => {
+                Clause::detailed("each face is filtered by itself", "lobes end at its edges")
+            }
+            Self::Flat => Clause::new("every texel has the same value"),
         };
         vec![clause]
     }
@@ -199,20 +214,37 @@ fn unknown_clauses(unknown: Unknown) -> Vec<Clause> {
     }
 }
 
+impl fmt::Display for NegativeTexels {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        let [face, column, row] = self.texel;
+        write!(
+            f,
+            "{} of {} texels are negative ({:.1} %), the lowest {:.2e} at face {face}, texel \
+             {column},{row}",
+            self.count,
+            self.total,
+            100.0 * self.count as f64 / self.total as f64,
+            self.lowest
+        )
+    }
+}
+
 fn mean_words(bias_rel: f64) -> String {
     format!("its mean is off by {:+.0} %", 100.0 * bias_rel)
 }
 
-fn turn_of_face(turn: FaceTurn) -> &'static str {
-    match turn {
-        FaceTurn::None => "unchanged",
-        FaceTurn::Clockwise => "turned by 90° clockwise",
-        FaceTurn::Half => "turned by 180°",
-        FaceTurn::CounterClockwise => "turned by 90° counter-clockwise",
-        FaceTurn::FlippedLeftRight => "flipped left to right",
-        FaceTurn::FlippedTopBottom => "flipped top to bottom",
-        FaceTurn::Transposed => "transposed",
-        FaceTurn::AntiTransposed => "transposed across the other diagonal",
+impl fmt::Display for FaceTurn {
+    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
+        f.write_str(match self {
+            Self::None => "unchanged",
+            Self::Clockwise => "turned by 90° clockwise",
+            Self::Half => "turned by 180°",
+            Self::CounterClockwise => "turned by 90° counter-clockwise",
+            Self::FlippedLeftRight => "flipped left to right",
+            Self::FlippedTopBottom => "flipped top to bottom",
+            Self::Transposed => "transposed",
+            Self::AntiTransposed => "transposed across the other diagonal",
+        })
     }
 }
 
@@ -220,10 +252,7 @@ fn face_clauses(slip: &FaceSlip) -> Vec<Clause> {
     match slip {
         FaceSlip::Axes(axes) => vec![Clause::detailed("other axes", format!("--axes={axes}"))],
         FaceSlip::Every(turn) => {
-            vec![Clause::new(format!(
-                "every face is {}",
-                turn_of_face(*turn)
-            ))]
+            vec![Clause::new(format!("every face is {turn}"))]
         }
         FaceSlip::Swapped([a, b]) => vec![Clause::new(format!(
             "faces {} and {} are swapped",
@@ -243,7 +272,7 @@ fn face_clauses(slip: &FaceSlip) -> Vec<Clause> {
 fn moved_clause(MovedFace { face, held }: MovedFace) -> Clause {
     let name = FACES[face];
     let held_name = FACES[held.face];
-    let turn = turn_of_face(held.turn);
+    let turn = held.turn;
     Clause::new(if held.face == face {
         format!("face {name} is {turn}")
     } else if held.turn == FaceTurn::None {
@@ -362,6 +391,10 @@ fn mips_clause(mips: Mips) -> Clause {
         Mips::OfLevelBefore => Clause::detailed("the mean of the level before it", "plain mips"),
         Mips::OfEnvironment => Clause::detailed("plain mips", "not prefiltered"),
         Mips::OneLookup => Clause::new("one lookup a texel, not the mean over it"),
+        Mips::OneLookupRounded => Clause::detailed(
+            "one lookup a texel, of the pixel that is rounded to",
+            "half a pixel off; floor the index",
+        ),
     }
 }
 
@@ -370,6 +403,8 @@ fn grid_clauses(grid: TexelGrid) -> Vec<Clause> {
         TexelGrid::Centres => "texels at their centres, (i + 0.5)/n",
         TexelGrid::Corners => "texels at their corners, i/n",
         TexelGrid::FarCorners => "texels at their corners, (i + 1)/n",
+        TexelGrid::NearFarCorners => "texels at their corners, columns at i/n, rows at (j + 1)/n",
+        TexelGrid::FarNearCorners => "texels at their corners, columns at (i + 1)/n, rows at j/n",
         TexelGrid::EdgeToEdge => "texels at i/(n - 1), from edge to edge",
     };
     [found, "expected centres, (i + 0.5)/n"]

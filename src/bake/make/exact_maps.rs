@@ -1,29 +1,18 @@
 //! The exact maps of a bake, and how exact they are when read back.
 
 use super::making::Making;
-use crate::bake::container::FACE_COUNT;
+use super::written::{Loss, Written};
 use crate::bake::convention::Convention;
-use crate::bake::judge::{Directions, GOOD, Truth, errors, exact, texels};
+use crate::bake::judge::{Directions, Part, Truth, errors, exact, texels};
+use crate::bake::map_form::MapForm;
 use crate::bake::parts::{Bake, Map};
+use crate::bake::playcanvas_atlas;
 use crate::bake::sh;
 use crate::base::pixels::{Pixels, RgbImage};
-use crate::instrument::environment::layout::LAYOUTS;
 use crate::instrument::precompute::exact_quadrature;
 use crate::instrument::precompute::prefilter::Kernel;
 use crate::instrument::precompute::sh9::reference::{Sh9, project_bilinear};
 use glam::DVec3;
-
-/// A level as read back.
-#[derive(Clone, Debug)]
-pub struct Written {
-    pub name: String,
-    pub side: u32,
-    pub alpha: f64,
-    /// relMSE against its integral.
-    pub relmse: f64,
-    /// Why relMSE is above [`GOOD`].
-    pub why: Option<String>,
-}
 
 /// The exact texels of a level.
 pub struct ExactLevel {
@@ -35,11 +24,12 @@ pub struct ExactLevel {
 impl ExactLevel {
     /// Rounds the texels to pixels, face by face.
     fn faces(&self) -> Vec<RgbImage> {
-        let texel_count = self.values.len() / FACE_COUNT;
-        let side = texel_count.isqrt() as u32;
+        let [width, height] = self.directions.size;
+        let texel_count = (width * height) as usize;
         // Rounding may take a series below 0.
         let texel = |value: &DVec3| value.max(DVec3::ZERO).as_vec3().to_array();
-        let face = |values: &[DVec3]| Pixels::new(side, side, values.iter().map(texel).collect());
+        let face =
+            |values: &[DVec3]| Pixels::new(width, height, values.iter().map(texel).collect());
         self.values.chunks_exact(texel_count).map(face).collect()
     }
 }
@@ -81,8 +71,9 @@ impl<'a> ExactMaps<'a> {
             .expect("an engine has as many widths as levels");
         let kernel = Kernel::new(making.brdf, making.weight, making.masking);
         let truth = Truth::new(making.environment, kernel, &alphas);
-        let level = |kernel: Kernel, alpha: f64, side: u32| {
-            let directions = Directions::new(&LAYOUTS[0], convention.axes, [side; 2]);
+        let form = making.form();
+        let level = |kernel: Kernel, alpha: f64, size: [u32; 2]| {
+            let directions = Directions::new(form.layout(), convention.axes, size);
             ExactLevel {
                 values: exact::exact(&truth, kernel, &directions, alpha),
                 directions,
@@ -91,11 +82,13 @@ impl<'a> ExactMaps<'a> {
         };
         let specular = (0..making.level_count)
             .zip(&alphas)
-            .map(|(k, alpha)| level(kernel, *alpha, (making.side >> k).max(1)))
+            .map(|(k, alpha)| level(kernel, *alpha, form.level_size(making.side, k)))
             .collect();
-        let irradiance = product.irradiance.map(|name| {
+        let inside = matches!(form, MapForm::PlayCanvasAtlas).then_some(product.specular);
+        let irradiance = product.irradiance.or(inside).map(|name| {
             let (kernel, alpha) = Truth::of_irradiance();
-            ExactMap::new(name, vec![level(kernel, alpha, making.irradiance_side)])
+            let size = form.irradiance_size(making.side, making.irradiance_side);
+            ExactMap::new(name, vec![level(kernel, alpha, size)])
         });
         let radiance = project_bilinear(&exact_quadrature(&making.environment.image));
         Self {
@@ -117,16 +110,41 @@ impl<'a> ExactMaps<'a> {
     pub fn compared(&self, making: &Making, bake: &Bake) -> Vec<Written> {
         let found = [&bake.specular, &bake.irradiance];
         let mut written = Vec::new();
-        for (map, found) in self.maps().zip(found) {
+        for (part, (map, found)) in (0..).zip(self.maps().zip(found)) {
             let found = found.as_ref().expect("it was written");
             for k in 0..map.levels.len() {
-                written.push(self.compared_level(making, map, found, k));
+                let part = if part == 0 {
+                    Part::Level(k)
+                } else {
+                    Part::Irradiance
+                };
+                written.push(self.compared_level(making, map, found, part));
             }
         }
         written
     }
 
-    fn compared_level(&self, making: &Making, map: &ExactMap, found: &Map, k: usize) -> Written {
+    /// Returns the smaller copies of level 0 in an atlas.
+    pub fn mips(&self, making: &Making, convention: &Convention) -> Vec<RgbImage> {
+        let layout = making.form().layout();
+        playcanvas_atlas::mip_sizes(making.side)
+            .map(|size| {
+                let directions = Directions::new(layout, convention.axes, size);
+                let level = ExactLevel {
+                    values: exact::mirror(making.environment, &directions),
+                    directions,
+                    alpha: 0.0,
+                };
+                level.faces().swap_remove(0)
+            })
+            .collect()
+    }
+
+    fn compared_level(&self, making: &Making, map: &ExactMap, found: &Map, part: Part) -> Written {
+        let k = match part {
+            Part::Level(k) => k,
+            _ => 0,
+        };
         let ExactLevel {
             directions,
             values,
@@ -135,34 +153,14 @@ impl<'a> ExactMaps<'a> {
         let found = &found.levels[k];
         let found_texels = texels(found, 1.0);
         let epsilon = self.truth.epsilon();
-        let relmse = errors(directions, &found_texels, values, epsilon, 1.0).relmse;
-        let is_only_level = map.levels.len() == 1;
+        let errors = errors(directions, &found_texels, values, epsilon, 1.0);
         Written {
-            name: if is_only_level {
-                "irradiance".to_owned()
-            } else {
-                k.to_string()
-            },
+            part,
             side: found[0].width,
             alpha: *alpha,
-            relmse,
-            why: (relmse > GOOD).then(|| why(making, &map.faces[k])),
+            relmse: errors.relmse,
+            bias_rel: errors.bias_rel,
+            loss: Loss::of(making, &map.faces[k], errors),
         }
-    }
-}
-
-/// Says why a level errs in the pixel format of a bake.
-fn why(making: &Making, faces: &[RgbImage]) -> String {
-    let name = making.texel.name;
-    let largest = making.texel.largest;
-    let clipped = faces
-        .iter()
-        .flat_map(|face| &face.data)
-        .filter(|texel| texel.iter().any(|value| *value > largest))
-        .count();
-    if clipped == 0 {
-        format!("{name} rounds dark channels beside bright ones; try another --format")
-    } else {
-        format!("{clipped} texels are clipped at {largest}, the maximum of {name}")
     }
 }

@@ -1,8 +1,10 @@
 //! What to bake for an engine.
 
-use crate::bake::container::{FORMATS, Format, TEXELS, TEXELS_MAX, Texel};
+use crate::bake::container::{TEXELS_MAX, Texel};
 use crate::bake::convention::Preset;
-use crate::base::names::Listed;
+use crate::bake::map_form::MapForm;
+use crate::bake::playcanvas_atlas;
+use crate::bake::product::Product;
 use crate::base::pixels::exr;
 use crate::instrument::brdf::{Brdf, Ggx, MaskingShadowing};
 use crate::instrument::environment::Environment;
@@ -14,6 +16,8 @@ pub const TABLE_SIDE: u32 = 64;
 
 /// Smallest side of a face, texels.
 const SIDE_MIN: u32 = 8;
+/// Smallest side of an atlas, texels.
+const ATLAS_SIDE_MIN: u32 = playcanvas_atlas::SIDE;
 
 /// An engine, and the settings of its bake.
 #[derive(Clone, Debug)]
@@ -44,7 +48,7 @@ impl<'a> Making<'a> {
             brdf: &Ggx,
             masking: convention.masking,
             weight: convention.weight,
-            texel: Texel::listed(product.texel),
+            texel: product.texel(),
             side,
             irradiance_side: IRRADIANCE_SIDE,
             table_side: TABLE_SIDE,
@@ -85,6 +89,11 @@ impl<'a> Making<'a> {
                 "faces of {side} texels; --for {engine} needs a power of 2 from 8 to 1024"
             ));
         }
+        if matches!(self.form(), MapForm::PlayCanvasAtlas) && side < ATLAS_SIDE_MIN {
+            return Err(format!(
+                "an atlas of {side} texels; --for {engine} needs {ATLAS_SIDE_MIN} or 1024"
+            ));
+        }
         let level_count_max = side.ilog2() + 1;
         if let Some(count) = product.level_count
             && (level_count != count || count > level_count_max)
@@ -95,6 +104,12 @@ impl<'a> Making<'a> {
                 1 << (count - 1)
             ));
         }
+        let needs_all = self.preset.convention().levels_per_doubling.is_some();
+        if needs_all && level_count != level_count_max {
+            return Err(format!(
+                "{level_count} levels; --for {engine} needs {level_count_max}, down to one texel"
+            ));
+        }
         if !(2..=level_count_max).contains(&level_count) {
             return Err(format!(
                 "{level_count} levels; faces of {side} have 2 to {level_count_max}"
@@ -103,16 +118,25 @@ impl<'a> Making<'a> {
         Ok(())
     }
 
+    /// Returns the form of the prefiltered map.
+    pub fn form(&self) -> MapForm {
+        MapForm::of(self.preset.product().specular)
+    }
+
     fn check_texel(&self) -> Result<(), String> {
         let product = self.preset.product();
-        let container = container(product.specular);
-        let known: Vec<&str> = TEXELS
-            .iter()
-            .filter(|texel| can_hold(container, texel))
-            .map(|texel| texel.name)
-            .collect();
+        if product.excluded_texels.contains(&self.texel.name) {
+            let known: Vec<&str> = formats(product).map(|texel| texel.name).collect();
+            return Err(format!(
+                "--format {}: {} does not draw it; expected one of {}",
+                self.texel.name,
+                product.engine,
+                known.join(", ")
+            ));
+        }
+        let known: Vec<&str> = formats(product).map(|texel| texel.name).collect();
         if !known.contains(&self.texel.name) {
-            let form = container.map_or("EXR faces", |format| format.name);
+            let form = MapForm::of(product.specular).name();
             return Err(format!(
                 "{} in {form}; --for {} needs one of {}",
                 self.texel.name,
@@ -125,19 +149,13 @@ impl<'a> Making<'a> {
 }
 
 fn is_exr(name: &str) -> bool {
-    name.ends_with(".exr") || container(name).is_none() && !name.ends_with(".png")
+    name.ends_with(".exr") || matches!(MapForm::of(name), MapForm::Faces)
 }
 
-/// Returns the container of a file name; `None` for a folder of faces.
-pub fn container(name: &str) -> Option<&'static Format> {
-    FORMATS
-        .iter()
-        .find(|format| name.ends_with(&format!(".{}", format.extension)))
-}
-
-fn can_hold(container: Option<&Format>, texel: &Texel) -> bool {
-    match container {
-        None => texel.name == "rgba32f",
-        Some(format) => texel.channels >= 3 && (!format.needs_dxgi || texel.dxgi.is_some()),
-    }
+/// Lists the pixel formats that an engine's map may have.
+pub fn formats(product: &Product) -> impl Iterator<Item = &'static Texel> {
+    let texels = MapForm::of(product.specular).texels();
+    texels
+        .into_iter()
+        .filter(|texel| !product.excluded_texels.contains(&texel.name))
 }

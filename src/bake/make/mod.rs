@@ -5,11 +5,12 @@ mod exact_maps;
 mod making;
 mod table;
 mod write;
+mod written;
 
 pub use super::judge::GOOD;
-pub use exact_maps::Written;
 pub use making::{IRRADIANCE_SIDE, Making, TABLE_SIDE};
 pub use table::dfg;
+pub use written::{CutLoss, Loss, Written};
 
 pub(super) use write::write_bytes;
 
@@ -53,12 +54,13 @@ pub fn make(making: &Making, out: &Path) -> Result<Baked, PixelsError> {
     let convention = making.preset.convention();
     let (code_name, code) = paste::file(product.language);
     refuse_existing(making, &code_name, out)?;
-    std::fs::create_dir_all(out)
-        .map_err(|error| Fault::new(format!("cannot be created ({error})"), "a folder").at(out))?;
+    std::fs::create_dir_all(out).map_err(|error| {
+        Fault::new(format!("cannot be created ({error})"), "a folder").in_file(out)
+    })?;
 
     let exact = ExactMaps::new(making, &convention);
     let mut writer = Writer::new(making, &convention, &exact, out);
-    writer.maps(&exact)?;
+    writer.maps(&exact, &convention)?;
     let table = (!product.tables.is_empty()).then(|| {
         dfg(
             making.brdf,
@@ -71,8 +73,7 @@ pub fn make(making: &Making, out: &Path) -> Result<Baked, PixelsError> {
         writer.tables(table)?;
     }
     writer.sh(&exact)?;
-    writer.taps(&convention)?;
-    writer.bytes(&code_name, code.as_bytes())?;
+    writer.taps(&convention, &code_name, &code)?;
     writer.manifest()?;
 
     let reading = Reading {
@@ -107,7 +108,9 @@ fn refuse_existing(making: &Making, code_name: &str, out: &Path) -> Result<(), P
         .flatten()
         .chain(product.tables.iter().copied());
     match names.find(|name| out.join(name).exists()) {
-        Some(name) => Err(Fault::new("exists", "a new or an empty folder").at(&out.join(name))),
+        Some(name) => {
+            Err(Fault::new("exists", "a new or an empty folder").in_file(&out.join(name)))
+        }
         None => Ok(()),
     }
 }
@@ -132,7 +135,8 @@ fn last_between(
     let faces = &map.levels[count.min(convention.mapping_levels(count) as usize) - 1];
     let alpha = exact.alphas[exact.alphas.len() - 1];
     let relmse = level::between_texels(&exact.truth, map.layout, faces, convention, alpha);
-    let is_too_small = relmse > GOOD && faces[0].width < LAST_SIDE;
+    let has_choice = making.form().has_taps();
+    let is_too_small = has_choice && relmse > GOOD && faces[0].width < LAST_SIDE;
     let product = making.preset.product();
     LastBetween {
         relmse,

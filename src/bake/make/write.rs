@@ -1,16 +1,20 @@
 //! Writes the files of a bake for an engine.
 
 use super::exact_maps::{ExactMap, ExactMaps};
-use super::making::{Making, container};
+use super::making::Making;
+use crate::bake::babylon_env;
 use crate::bake::container::{Encoding, Texel, write_table};
 use crate::bake::convention::Convention;
+use crate::bake::map_form::{MapForm, container};
 use crate::bake::parts::{KEY, Manifest};
 use crate::bake::paste::{self, TAPS};
+use crate::bake::playcanvas_atlas;
 use crate::bake::sh;
 use crate::bake::source::{FACES, MANIFEST};
 use crate::base::names::Listed;
+use crate::base::numbers::short_number;
 use crate::base::pixels::{
-    Fault, GrayImage, PixelsError, Rgb8Image, RgbImage, exr, png, write_atomically,
+    Content, Fault, GrayImage, PixelsError, Rgb8Image, RgbImage, exr, png, write_atomically,
 };
 use crate::instrument::precompute::prefilter::Kernel;
 use crate::instrument::precompute::sh9::reference::Sh9;
@@ -56,7 +60,27 @@ impl<'a> Writer<'a> {
     }
 
     /// Writes the prefiltered map and the irradiance map.
-    pub fn maps(&mut self, exact: &ExactMaps) -> Result<(), PixelsError> {
+    pub fn maps(&mut self, exact: &ExactMaps, convention: &Convention) -> Result<(), PixelsError> {
+        let name = self.making.preset.product().specular;
+        match self.making.form() {
+            MapForm::BabylonEnv => {
+                let file = babylon_env::write(&exact.specular.faces, &exact.radiance);
+                return self.bytes(name, &file);
+            }
+            MapForm::PlayCanvasAtlas => {
+                let images = |map: &ExactMap| map.faces.iter().flatten().cloned().collect();
+                let file = playcanvas_atlas::write(
+                    self.making.side,
+                    &playcanvas_atlas::Images {
+                        levels: images(&exact.specular),
+                        mips: exact.mips(self.making, convention),
+                        irradiance: exact.irradiance.as_ref().map_or_else(Vec::new, images),
+                    },
+                );
+                return self.bytes(name, &file);
+            }
+            MapForm::Faces | MapForm::Container(_) => {}
+        }
         // SH comes last: Filament's reader searches for that key.
         let mut keys = self.keys.clone();
         keys.push(("sh".to_owned(), sh_lines(&exact.radiance)));
@@ -80,7 +104,7 @@ impl<'a> Writer<'a> {
     fn faces(&mut self, map: &ExactMap) -> Result<(), PixelsError> {
         let folder = self.out.join(map.name);
         std::fs::create_dir_all(&folder).map_err(|error| {
-            Fault::new(format!("cannot be created ({error})"), "a folder of faces").at(&folder)
+            Fault::new(format!("cannot be created ({error})"), "a folder of faces").in_file(&folder)
         })?;
         for (k, faces) in map.faces.iter().enumerate() {
             for (face, name) in faces.iter().zip(FACES) {
@@ -118,12 +142,15 @@ impl<'a> Writer<'a> {
             let bytes = |x, y| table.get(x, y).map(byte);
             return png::write_rgb8(path, &Rgb8Image::from_fn(table.width, table.height, bytes));
         }
-        // Viewers show nothing under the names A and B.
+        // Viewers show nothing under the names A and B, and ffmpeg refuses two channels.
         let channel = |i: usize| table.map(|texel| texel[i]);
-        exr::write_channels(
-            path,
-            vec![("R".into(), channel(0)), ("G".into(), channel(1))],
-        )
+        let empty = GrayImage::filled(table.width, table.height, 0.0);
+        let channels = vec![
+            ("R".into(), channel(0)),
+            ("G".into(), channel(1)),
+            ("B".into(), empty),
+        ];
+        exr::write_channels(path, Content::Data, channels)
     }
 
     /// Writes SH as cmgen's text, if the engine reads it.
@@ -134,17 +161,22 @@ impl<'a> Writer<'a> {
         }
     }
 
-    /// Writes the table of two taps.
-    pub fn taps(&mut self, convention: &Convention) -> Result<(), PixelsError> {
-        let level_count = convention.mapping_levels(self.making.level_count as usize);
-        let taps = paste::taps(
-            self.kernel,
-            self.making.masking,
-            convention.mapping,
-            level_count,
-            TapCount::Two,
-        );
-        self.bytes(TAPS, &write_table(&taps))
+    /// Writes the table of two taps and the code that reads it, if the map's levels are for them.
+    pub fn taps(
+        &mut self,
+        convention: &Convention,
+        code_name: &str,
+        code: &str,
+    ) -> Result<(), PixelsError> {
+        if !self.making.form().has_taps() {
+            return Ok(());
+        }
+        let spacing = convention
+            .spacing(self.making.level_count as usize)
+            .expect("checked where the preset was read");
+        let taps = paste::taps(self.kernel, self.making.masking, spacing, TapCount::Two);
+        self.bytes(TAPS, &write_table(&taps))?;
+        self.bytes(code_name, code.as_bytes())
     }
 
     /// Writes `bake.json`.
@@ -166,13 +198,13 @@ fn manifest(making: &Making, convention: &Convention, alphas: &[f64]) -> Manifes
         version: format!("splitsum {}", env!("CARGO_PKG_VERSION")),
         engine: owned(product.engine),
         preset: owned(making.preset.name),
-        environment: making.environment.name.clone(),
+        environment: making.environment.file_name().to_owned(),
         environment_hash: making.environment.hash.clone(),
         brdf: owned(making.brdf.name()),
         masking_shadowing: owned(making.masking.name()),
         prefilter_weight: owned(making.weight.name),
         prefilter_alphas: alphas.to_vec(),
-        level_mapping: owned(convention.mapping.name),
+        level_mapping: mapping_words(convention),
         axes: convention.axes.to_string(),
         table_axes: owned(convention.table_axes.name),
         units: owned("linear Rec.709, radiance as the environment has it; irradiance over pi"),
@@ -181,7 +213,20 @@ fn manifest(making: &Making, convention: &Convention, alphas: &[f64]) -> Manifes
         irradiance: product.irradiance.map(owned),
         tables: product.tables.iter().map(|name| owned(name)).collect(),
         sh: product.sh.map(owned),
-        taps: Some(owned(TAPS)),
+        taps: making.form().has_taps().then(|| owned(TAPS)),
+    }
+}
+
+/// The name of the mapping, or the listed roughness of each level: "0.08:0.185:0.29".
+fn mapping_words(convention: &Convention) -> String {
+    match &convention.alphas {
+        None => convention.mapping.name.to_owned(),
+        Some(alphas) => {
+            let words = alphas
+                .iter()
+                .map(|alpha| short_number(&alpha.sqrt().to_string()).to_string());
+            words.collect::<Vec<_>>().join(":")
+        }
     }
 }
 

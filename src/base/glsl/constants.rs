@@ -67,6 +67,10 @@ constants! {
     GUIDE_ALPHA_MIN: f32 = 0.15;
     /// Number of real spherical harmonics up to degree 2.
     SH9_COUNT: u32 = 9;
+    /// Integrals of the harmonics over texels, in the order of `precompute::sh9::Projection`: exact.
+    SH9_OVER_TEXELS: u32 = 0;
+    /// Values at texel centres.
+    SH9_AT_CENTRES: u32 = 1;
     /// Masking-shadowing variants; in the order of `brdf::MaskingShadowing`.
     MASKING_SEPARABLE: u32 = 0;
     /// Height-correlated Smith.
@@ -99,6 +103,21 @@ constants! {
     PREFILTER_WEIGHT_MASKING: u32 = 1;
     /// 1 above the horizon.
     PREFILTER_WEIGHT_NONE: u32 = 2;
+    /// Limits of hardware that shaders emulate (`gpu::emulation`), a bit each: 8-bit weights of
+    /// texels.
+    EMULATE_TEXEL_WEIGHTS: u32 = 1;
+    /// 8-bit fractions between levels.
+    EMULATE_LEVEL_FRACTIONS: u32 = 2;
+    /// No filter across the edges of a cube's faces.
+    EMULATE_CUBE_SEAMS: u32 = 4;
+    /// Lookups rounded to f16.
+    EMULATE_HALF_LOOKUPS: u32 = 8;
+    /// Any of the bits above: a lookup that is not the driver's.
+    EMULATE_LOOKUPS: u32 = 15;
+    /// Elementary functions as coarse as Vulkan allows.
+    EMULATE_ELEMENTARY: u32 = 16;
+    /// Vertices on a grid of 1/256 pixel.
+    EMULATE_VERTEX_GRID: u32 = 32;
     /// Whether lobes have two widths, and how alpha and a strength make them; in the order of
     /// `brdf::Anisotropy`.
     ANISOTROPY_NONE: u32 = 0;

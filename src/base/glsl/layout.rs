@@ -89,6 +89,8 @@ shared_structs! {
         width: uint,
         height: uint,
         group_count: uint,
+        /// One of `constants::SH9_*`.
+        projection: uint,
     }
     /// Push constants of the irradiance map.
     IrradianceParams {
@@ -149,6 +151,8 @@ shared_structs! {
         /// Cosine and sine of the turn of the tangent, strength of the anisotropy; w = 1 where
         /// tangents replace normals.
         tangent: vec4,
+        /// x: the share of the dielectric interface that reflects.
+        specular: vec4,
     }
     /// A sphere as the g-buffer pass reads it: centre and radius; index of its material in x.
     SphereData {

@@ -36,6 +36,10 @@ pub const METHOD_INCLUDE: &str = "selected/method.glsl";
 /// Entry points of the report's page.
 pub const PAGE_FOLDER: &str = "page/";
 
+/// Included first in the program's own texts for Vulkan. Not beside a file of the user: its
+/// macros would collide with the user's (engines define `textureLod`).
+const VULKAN_PRELUDE: &str = "lib/device_limits.glsl";
+
 /// Included first in texts for GLSL ES.
 const ES_PRELUDE: &str = "page/es.glsl";
 
@@ -143,12 +147,16 @@ impl Sources {
         choice: &Choice,
         language: Language,
     ) -> Result<String, String> {
-        let (version, first) = match language {
-            Language::Vulkan => (
-                "#version 460\n#extension GL_GOOGLE_cpp_style_line_directive : require\n",
-                None,
-            ),
-            Language::Es => ("#version 300 es\n", Some(ES_PRELUDE)),
+        let version = match language {
+            Language::Vulkan => {
+                "#version 460\n#extension GL_GOOGLE_cpp_style_line_directive : require\n"
+            }
+            Language::Es => "#version 300 es\n",
+        };
+        let has_user_file = self.0.keys().any(|path| path.starts_with(FILE_PREFIX));
+        let prelude = match language {
+            Language::Vulkan => (!has_user_file).then_some(VULKAN_PRELUDE),
+            Language::Es => Some(ES_PRELUDE),
         };
         let has_lines = language == Language::Vulkan;
         let mut expansion = Expansion {
@@ -158,7 +166,7 @@ impl Sources {
             done: BTreeSet::new(),
             text: version.to_string(),
         };
-        for path in first.into_iter().chain([entry]) {
+        for path in prelude.into_iter().chain([entry]) {
             expansion.append(path)?;
         }
         Ok(expansion.text)

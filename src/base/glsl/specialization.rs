@@ -76,4 +76,9 @@ specialization_constants! {
     sheen_visibility: u32 = code::SHEEN_VISIBILITY_CHARLIE;
     /// Lookup of a sheen lobe: `SHEEN_TOWARD_* | SHEEN_LEVEL_* << 4`.
     sheen_lookup: u32 = code::SHEEN_TOWARD_MOMENT;
+    /// Limits of hardware that all shaders emulate for tests, bits `EMULATE_*`. The device sets it.
+    emulated_limits: u32 = 0;
 }
+
+/// The `constant_id` of `emulated_limits`.
+pub const EMULATED_LIMITS_ID: usize = ALL.len() - 1;

@@ -7,6 +7,7 @@ pub mod equirect;
 pub mod equirect_quadrature;
 pub mod erf;
 pub mod frame;
+pub mod golden_section;
 pub mod harmonics;
 pub mod incomplete_beta;
 pub mod order_statistics;

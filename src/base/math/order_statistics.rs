@@ -47,3 +47,6 @@ pub fn median_interval(samples: &[f64]) -> [f64; 2] {
     sorted.sort_by(f64::total_cmp);
     [sorted[outer], sorted[samples.len() - 1 - outer]]
 }
+
+#[cfg(test)]
+mod tests;

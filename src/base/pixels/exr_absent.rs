@@ -1,6 +1,6 @@
 //! Replaces OpenEXR in a build without the feature `exr`: every call fails.
 
-use super::{Decoded, Fault, GrayImage, PixelsError, RgbImage};
+use super::{Content, Decoded, Fault, GrayImage, PixelsError, RgbImage};
 use std::path::Path;
 
 pub const IS_BUILT: bool = false;
@@ -10,7 +10,7 @@ fn refused<T>(path: &Path) -> Result<T, PixelsError> {
         "is OpenEXR, which this build of splitsum does not support",
         "the feature `exr` or `gpu`",
     )
-    .at(path))
+    .in_file(path))
 }
 
 pub fn read_bytes(
@@ -30,6 +30,10 @@ pub fn write_rgba(
     refused(path)
 }
 
-pub fn write_channels(path: &Path, _channels: Vec<(String, GrayImage)>) -> Result<(), PixelsError> {
+pub fn write_channels(
+    path: &Path,
+    _content: Content,
+    _channels: Vec<(String, GrayImage)>,
+) -> Result<(), PixelsError> {
     refused(path)
 }

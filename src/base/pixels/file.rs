@@ -42,7 +42,15 @@ impl Fault {
         }
     }
 
-    pub fn at(self, path: &Path) -> PixelsError {
+    /// Puts words before what is wrong.
+    pub fn preceded_by(self, words: impl Into<String>) -> Self {
+        Self {
+            what: words.into() + &self.what,
+            ..self
+        }
+    }
+
+    pub fn in_file(self, path: &Path) -> PixelsError {
         PixelsError {
             path: path.to_owned(),
             what: self.what,
@@ -53,7 +61,7 @@ impl Fault {
 
 pub(crate) fn read_bounded(path: &Path) -> Result<Vec<u8>, PixelsError> {
     read_regular(path, MAX_FILE_BYTES).map_err(|error| {
-        Fault::new(format!("cannot be read ({error})"), "a readable image file").at(path)
+        Fault::new(format!("cannot be read ({error})"), "a readable image file").in_file(path)
     })
 }
 
@@ -208,7 +216,7 @@ fn target_of(path: &Path) -> Result<PathBuf, PixelsError> {
     };
     match std::fs::metadata(&target) {
         Ok(metadata) if !metadata.is_file() && !metadata.is_dir() => {
-            Err(Fault::new("is a device or a pipe", "a regular file or a new name").at(path))
+            Err(Fault::new("is a device or a pipe", "a regular file or a new name").in_file(path))
         }
         _ => Ok(target),
     }
@@ -219,5 +227,5 @@ fn write_fault(path: &Path, error: std::io::Error) -> PixelsError {
         format!("cannot be written ({error})"),
         "a path in an existing, writable folder",
     )
-    .at(path)
+    .in_file(path)
 }

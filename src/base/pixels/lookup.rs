@@ -44,15 +44,25 @@ pub fn bilinear<T: Copy>(
     wrap: Wrap,
     value: impl Fn(T) -> DVec3,
 ) -> DVec3 {
-    let size = [f64::from(image.width), f64::from(image.height)];
-    let texels = uv * DVec2::from_array(size) - 0.5;
-    let low = texels.floor();
+    let size = DVec2::new(f64::from(image.width), f64::from(image.height));
+    let texel = |x: u32, y: u32| value(image.get(x, y));
+    bilinear_at(uv * size - 0.5, size.to_array(), wrap, texel)
+}
+
+/// Interpolates at a position in texels: 0, 0 is the centre of the first texel.
+pub fn bilinear_at(
+    position: DVec2,
+    size: [f64; 2],
+    wrap: Wrap,
+    value: impl Fn(u32, u32) -> DVec3,
+) -> DVec3 {
+    let low = position.floor();
     let texel = |dx: f64, dy: f64| {
         let [x, y] = wrap.texel(low.x + dx, low.y + dy, size);
-        value(image.get(x, y))
+        value(x, y)
     };
-    let row = |dy: f64| texel(0.0, dy).lerp(texel(1.0, dy), texels.x - low.x);
-    row(0.0).lerp(row(1.0), texels.y - low.y)
+    let row = |dy: f64| texel(0.0, dy).lerp(texel(1.0, dy), position.x - low.x);
+    row(0.0).lerp(row(1.0), position.y - low.y)
 }
 
 /// Interpolates between the two levels around `lod`, finest first; clamps `lod`.

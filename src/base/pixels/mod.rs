@@ -9,15 +9,20 @@ pub mod exr;
 #[path = "exr_absent.rs"]
 pub mod exr;
 mod file;
+#[cfg(feature = "gpu")]
+pub mod gain_map;
 pub mod lookup;
 #[cfg(feature = "cli")]
 pub mod packed;
 pub mod png;
 pub mod radiance;
 mod shrink;
+pub(crate) mod webp;
 
 pub(crate) use file::{ENVIRONMENT_TEXELS_MAX, Fault, read_bounded, reserved, write_atomically};
 pub use file::{PART_PREFIX, PixelsError, Staged};
+
+use glam::DMat3;
 
 #[derive(Clone, Debug)]
 pub struct Decoded {
@@ -25,6 +30,52 @@ pub struct Decoded {
     pub alpha: Option<GrayImage>,
     /// One sentence each.
     pub warnings: Vec<String>,
+    pub content: Content,
+    /// The projection that the file states.
+    pub projection: Option<Projection>,
+}
+
+impl Decoded {
+    /// Makes an image of radiance, without alpha, of which nothing else is known.
+    pub fn new(rgb: RgbImage, warnings: Vec<String>) -> Self {
+        Self {
+            rgb,
+            alpha: None,
+            warnings,
+            content: Content::Radiance,
+            projection: None,
+        }
+    }
+}
+
+/// What the numbers of an image are.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Content {
+    /// Linear Rec.709.
+    Radiance,
+    /// Tables: not colours.
+    Data,
+}
+
+/// How an environment is laid out on an image.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Projection {
+    LatLong,
+    /// Six faces below each other, in the order and layout of a Vulkan cube map.
+    Cube {
+        texels: TexelPosition,
+        /// Converts world directions to directions of the cube.
+        file_from_world: DMat3,
+    },
+}
+
+/// Where the outermost texel centres of an image lie.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum TexelPosition {
+    /// Half a texel inside the image.
+    Centres,
+    /// On its edges.
+    Edges,
 }
 
 /// The largest finite half. Brighter texels (a sun) are clamped, as in engines: infinity would

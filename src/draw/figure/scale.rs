@@ -277,3 +277,6 @@ fn superscript(letter: char) -> char {
         .copied()
         .unwrap_or('⁻')
 }
+
+#[cfg(test)]
+mod tests;

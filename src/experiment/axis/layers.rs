@@ -7,6 +7,7 @@ use crate::experiment::value::{Kind, Range};
 use crate::instrument::brdf::{SHEEN_ALPHA_MIN, SheenVisibility, WidthLaw};
 use crate::instrument::shade::bend::Bend;
 use crate::instrument::shade::coat::{CoatLayering, CoatRenderer};
+use crate::instrument::shade::occlusion::SpecularOcclusion;
 use crate::instrument::shade::sheen::SheenLookup;
 
 pub(super) const LAYER: Axis = Axis {
@@ -158,5 +159,16 @@ pub(super) const LAYER_AXES: &[Axis] = &[
             settings.shading.sheen_lookup = SheenLookup::listed(name)
         }),
         ..one_of::<SheenLookup>(LAYER)
+    },
+    Axis {
+        name: "specular_occlusion",
+        about: "factor of the specular term from an occlusion map, for the image and its \
+                reference; docs/estimators.md",
+        plural: "specular occlusions",
+        used: |used| used.has_occlusion && !used.method.is_none(),
+        set: Setter::Name(|settings, name| {
+            settings.shading.specular_occlusion = *SpecularOcclusion::listed(name)
+        }),
+        ..one_of::<SpecularOcclusion>(LAYER)
     },
 ];

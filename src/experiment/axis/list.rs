@@ -3,7 +3,7 @@
 
 use super::frames::FRAME_AXES;
 use super::layers::LAYER_AXES;
-use super::plain::{ALPHA_KIND, LEVELS, PLAIN, ROUGHNESS, one_of, valued};
+use super::plain::{ALPHA_KIND, IOR, LEVELS, PLAIN, ROUGHNESS, one_of, valued};
 use super::tables::{PrecomputedTable, TABLE_AXES};
 use super::{Axes, Axis, AxisId, Part, Setter, Sheet, Symbol};
 use crate::base::math::sequence::{FramePoints, PixelPoints, Sequence};
@@ -208,12 +208,12 @@ const IMAGE_AXES: &[Axis] = &[
     Axis {
         name: "f0",
         label: "F0",
-        about: "reflectance at normal incidence of every dielectric, ((n - 1)/(n + 1))^2 of its \
-                index n; a metal's is its albedo",
+        about: "reflectance at normal incidence of every dielectric; a metal's is its albedo",
         plural: "values of F0",
         symbol: Symbol::Before("F0"),
         used: |used| used.has_dielectric,
         kind: Kind::Color(Range::closed(0.0, 1.0)),
+        spelling: Some(IOR),
         set: Setter::Color(|settings, color| settings.material.f0 = Some(color)),
         ..PLAIN
     },

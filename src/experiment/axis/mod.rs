@@ -174,6 +174,8 @@ pub struct Used {
     /// Whether a surface may have a coat.
     pub has_coat: bool,
     pub has_sheen: bool,
+    /// Whether a surface may have an occlusion map.
+    pub has_occlusion: bool,
     /// Whether a lobe may have two widths.
     pub has_anisotropy: bool,
     /// Of an image that ends a sequence, the sequence.
@@ -192,12 +194,12 @@ impl Used {
     }
 
     /// Whether the program's own prefiltered map reaches the pixels.
-    fn shows_own_prefiltered(&self) -> bool {
+    fn shows_computed_prefiltered(&self) -> bool {
         (self.method.uses_prefiltered() || self.has_sheen) && self.makes_prefiltered
     }
 
     /// Whether the program's own DFG table reaches the pixels.
-    fn shows_own_dfg(&self) -> bool {
+    fn shows_computed_dfg(&self) -> bool {
         self.needs_dfg() && self.makes_dfg
     }
 
@@ -324,6 +326,7 @@ impl Point {
             has_coat: may_have(COAT),
             has_anisotropy: may_have(ANISOTROPY),
             has_sheen: may_have(SHEEN_COLOR),
+            has_occlusion: !is_built_in,
             frames: has_frames.then_some(shading.frames),
             has_sampled_tables,
             makes_prefiltered: !is_file(PREFILTERED),
@@ -332,7 +335,7 @@ impl Point {
     }
 
     /// Whether the table of [`PREFILTERED`] or [`DFG_TABLE`] is the program's own.
-    pub fn is_own(&self, axis: AxisId) -> bool {
+    pub fn is_computed(&self, axis: AxisId) -> bool {
         [Value::Unset, (AXES[axis].default)()].contains(&self[axis])
     }
 

@@ -8,7 +8,7 @@ use crate::experiment::value::{Kind, Raw, Value};
 /// Where a user finds every axis.
 pub const LISTED_AXES: &str = "a name of `splitsum list axes`";
 
-/// A second name of an axis of numbers, in another unit.
+/// A second name of an axis of numbers or colours, in another unit.
 #[derive(Clone, Copy, Debug)]
 pub struct Spelling {
     pub name: &'static str,
@@ -16,8 +16,10 @@ pub struct Spelling {
     pub about: &'static str,
     pub plural: &'static str,
     pub symbol: Symbol,
+    /// Whether users set this name rather than the axis's: the window has it, and tables have both.
+    pub is_usual: bool,
     pub kind: Kind,
-    /// Converts a number to the axis's unit.
+    /// Converts a number, or each channel of a colour, to the axis's unit.
     pub to_axis: fn(f64) -> f64,
     /// The inverse.
     pub from_axis: fn(f64) -> f64,
@@ -39,11 +41,11 @@ impl Named {
                 axis,
                 spelling: Some(spelling),
             });
-            std::iter::once(Self::own(axis)).chain(second)
+            std::iter::once(Self::primary(axis)).chain(second)
         })
     }
 
-    pub fn own(axis: AxisId) -> Self {
+    pub fn primary(axis: AxisId) -> Self {
         Self {
             axis,
             spelling: None,
@@ -79,11 +81,11 @@ impl Named {
         }
     }
 
-    /// Returns the name that users set: the second one, if there is one.
+    /// Returns the name that users set.
     pub fn usual(axis: AxisId) -> Self {
         Self {
             axis,
-            spelling: AXES[axis].spelling.as_ref(),
+            spelling: usual_spelling(axis),
         }
     }
 
@@ -105,9 +107,9 @@ impl Named {
 
     /// Converts an axis's value to this name's.
     pub fn shown(self, value: &Value) -> Value {
-        match (self.spelling, value) {
-            (Some(spelling), Value::Number(number)) => Value::Number((spelling.from_axis)(*number)),
-            _ => value.clone(),
+        match self.spelling {
+            Some(spelling) => converted(value.clone(), spelling.from_axis),
+            None => value.clone(),
         }
     }
 
@@ -144,25 +146,37 @@ impl Named {
 
     /// Converts a value of this name to the axis's.
     fn to_axis(self, value: Value) -> Value {
-        match (self.spelling, value) {
-            (Some(spelling), Value::Number(number)) => Value::Number((spelling.to_axis)(number)),
-            (_, value) => value,
+        match self.spelling {
+            Some(spelling) => converted(value, spelling.to_axis),
+            None => value,
         }
     }
 }
 
-/// Names the columns of an axis: its own name, and the second one.
+/// Converts a number, or each channel of a colour.
+fn converted(value: Value, unit: fn(f64) -> f64) -> Value {
+    match value {
+        Value::Number(number) => Value::Number(unit(number)),
+        Value::Color(color) => Value::Color(color.map(|channel| unit(f64::from(channel)) as f32)),
+        other => other,
+    }
+}
+
+/// The second name of an axis, if users set that one.
+fn usual_spelling(axis: AxisId) -> Option<&'static Spelling> {
+    let spelling = AXES[axis].spelling.as_ref();
+    spelling.filter(|spelling| spelling.is_usual)
+}
+
+/// Names the columns of an axis: its own name, and the one that users set.
 pub fn columns(axis: AxisId) -> impl Iterator<Item = &'static str> {
-    let second = AXES[axis].spelling.as_ref();
+    let second = usual_spelling(axis);
     std::iter::once(AXES[axis].name).chain(second.map(|spelling| spelling.name))
 }
 
 /// Returns the fields of a value in its [`columns`]; empty if unset.
 pub fn fields(axis: AxisId, value: &Value) -> impl Iterator<Item = String> + use<> {
-    let second = AXES[axis]
-        .spelling
-        .as_ref()
-        .map(|_| Named::usual(axis).shown(value));
+    let second = usual_spelling(axis).map(|_| Named::usual(axis).shown(value));
     [value.to_string()]
         .into_iter()
         .chain(second.map(|value| value.to_string()))

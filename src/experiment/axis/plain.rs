@@ -2,6 +2,7 @@
 
 use super::{Axis, Part, Setter, Sheet, Spelling, Symbol};
 use crate::base::names::Listed;
+use crate::base::numbers::round_to_significant;
 use crate::experiment::value::{ALPHA_MIN, Kind, PERCEPTUAL_ROUGHNESS_MIN, Range, Value, decimal};
 use crate::instrument::brdf;
 
@@ -63,7 +64,23 @@ pub(super) const ROUGHNESS: Spelling = Spelling {
     about: "roughness of every material, as in files; alpha is its square",
     plural: "roughnesses",
     symbol: Symbol::Before("roughness"),
+    is_usual: true,
     kind: Kind::Number(Range::closed(PERCEPTUAL_ROUGHNESS_MIN, 1.0)),
     to_axis: |roughness| decimal(brdf::alpha_from_perceptual_roughness(roughness)),
     from_axis: |alpha| decimal(brdf::perceptual_roughness_from_alpha(alpha)),
+};
+
+/// Significant digits of an index that is shown: F0 is stored as f32.
+const IOR_DIGITS: usize = 6;
+
+pub(super) const IOR: Spelling = Spelling {
+    name: "ior",
+    label: "Index",
+    about: "index of refraction n of every dielectric; F0 is ((1 - n)/(1 + n))^2",
+    plural: "indices",
+    symbol: Symbol::Before("index"),
+    is_usual: false,
+    kind: Kind::Color(Range::closed(1.0, brdf::IOR_MAX)),
+    to_axis: brdf::f0_from_ior,
+    from_axis: |f0| round_to_significant(brdf::ior_from_f0(f0), IOR_DIGITS),
 };

@@ -106,11 +106,11 @@ impl Settings {
     ) -> RenderRequest {
         let scene = Arc::new(scene.apply(&self.material));
         let camera = Camera::for_scene(view.camera, &scene, self.size).orbited(view.orbit, &scene);
-        self.seen_by(camera, environment, scene, view, given)
+        self.request_from(camera, environment, scene, view, given)
     }
 
     /// Builds the request for a camera and a scene that has the settings' material.
-    pub fn seen_by(
+    pub fn request_from(
         self,
         camera: Camera,
         environment: &Arc<Environment>,

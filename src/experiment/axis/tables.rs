@@ -112,7 +112,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
                 octahedral, 448x224 equirect]",
         needs_memory: true,
         feeds: &[PrecomputedTable::Prefilter],
-        used: Used::shows_own_prefiltered,
+        used: Used::shows_computed_prefiltered,
         kind: Kind::Pair {
             min: 8,
             max: SIDE_MAX,
@@ -127,7 +127,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         about: "levels of the prefiltered map",
         symbol: Symbol::After("lv", "levels"),
         feeds: &[PrecomputedTable::Prefilter],
-        used: |used| used.shows_own_prefiltered() || used.method.uses_levels,
+        used: |used| used.shows_computed_prefiltered() || used.method.uses_levels,
         kind: Kind::Count { min: 2, max: 11 },
         default: || Value::Count(PrecomputeSettings::default().prefilter_level_count),
         set: Setter::Count(|settings, count| {
@@ -144,7 +144,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         feeds: &[PrecomputedTable::Prefilter, PrecomputedTable::Irradiance],
         used: |used| {
             used.method.prefilter.is_none()
-                && (used.shows_own_prefiltered() || used.uses_irradiance_map())
+                && (used.shows_computed_prefiltered() || used.uses_irradiance_map())
         },
         set: Setter::Name(|settings, name| {
             settings.shading.precompute.prefilter = *PrefilterBy::listed(name)
@@ -157,7 +157,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         about: "samples per texel of a sampled prefiltered map",
         symbol: Symbol::After("spp", "samples"),
         feeds: &[PrecomputedTable::Prefilter],
-        used: |used| used.shows_own_prefiltered() && used.has_sampled_tables,
+        used: |used| used.shows_computed_prefiltered() && used.has_sampled_tables,
         kind: Kind::Count {
             min: 1,
             max: PRECOMPUTE_SAMPLES_MAX,
@@ -173,7 +173,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         about: "perceptual roughness of each level; `splitsum list level-mappings`",
         symbol: Symbol::After("mapping", "mapping"),
         feeds: &[PrecomputedTable::Prefilter],
-        used: |used| used.shows_own_prefiltered() || used.method.uses_levels,
+        used: |used| used.shows_computed_prefiltered() || used.method.uses_levels,
         set: Setter::Name(|settings, name| {
             settings.shading.precompute.level_mapping = LevelMapping::listed(name)
         }),
@@ -186,7 +186,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         about: "weight of a direction in a prefiltered texel; `splitsum list prefilter-weights`",
         symbol: Symbol::Before("weight"),
         feeds: &[PrecomputedTable::Prefilter],
-        used: |used| used.shows_own_prefiltered() || used.method.uses_weight,
+        used: |used| used.shows_computed_prefiltered() || used.method.uses_weight,
         set: Setter::Name(|settings, name| {
             settings.shading.precompute.prefilter_weight = Weight::listed(name)
         }),
@@ -200,7 +200,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         plural: "prefilter level biases",
         symbol: Symbol::Before("prefilter bias"),
         feeds: &[PrecomputedTable::Prefilter],
-        used: |used| used.shows_own_prefiltered() && used.has_sampled_tables,
+        used: |used| used.shows_computed_prefiltered() && used.has_sampled_tables,
         kind: Kind::NumberOrName {
             range: LEVELS,
             what: "level bias",
@@ -225,7 +225,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         symbol: Symbol::Before("DFG"),
         needs_memory: true,
         feeds: &[PrecomputedTable::Dfg],
-        used: Used::shows_own_dfg,
+        used: Used::shows_computed_dfg,
         set: Setter::Count(|settings, count| settings.shading.precompute.dfg_size = count),
         ..valued(
             Kind::Count {
@@ -243,7 +243,7 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         plural: "DFG sample counts",
         symbol: Symbol::After("DFG spp", "DFG samples"),
         feeds: &[PrecomputedTable::Dfg],
-        used: Used::shows_own_dfg,
+        used: Used::shows_computed_dfg,
         kind: Kind::Count {
             min: 1,
             max: PRECOMPUTE_SAMPLES_MAX,

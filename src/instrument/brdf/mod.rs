@@ -156,10 +156,18 @@ pub fn f_schlick(f0: DVec3, v_dot_h: f64) -> DVec3 {
     f0 + (DVec3::ONE - f0) * schlick_weight(v_dot_h)
 }
 
+/// Largest index of refraction that users may set; its F0 is 0.96.
+pub const IOR_MAX: f64 = 100.0;
+
 /// Returns the reflectance at normal incidence of a dielectric of index `ior` in air: `((1 -
 /// ior)/(1 + ior))²`.
 pub fn f0_from_ior(ior: f64) -> f64 {
     ((1.0 - ior) / (1.0 + ior)).powi(2)
+}
+
+/// Returns the index of refraction, 1 or above, whose [`f0_from_ior`] is `f0`; infinite for 1.
+pub fn ior_from_f0(f0: f64) -> f64 {
+    (1.0 + f0.sqrt()) / (1.0 - f0.sqrt())
 }
 
 /// Computes `D G2 / (4 n_dot_v n_dot_l)` (1/sr), the BRDF for `F = 1`; 0 if `v` or `l` is not above

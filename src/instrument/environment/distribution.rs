@@ -100,76 +100,28 @@ impl EnvironmentDistribution {
         );
         // Rounded as on the device, so that both sample the same map.
         let weights = image.map(sampling_weight(image, compensation));
-        let band_count = height as usize + 1;
-        // Light between a column and the next in a band, from the four texels around it.
-        let light = |band: usize, column: u32| {
-            let [above, below] = rows_of_band(band, height);
-            let [top, bottom] = band_limits(band, height);
-            let right = (column + 1) % width;
-            let weight = |x, y| f64::from(weights.get(x, y));
-            let mean = (weight(column, above)
-                + weight(right, above)
-                + weight(column, below)
-                + weight(right, below))
-                / 4.0;
-            mean / f64::from(width) * (bottom - top) * mean_sine(band, height)
-        };
-        let total: f64 = (0..band_count)
-            .map(|band| (0..width).map(|column| light(band, column)).sum::<f64>())
-            .sum();
-        let band_weights: Vec<f64> = (0..band_count)
-            .map(|band| {
-                if total > 0.0 {
-                    mean_sine(band, height) / (2.0 * PI * PI * total)
-                } else {
-                    0.0
-                }
-            })
-            .collect();
-
-        let cell_size = [
-            width.div_ceil(CELL_COLUMNS),
-            (height + 1).div_ceil(CELL_ROWS),
-        ];
+        let light = BandLight::new(&weights);
+        let band_weights = light.band_weights();
+        let cell_size = light.cell_size();
         let mut slots = Vec::new();
         let mut blocks = Vec::new();
         let mut slot_of_cell = vec![0; CELL_COUNT as usize];
-        for cell in 0..CELL_COUNT {
-            let [columns, bands] = cell_range(cell, cell_size, [width, height + 1]);
-            let light_of_bands: Vec<Vec<f64>> = bands
-                .clone()
-                .map(|band| {
-                    columns
-                        .clone()
-                        .map(|column| light(band as usize, column))
-                        .collect()
-                })
-                .collect();
-            let band_masses: Vec<f64> = light_of_bands
-                .iter()
-                .map(|band| band.iter().sum())
-                .collect();
-            let mass: f64 = band_masses.iter().sum();
+        for index in 0..CELL_COUNT {
+            let cell = light.cell(index);
             // A black map has one slot, so that every index is valid.
-            if mass == 0.0 && (total > 0.0 || cell > 0) {
+            if cell.mass == 0.0 && (light.total > 0.0 || index > 0) {
                 continue;
             }
-            slot_of_cell[cell as usize] = slots.len() as u32;
-            write_distribution(&band_masses, cell_size[1], &mut blocks);
-            for row in 0..cell_size[1] as usize {
-                write_distribution(
-                    light_of_bands.get(row).map_or(&[], Vec::as_slice),
-                    cell_size[0],
-                    &mut blocks,
-                );
-            }
-            let moment = first_moment(columns, bands, &light_of_bands, [width, height]);
-            // The light of a cell that spans the sphere may have no mean direction; any will do.
-            let direction = moment.try_normalize().unwrap_or(DVec3::Y);
+            slot_of_cell[index as usize] = slots.len() as u32;
+            cell.write_block(cell_size, &mut blocks);
             slots.push(Slot {
-                cell,
-                direction,
-                mass: if total > 0.0 { mass / total } else { 0.0 },
+                cell: index,
+                direction: cell.direction([width, height]),
+                mass: if light.total > 0.0 {
+                    cell.mass / light.total
+                } else {
+                    0.0
+                },
             });
         }
         let mut words: Vec<u32> = band_weights
@@ -197,6 +149,138 @@ impl EnvironmentDistribution {
         let mut texels: Vec<[f32; 4]> = self.slots.iter().map(texel).collect();
         texels.resize(CELL_COUNT as usize, [0.0; 4]);
         texels
+    }
+}
+
+/// The light of a map by band and column.
+struct BandLight<'a> {
+    weights: &'a Pixels<f32>,
+    /// The light of all bands.
+    total: f64,
+}
+
+/// The light of the columns and bands of a cell.
+struct CellLight {
+    columns: Range<u32>,
+    bands: Range<u32>,
+    /// By band, then by column.
+    light: Vec<Vec<f64>>,
+    /// By band.
+    band_masses: Vec<f64>,
+    mass: f64,
+}
+
+impl<'a> BandLight<'a> {
+    fn new(weights: &'a Pixels<f32>) -> Self {
+        let mut light = Self {
+            weights,
+            total: 0.0,
+        };
+        light.total = (0..light.band_count() as usize)
+            .map(|band| {
+                (0..weights.width)
+                    .map(|column| light.between(band, column))
+                    .sum::<f64>()
+            })
+            .sum();
+        light
+    }
+
+    fn band_count(&self) -> u32 {
+        self.weights.height + 1
+    }
+
+    /// Columns and bands of a cell.
+    fn cell_size(&self) -> [u32; 2] {
+        [
+            self.weights.width.div_ceil(CELL_COLUMNS),
+            self.band_count().div_ceil(CELL_ROWS),
+        ]
+    }
+
+    /// Returns the light between a column and the next in a band, from the four texels around it.
+    fn between(&self, band: usize, column: u32) -> f64 {
+        let Pixels { width, height, .. } = *self.weights;
+        let [above, below] = rows_of_band(band, height);
+        let [top, bottom] = band_limits(band, height);
+        let right = (column + 1) % width;
+        let weight = |x, y| f64::from(self.weights.get(x, y));
+        let mean = (weight(column, above)
+            + weight(right, above)
+            + weight(column, below)
+            + weight(right, below))
+            / 4.0;
+        mean / f64::from(width) * (bottom - top) * mean_sine(band, height)
+    }
+
+    /// Returns w_b of each band; all 0 without light.
+    fn band_weights(&self) -> Vec<f64> {
+        (0..self.band_count() as usize)
+            .map(|band| {
+                if self.total > 0.0 {
+                    mean_sine(band, self.weights.height) / (2.0 * PI * PI * self.total)
+                } else {
+                    0.0
+                }
+            })
+            .collect()
+    }
+
+    fn cell(&self, index: u32) -> CellLight {
+        let size = [self.weights.width, self.band_count()];
+        let [columns, bands] = cell_range(index, self.cell_size(), size);
+        let band_light = |band: u32| -> Vec<f64> {
+            columns
+                .clone()
+                .map(|column| self.between(band as usize, column))
+                .collect()
+        };
+        let light: Vec<Vec<f64>> = bands.clone().map(band_light).collect();
+        let band_masses: Vec<f64> = light.iter().map(|band| band.iter().sum()).collect();
+        CellLight {
+            columns,
+            bands,
+            light,
+            mass: band_masses.iter().sum(),
+            band_masses,
+        }
+    }
+}
+
+impl CellLight {
+    /// Appends the cell's block of distributions.
+    fn write_block(&self, [columns, bands]: [u32; 2], blocks: &mut Vec<u32>) {
+        write_distribution(&self.band_masses, bands, blocks);
+        for row in 0..bands as usize {
+            let light = self.light.get(row).map_or(&[][..], Vec::as_slice);
+            write_distribution(light, columns, blocks);
+        }
+    }
+
+    /// Returns the mean direction of the light in a map of `width` x `height` texels.
+    fn direction(&self, [width, height]: [u32; 2]) -> DVec3 {
+        let texels = self
+            .bands
+            .clone()
+            .zip(&self.light)
+            .flat_map(|(band, light)| {
+                self.columns
+                    .clone()
+                    .zip(light)
+                    .map(move |(column, light)| (band, column, *light))
+            });
+        let moment: DVec3 = texels
+            .map(|(band, column, light)| {
+                let [top, bottom] = band_limits(band as usize, height);
+                let uv = DVec2::new(
+                    (f64::from(column) + 1.0) / f64::from(width),
+                    0.5 * (top + bottom),
+                );
+                light * equirect::direction_from_uv(uv)
+            })
+            .sum();
+        // The light of a cell that spans the sphere may have no mean direction; any will do.
+        moment.try_normalize().unwrap_or(DVec3::Y)
     }
 }
 
@@ -230,32 +314,6 @@ fn mean_sine(band: usize, height: u32) -> f64 {
     let [top, bottom] = band_limits(band, height).map(|v| v * PI);
     // The difference of the cosines as a product, which does not cancel near the poles.
     2.0 * (0.5 * (top + bottom)).sin() * (0.5 * (bottom - top)).sin() / (bottom - top)
-}
-
-/// Sums the directions of a cell's columns and bands, weighted by their light.
-fn first_moment(
-    columns: Range<u32>,
-    bands: Range<u32>,
-    light_of_bands: &[Vec<f64>],
-    [width, height]: [u32; 2],
-) -> DVec3 {
-    bands
-        .zip(light_of_bands)
-        .flat_map(|(band, light)| {
-            columns
-                .clone()
-                .zip(light)
-                .map(move |(column, light)| (band, column, *light))
-        })
-        .map(|(band, column, light)| {
-            let [top, bottom] = band_limits(band as usize, height);
-            let uv = DVec2::new(
-                (f64::from(column) + 1.0) / f64::from(width),
-                0.5 * (top + bottom),
-            );
-            light * equirect::direction_from_uv(uv)
-        })
-        .sum()
 }
 
 /// Returns columns and bands of a cell; none past the edges of the map.

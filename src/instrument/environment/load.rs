@@ -2,13 +2,19 @@
 
 use super::Environment;
 use super::builtin::{self, BUILTIN_PREFIX};
-use super::error::{EnvironmentError, MAX_RADIANCE, unusable};
+use super::error::{EnvironmentError, MAX_RADIANCE, not_radiance, unusable};
+use super::resample::{Cube, from_edges};
 use crate::base::color::luminance;
-use crate::base::pixels::{Decoded, HALF_MAX, PixelsError, RgbImage, exr, radiance, read_bounded};
+#[cfg(feature = "gpu")]
+use crate::base::pixels::gain_map;
+use crate::base::pixels::{
+    Content, Decoded, Fault, HALF_MAX, PixelsError, Projection, RgbImage, TexelPosition, exr,
+    radiance, read_bounded,
+};
 use std::fmt;
 use std::path::{Path, PathBuf};
 
-/// Decodes the bytes of the file at a path: its main image, or the named layer.
+/// Decodes the bytes of the file at a path: its main image, or what the text after `#` names.
 type Reader = fn(&Path, &[u8], Option<&str>) -> Result<Decoded, PixelsError>;
 
 #[derive(Debug)]
@@ -17,7 +23,14 @@ pub struct Format {
     /// Lower-case file name extension.
     pub extension: &'static str,
     pub about: &'static str,
-    read: Reader,
+    pub(crate) read: Reader,
+}
+
+/// Formats have names of their own.
+impl PartialEq for Format {
+    fn eq(&self, other: &Self) -> bool {
+        (self.name, self.extension) == (other.name, other.extension)
+    }
 }
 
 impl Format {
@@ -48,6 +61,20 @@ pub static FORMATS: &[Format] = &[
                 or FILE#NAME for a layer or part",
         read: exr::read_bytes,
     },
+    #[cfg(feature = "gpu")]
+    Format {
+        name: "gain-map",
+        extension: "jpg",
+        about: "JPEG with a gain map (UltraHDR); a plain JPEG holds no radiance",
+        read: gain_map::read_bytes,
+    },
+    #[cfg(feature = "gpu")]
+    Format {
+        name: "gain-map",
+        extension: "jpeg",
+        about: "the same under its longer name",
+        read: gain_map::read_bytes,
+    },
 ];
 
 #[derive(Clone, Debug, PartialEq)]
@@ -55,6 +82,10 @@ pub struct LoadOptions {
     /// Sets NaN and negative channels to 0 and +infinity to the largest finite value, with a
     /// warning; otherwise they are an error.
     pub clamp_invalid: bool,
+    /// Where the outermost texels of a file lie; `None` leaves that to the format.
+    pub texels: Option<TexelPosition>,
+    /// Formats beyond [`FORMATS`]: folders that import this one read them.
+    pub more_formats: &'static [Format],
     pub builtin_size: [u32; 2],
 }
 
@@ -62,6 +93,8 @@ impl Default for LoadOptions {
     fn default() -> Self {
         Self {
             clamp_invalid: false,
+            texels: None,
+            more_formats: &[],
             builtin_size: [512, 256],
         }
     }
@@ -88,7 +121,7 @@ impl Environment {
         if spec.is_empty() || !path.exists() {
             return Err(no_such_file(spec, &path));
         }
-        let format = format_of(spec, &path)?;
+        let format = format_of(spec, &path, options)?;
         let decoded = (format.read)(&path, &read_bounded(&path)?, layer)?;
         checked(spec, decoded, options)
     }
@@ -107,7 +140,7 @@ impl Environment {
         options: &LoadOptions,
     ) -> Result<Self, EnvironmentError> {
         let spec = path.to_string_lossy();
-        let decoded = format_of(&spec, path)?.read(path, bytes)?;
+        let decoded = format_of(&spec, path, options)?.read(path, bytes)?;
         checked(&spec, decoded, options)
     }
 }
@@ -155,17 +188,20 @@ fn no_such_file(spec: &str, path: &Path) -> EnvironmentError {
 }
 
 /// Returns the format that a file's extension selects.
-fn format_of(spec: &str, path: &Path) -> Result<&'static Format, EnvironmentError> {
+fn format_of(
+    spec: &str,
+    path: &Path,
+    options: &LoadOptions,
+) -> Result<&'static Format, EnvironmentError> {
     let extension = path
         .extension()
         .map(|e| e.to_string_lossy().to_lowercase())
         .unwrap_or_default();
-    FORMATS
-        .iter()
+    let formats = || FORMATS.iter().chain(options.more_formats);
+    formats()
         .find(|format| format.extension == extension)
         .ok_or_else(|| {
-            let expected = FORMATS
-                .iter()
+            let expected = formats()
                 .map(|format| format!(".{}", format.extension))
                 .collect::<Vec<_>>()
                 .join(", ");
@@ -187,8 +223,14 @@ pub fn checked(
     let Decoded {
         rgb: mut image,
         mut warnings,
+        content,
+        projection,
         ..
     } = decoded;
+    if content == Content::Data {
+        let what = "it holds no colours, by its label; expected radiance".to_owned();
+        return Err(not_radiance(spec, what));
+    }
     if let Some(invalid) = InvalidChannels::find(&image) {
         if invalid.is_rounding(&image) {
             warnings.push(format!(
@@ -204,8 +246,12 @@ pub fn checked(
         }
         clamp_invalid(&mut image);
     }
-    check_projection(spec, &image)?;
     check_peak(spec, &image)?;
+    if projection.is_none() {
+        check_not_a_strip(spec, &image)?;
+    }
+    let image = equirect(image, projection, options.texels, &mut warnings)
+        .map_err(|fault| fault.in_file(Path::new(spec)))?;
     warnings.extend(oddities(&image));
     Ok(Environment {
         warnings,
@@ -342,8 +388,42 @@ fn clamp_invalid(image: &mut RgbImage) {
     }
 }
 
+/// Resamples an image of another projection, or with other texel centres.
+fn equirect(
+    image: RgbImage,
+    projection: Option<Projection>,
+    texels: Option<TexelPosition>,
+    warnings: &mut Vec<String>,
+) -> Result<RgbImage, Fault> {
+    match (projection, texels) {
+        (
+            Some(Projection::Cube {
+                texels: stated,
+                file_from_world,
+            }),
+            _,
+        ) => Cube {
+            strip: &image,
+            texels: texels.unwrap_or(stated),
+            file_from_world,
+        }
+        .equirect(),
+        (_, Some(TexelPosition::Edges)) => Ok(from_edges(&image)),
+        (Some(Projection::LatLong), None) => {
+            warnings.push(
+                "The header calls the image a lat-long map: exrenvmap puts the outermost texel \
+                 centres on its edges, maketx half a texel inside, as they were read; --texels \
+                 edges or --texels centres says which."
+                    .to_owned(),
+            );
+            Ok(image)
+        }
+        _ => Ok(image),
+    }
+}
+
 /// Refuses the six faces of a cube, which as a lat-long map would be another light.
-fn check_projection(spec: &str, image: &RgbImage) -> Result<(), EnvironmentError> {
+fn check_not_a_strip(spec: &str, image: &RgbImage) -> Result<(), EnvironmentError> {
     let is_strip = image.width == 6 * image.height || image.height == 6 * image.width;
     if !is_strip {
         return Ok(());
@@ -352,7 +432,7 @@ fn check_projection(spec: &str, image: &RgbImage) -> Result<(), EnvironmentError
         "it is {}x{}, a strip of six faces; expected a lat-long map, twice as wide as high",
         image.width, image.height
     );
-    Err(unusable(spec, what))
+    Err(not_radiance(spec, what))
 }
 
 /// Refuses values whose squares overflow in sums.
@@ -376,7 +456,7 @@ fn check_peak(spec: &str, image: &RgbImage) -> Result<(), EnvironmentError> {
         "the largest value is {peak:e}, at column {column}, row {row}; expected at most \
          {MAX_RADIANCE:e}, above which sums of squares overflow (scale the file)"
     );
-    Err(unusable(spec, what))
+    Err(not_radiance(spec, what))
 }
 
 /// Returns warnings about a map with valid texels.

@@ -15,7 +15,7 @@ pub struct Luminance {
 
 impl Luminance {
     /// Measures a map. Rows are weighted by sin θ.
-    pub fn of(image: &RgbImage) -> Self {
+    pub fn from_image(image: &RgbImage) -> Self {
         let mut sum = 0.0;
         let mut weights = 0.0;
         let mut peak = 0.0f64;

@@ -5,9 +5,10 @@ mod error;
 mod load;
 mod luminance;
 mod placement;
+mod resample;
 
 pub use builtin::{BUILTIN_PREFIX, BUILTINS, Builtin, Parameter};
-pub use error::EnvironmentError;
+pub use error::{EnvironmentError, GUIDE};
 pub use load::{FORMATS, Format, LoadOptions, checked};
 pub use luminance::Luminance;
 pub use placement::{Placement, orientation};
@@ -16,6 +17,8 @@ use crate::base::math::equirect;
 use crate::base::pixels::RgbImage;
 use crate::base::pixels::lookup::{Wrap, bilinear};
 use glam::DVec3;
+use std::ffi::OsStr;
+use std::path::Path;
 
 pub mod distribution;
 pub mod layout;
@@ -46,7 +49,7 @@ impl Environment {
             .update(&image.height.to_le_bytes());
         hasher.update(bytemuck::cast_slice(&image.data));
         let hash = hasher.finalize().to_hex().to_string();
-        let luminance = Luminance::of(&image);
+        let luminance = Luminance::from_image(&image);
         Self {
             name: name.into(),
             image,
@@ -54,6 +57,12 @@ impl Environment {
             luminance,
             warnings: Vec::new(),
         }
+    }
+
+    /// Returns the name without folders, for files that others get.
+    pub fn file_name(&self) -> &str {
+        let name = Path::new(&self.name).file_name();
+        name.and_then(OsStr::to_str).unwrap_or(&self.name)
     }
 
     /// Looks up the radiance from `direction` (any length but 0), bilinearly; u wraps, v clamps at

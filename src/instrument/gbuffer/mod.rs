@@ -9,14 +9,19 @@
 //! | 2 | albedo, linear, before `1 - metallic` | metallic |
 //! | 3 | f0: `mix(dielectric f0, albedo, metallic)` | index of the material |
 //!
+//! Where a dielectric reflects a share w of its interface only, F is `mix(w, 1, metallic)` times
+//! Schlick's of `f0 = mix(w f0, albedo, metallic) / mix(w, 1, metallic)`; attachment 3 has this f0,
+//! and the g-buffer of [`Scene::specular_weights`] the weight.
+//!
 //! Spheres are exact: with c the centre relative to the ray's origin, d the ray's direction and x =
 //! d x c, a ray hits if `r² d·d - x·x >= 0`, at `(d x x - sqrt(r² d·d - x·x) d) / d·d` from the
 //! centre.
 //!
 //! Meshes have interpolated positions and normals and are shaded on both sides: seen from the back,
-//! the normal is negated. A material may cull backs. Near a silhouette, an interpolated normal may
-//! lean away from the viewer; shading clamps its `n_dot_v`. Only this pass reads maps, so every
-//! method and the reference see the same surface. Lookups are trilinear with v up, at the level
+//! the normal is negated. A material may cull backs. Interpolated and mapped normals may lean away
+//! from the viewer, `n·v < 0`: those become `normalize(n + (COSINE_MIN - n·v) v)`, and a normal
+//! without a direction becomes v (docs/conventions.md). Only this pass reads maps, so every method
+//! and the reference see the same surface. Lookups are trilinear with v up, at the level
 //! whose texels are as wide as the longer step to a neighbour within a quad of 2 x 2 pixels. With
 //! interpolated normal n, tangent t (not renormalised \[Mikkelsen08\]) and m of the normal map, the
 //! normal is `normalize(m.x t + m.y s (n x t) + m.z n)`, s the tangent's sign; metallic is
@@ -27,15 +32,17 @@
 //! Lobes of two widths need a tangent, and the strength of the anisotropy. Both are the normals and
 //! alphas of a second g-buffer, of [`Scene::tangents`]: in place of a normal m is the direction
 //! `(d.x, d.y, 0)` of the material's map (without one +x), turned counter-clockwise, and in place
-//! of alpha the strength times the length of d. Spheres, and meshes without tangents, have the
-//! tangent of [`crate::base::math::frame::east`]. Shading makes tangents orthogonal to the normal of
+//! of alpha the strength times the length of d. Spheres, and meshes without tangents or with
+//! tangents along their normals, have the tangent of [`crate::base::math::frame::east`]. Shading makes tangents orthogonal to the normal of
 //! the first g-buffer.
+//!
+//! Occlusion is the red of the albedo of another g-buffer, of [`Scene::occlusions`].
 //!
 //! Draw state: only one-sided meshes are culled, front faces are counter-clockwise, depth test `<`
 //! on 1. Spheres: `sphere.vert/frag`, a strip of 4 vertices, one instance per sphere, depth written
 //! by the shader. Meshes: `mesh.vert/frag`, indexed triangle lists with position, normal, uv and
-//! tangent at locations 0 to 3. Set 0: binding 0 spheres, 1 materials, 2 to 5 the maps of albedo,
-//! metallic, roughness and normal.
+//! tangent at locations 0 to 3. Set 0: binding 0 spheres, 1 materials, 2 to 7 the maps of albedo,
+//! metallic, roughness, normal, f0 and specular weight.
 
 pub mod design;
 pub mod pass;
@@ -140,6 +147,7 @@ pub fn material_data(scene: &Scene) -> Vec<MaterialData> {
                 f32::from(u8::from(is_shown)),
             ]
         },
+        specular: [material.specular.factor, 0.0, 0.0, 0.0],
     };
     scene.materials.iter().map(data).collect()
 }

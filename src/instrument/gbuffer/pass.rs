@@ -47,7 +47,7 @@ struct MeshData {
     indices: Buffer,
     index_count: u32,
     material: usize,
-    material_maps: [Option<usize>; 4],
+    material_maps: [Option<usize>; 6],
     is_one_sided: bool,
 }
 
@@ -84,7 +84,7 @@ pub fn record(
             instance_count: scene.sphere_count,
             is_one_sided: false,
         };
-        recorder.draw(SPHERES, &scene.binds([None; 4]), &push(0), targets, call)?;
+        recorder.draw(SPHERES, &scene.binds([None; 6]), &push(0), targets, call)?;
         targets.clear = false;
     }
     for mesh in &scene.meshes {
@@ -130,12 +130,7 @@ impl SceneData {
                 indices: gpu.buffer_from("indices", &mesh.indices)?,
                 index_count: mesh.indices.len() as u32,
                 material: mesh.material,
-                material_maps: [
-                    material.albedo_map,
-                    material.metallic_map,
-                    material.roughness_map,
-                    material.normal_map,
-                ],
+                material_maps: material.maps(),
                 is_one_sided: material.is_one_sided,
             })
         };
@@ -164,7 +159,9 @@ impl SceneData {
         })
     }
 
-    fn binds(&self, [albedo, metallic, roughness, normal]: [Option<usize>; 4]) -> [Bind<'_>; 6] {
+    /// Binds spheres, materials and the maps of [`Material::maps`](crate::instrument::scene::Material::maps).
+    fn binds(&self, maps: [Option<usize>; 6]) -> [Bind<'_>; 8] {
+        let [albedo, metallic, roughness, normal, f0, specular] = maps;
         let map = |index: Option<usize>, missing| {
             let (image, wrap): &(Image, Wrap) =
                 index.map_or(missing, |index| &self.textures[index]);
@@ -177,6 +174,8 @@ impl SceneData {
             map(metallic, &self.white),
             map(roughness, &self.white),
             map(normal, &self.flat),
+            map(f0, &self.white),
+            map(specular, &self.white),
         ]
     }
 }

@@ -1,5 +1,6 @@
 //! The device with its one queue and the memory allocator.
 
+use super::emulation::Emulation;
 use super::inject::{Injector, Site};
 use super::instance::Instance;
 use super::kept_pipeline::Pipelines;
@@ -37,6 +38,7 @@ pub(super) struct Shared {
     pub(super) timestamp_mask: u64,
     pub(super) info: DeviceInfo,
     pub(super) injector: Injector,
+    pub(super) emulation: Emulation,
     pub(super) is_interactive: bool,
     pub(super) interrupt: Mutex<Option<Arc<AtomicBool>>>,
     pub(super) pipelines: Pipelines,
@@ -54,8 +56,10 @@ impl Gpu {
     /// Opens a device. The error names the missing feature.
     pub fn new(options: Options) -> Result<Self, GpuError> {
         let injector = Injector::from_environment()?;
+        let emulation = Emulation::from_environment()?;
         let instance = Instance::new(options.validation)?;
         let (physical, info) = instance.choose(options.device)?;
+        let info = emulation.limited(info);
         let (queue_family, timestamp_mask) = queue_family(&instance, physical, &info)?;
         let raw = create_device(
             &instance,
@@ -85,6 +89,7 @@ impl Gpu {
             timestamp_mask,
             info,
             injector,
+            emulation,
             is_interactive: options.is_interactive,
             interrupt: Mutex::default(),
             pipelines: Mutex::default(),

@@ -1,3 +1,4 @@
+use super::emulation::LIMITS;
 use ash::vk;
 
 #[derive(Debug, thiserror::Error)]
@@ -54,6 +55,14 @@ pub enum GpuError {
         variable: &'static str,
         word: String,
     },
+    #[error(
+        "{variable}: unknown limit '{word}'; expected of: {}",
+        names_of_limits()
+    )]
+    UnknownTestLimit {
+        variable: &'static str,
+        word: String,
+    },
     #[error("no shader named '{0}' was built")]
     NoShader(String),
     #[error("{call} failed with {result:?} ('{name}')")]
@@ -67,6 +76,10 @@ pub enum GpuError {
         name: String,
         source: gpu_allocator::AllocationError,
     },
+}
+
+fn names_of_limits() -> String {
+    LIMITS.map(|(name, _)| name).join(", ")
 }
 
 impl GpuError {

@@ -1,5 +1,6 @@
 //! The instance, physical devices and their properties.
 
+use super::processor;
 use super::{GpuError, driver_cache};
 use ash::{Entry, ext, vk};
 use std::ffi::{CStr, c_void};
@@ -37,6 +38,8 @@ pub struct DeviceInfo {
     pub device_type: &'static str,
     /// Name and version, as the driver reports them.
     pub driver: String,
+    /// The processor that the driver compiles for; `None` for a GPU.
+    pub target: Option<String>,
     pub api_version: String,
     /// Length of a timestamp tick, ns.
     pub timestamp_period_ns: f32,
@@ -207,6 +210,8 @@ impl Instance {
                 text(driver.driver_name_as_c_str()),
                 text(driver.driver_info_as_c_str())
             ),
+            target: (core.device_type == vk::PhysicalDeviceType::CPU)
+                .then(|| processor::target().to_owned()),
             api_version: format!(
                 "{}.{}.{}",
                 vk::api_version_major(core.api_version),

@@ -146,16 +146,11 @@ impl Shared {
     ) -> Result<Pipeline, GpuError> {
         let pipeline = Pipeline::new(self, shader, interface, vk::ShaderStageFlags::COMPUTE)?;
         let module = Module::new(self, shader)?;
-        let entries: Vec<_> = (0..constants.len() as u32)
-            .map(|id| vk::SpecializationMapEntry {
-                constant_id: id,
-                offset: 4 * id,
-                size: 4,
-            })
-            .collect();
+        let constants = self.emulation.added_to(constants);
+        let entries = specialization_entries(&constants);
         let specialization = vk::SpecializationInfo::default()
             .map_entries(&entries)
-            .data(bytemuck::cast_slice(constants));
+            .data(bytemuck::cast_slice(&constants));
         let stage = module
             .stage(vk::ShaderStageFlags::COMPUTE)
             .specialization_info(&specialization);
@@ -208,6 +203,10 @@ impl Shared {
         Ok(pipeline)
     }
 
+    #[expect(
+        clippy::too_many_lines,
+        reason = "one Vulkan description, whose parts borrow from each other"
+    )]
     fn make_graphics_pipeline(
         &self,
         description: GraphicsDescription<'_>,
@@ -223,7 +222,15 @@ impl Shared {
         } = description;
         let pipeline = Pipeline::new(self, name, interface, STAGES[0] | STAGES[1])?;
         let modules = [Module::new(self, vertex_shader)?, Module::new(self, name)?];
-        let stages = [modules[0].stage(STAGES[0]), modules[1].stage(STAGES[1])];
+        let constants = self.emulation.added_to(&[]);
+        let entries = specialization_entries(&constants);
+        let specialization = vk::SpecializationInfo::default()
+            .map_entries(&entries)
+            .data(bytemuck::cast_slice(&constants));
+        let stages = [0, 1].map(|index| {
+            let stage = modules[index].stage(STAGES[index]);
+            stage.specialization_info(&specialization)
+        });
         let (bindings, locations) = vertex_layout(attributes);
         let vertex_input = vk::PipelineVertexInputStateCreateInfo::default()
             .vertex_binding_descriptions(&bindings)
@@ -279,6 +286,17 @@ impl Shared {
         };
         pipeline.finish(self, ("vkCreateGraphicsPipelines", name), made)
     }
+}
+
+/// Describes words that are the specialization constants 0, 1, ...
+fn specialization_entries(constants: &[u32]) -> Vec<vk::SpecializationMapEntry> {
+    (0..constants.len() as u32)
+        .map(|id| vk::SpecializationMapEntry {
+            constant_id: id,
+            offset: 4 * id,
+            size: 4,
+        })
+        .collect()
 }
 
 /// Describes attributes of that many floats per vertex, each in a tightly packed buffer of its own.

@@ -105,66 +105,15 @@ impl Module {
     }
 
     fn names_read(&self, function: &str) -> BTreeSet<String> {
-        let globals = &self.0.types_global_values;
-        let by_id: BTreeMap<u32, &Instruction> = globals
-            .iter()
-            .chain(self.0.all_inst_iter())
-            .filter_map(|i| Some((i.result_id?, i)))
-            .collect();
-        let pointee = |pointer: u32| by_id[&pointer].operands[1].unwrap_id_ref();
-        let name_of = |id: u32| self.name(Op::Name, id, None);
+        let ids = Ids::new(self);
         let mut names = BTreeSet::new();
         for instruction in self
             .called_by(function)
             .into_iter()
             .flat_map(Function::all_inst_iter)
         {
-            for variable in instruction.operands.iter().filter_map(Operand::id_ref_any) {
-                let found = by_id
-                    .get(&variable)
-                    .filter(|found| found.class.opcode == Op::Variable);
-                let Some(of_type) = found.and_then(|found| found.result_type) else {
-                    continue;
-                };
-                names.extend(name_of(variable).or_else(|| name_of(pointee(of_type))));
-            }
-            // Follows the path into a struct: members by number, from the type of the base.
-            let base = instruction.operands.first().and_then(Operand::id_ref_any);
-            let Some(mut of_type) = base.and_then(|base| by_id.get(&base)?.result_type) else {
-                continue;
-            };
-            match instruction.class.opcode {
-                Op::AccessChain | Op::InBoundsAccessChain => of_type = pointee(of_type),
-                Op::CompositeExtract => {}
-                _ => continue,
-            }
-            for step in &instruction.operands[1..] {
-                let parts = &by_id[&of_type];
-                let member = match step {
-                    Operand::LiteralBit32(member) => Some(*member),
-                    step => step
-                        .id_ref_any()
-                        .and_then(|id| match by_id[&id].operands.first() {
-                            Some(Operand::LiteralBit32(member))
-                                if by_id[&id].class.opcode == Op::Constant =>
-                            {
-                                Some(*member)
-                            }
-                            _ => None,
-                        }),
-                };
-                match (parts.class.opcode, member) {
-                    (Op::TypeStruct, Some(member)) => {
-                        names.extend(self.name(Op::MemberName, of_type, Some(member)));
-                        of_type = parts.operands[member as usize].unwrap_id_ref();
-                    }
-                    // The element type of an array, vector or matrix.
-                    _ => match parts.operands.first() {
-                        Some(Operand::IdRef(element)) => of_type = *element,
-                        _ => break,
-                    },
-                }
-            }
+            names.extend(ids.variables(instruction));
+            ids.add_members(instruction, &mut names);
         }
         names
     }
@@ -180,6 +129,84 @@ impl Module {
         };
         match self.0.debug_names.iter().find(is_it)?.operands.last()? {
             Operand::LiteralString(name) if !name.is_empty() => Some(name.clone()),
+            _ => None,
+        }
+    }
+}
+
+/// The instructions of a module by the id of their result.
+struct Ids<'m> {
+    module: &'m Module,
+    by_id: BTreeMap<u32, &'m Instruction>,
+}
+
+impl<'m> Ids<'m> {
+    fn new(module: &'m Module) -> Self {
+        let globals = module.0.types_global_values.iter();
+        let by_id = globals
+            .chain(module.0.all_inst_iter())
+            .filter_map(|i| Some((i.result_id?, i)))
+            .collect();
+        Self { module, by_id }
+    }
+
+    fn pointee(&self, pointer: u32) -> u32 {
+        self.by_id[&pointer].operands[1].unwrap_id_ref()
+    }
+
+    /// Returns the names of the variables among an instruction's operands: the name of the type
+    /// for a block without its own.
+    fn variables(&self, instruction: &Instruction) -> impl Iterator<Item = String> {
+        let ids = instruction.operands.iter().filter_map(Operand::id_ref_any);
+        ids.filter_map(|id| {
+            let variable = self
+                .by_id
+                .get(&id)
+                .filter(|found| found.class.opcode == Op::Variable)?;
+            let pointer = variable.result_type?;
+            let name_of = |id: u32| self.module.name(Op::Name, id, None);
+            name_of(id).or_else(|| name_of(self.pointee(pointer)))
+        })
+    }
+
+    /// Adds the names of members on an instruction's path into a struct: by number, from the type
+    /// of the base.
+    fn add_members(&self, instruction: &Instruction, names: &mut BTreeSet<String>) {
+        let base = instruction.operands.first().and_then(Operand::id_ref_any);
+        let Some(mut of_type) = base.and_then(|base| self.by_id.get(&base)?.result_type) else {
+            return;
+        };
+        match instruction.class.opcode {
+            Op::AccessChain | Op::InBoundsAccessChain => of_type = self.pointee(of_type),
+            Op::CompositeExtract => {}
+            _ => return,
+        }
+        for step in &instruction.operands[1..] {
+            let parts = &self.by_id[&of_type];
+            match (parts.class.opcode, self.number(step)) {
+                (Op::TypeStruct, Some(member)) => {
+                    names.extend(self.module.name(Op::MemberName, of_type, Some(member)));
+                    of_type = parts.operands[member as usize].unwrap_id_ref();
+                }
+                // The element type of an array, vector or matrix.
+                _ => match parts.operands.first() {
+                    Some(Operand::IdRef(element)) => of_type = *element,
+                    _ => break,
+                },
+            }
+        }
+    }
+
+    /// Returns the number that an operand is or whose constant it names.
+    fn number(&self, operand: &Operand) -> Option<u32> {
+        if let Operand::LiteralBit32(number) = operand {
+            return Some(*number);
+        }
+        let constant = self.by_id[&operand.id_ref_any()?];
+        match constant.operands.first() {
+            Some(Operand::LiteralBit32(number)) if constant.class.opcode == Op::Constant => {
+                Some(*number)
+            }
             _ => None,
         }
     }

@@ -12,7 +12,7 @@ impl Coalition {
     pub const EMPTY: Self = Self(0);
 
     /// Returns the coalition of these players.
-    pub const fn of(players: &[usize]) -> Self {
+    pub const fn from_players(players: &[usize]) -> Self {
         let mut bits = 0;
         let mut index = 0;
         while index < players.len() {

@@ -61,22 +61,22 @@ pub static STEPS: &[Step] = &[
     // A linear blend of two level widths replaces the width.
     Step {
         name: "levels",
-        needs: Coalition::of(&[VIEW]),
+        needs: Coalition::from_players(&[VIEW]),
     },
     // Linear filtering between texels replaces the direction.
     Step {
         name: "texels",
-        needs: Coalition::of(&[VIEW]),
+        needs: Coalition::from_players(&[VIEW]),
     },
     // The finite prefilter replaces the integral in each texel.
     Step {
         name: "samples",
-        needs: Coalition::of(&[VIEW]),
+        needs: Coalition::from_players(&[VIEW]),
     },
     // The number format of the texels.
     Step {
         name: "storage",
-        needs: Coalition::of(&[VIEW]),
+        needs: Coalition::from_players(&[VIEW]),
     },
     // The table, as looked up, replaces A and B.
     Step {

@@ -66,7 +66,7 @@ impl Radiance {
     }
 
     /// Returns the radiance of a feasible coalition by pixel.
-    pub fn of(&self, coalition: Coalition, f0: DVec3) -> Vec<DVec3> {
+    pub fn for_coalition(&self, coalition: Coalition, f0: DVec3) -> Vec<DVec3> {
         self.with_drawn(&self.drawn, coalition, f0)
     }
 

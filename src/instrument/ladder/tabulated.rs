@@ -17,7 +17,8 @@ use rayon::prelude::*;
 use std::collections::HashMap;
 
 /// The steps that act on tables.
-pub(super) const TABULATED: Coalition = Coalition::of(&[LEVELS, TEXELS, SAMPLES, STORAGE]);
+pub(super) const TABULATED: Coalition =
+    Coalition::from_players(&[LEVELS, TEXELS, SAMPLES, STORAGE]);
 
 /// What lookups of one of the two levels around alpha return.
 pub(super) struct LevelMeans {

@@ -2,6 +2,7 @@
 
 use super::flip::{map as flip, view::View as FlipView};
 use super::mean::rgb_mean;
+use super::ssim::similarities;
 use super::{Epsilon, METRICS, Metric};
 use crate::base::pixels::{GrayImage, Pixels, Rgb8Image, RgbImage};
 use crate::instrument::tonemap::ToneCurve;
@@ -82,6 +83,7 @@ pub struct Comparison<'a> {
     test_display: OnceLock<Displayed>,
     reference_display: OnceLock<Arc<Displayed>>,
     flip: OnceLock<GrayImage>,
+    similarities: OnceLock<Vec<f64>>,
 }
 
 impl<'a> Comparison<'a> {
@@ -109,6 +111,7 @@ impl<'a> Comparison<'a> {
             test_display: OnceLock::new(),
             reference_display: OnceLock::new(),
             flip: OnceLock::new(),
+            similarities: OnceLock::new(),
         })
     }
 
@@ -221,6 +224,19 @@ impl<'a> Comparison<'a> {
                 .get_or_init(|| Displayed::new(self.test, &self.pixels, self.curve)),
             self.reference_display(),
         ]
+    }
+
+    /// Returns the 8-bit display values of test and reference, black off the mask.
+    pub(super) fn codes(&self) -> [&Rgb8Image; 2] {
+        self.display().map(|displayed| &displayed.image)
+    }
+
+    /// Returns SSIM by pixel index, off the mask too.
+    pub(super) fn similarities(&self) -> &[f64] {
+        self.similarities.get_or_init(|| {
+            let [test, reference] = self.codes();
+            similarities(test, reference)
+        })
     }
 
     pub(super) fn flip(&self) -> &GrayImage {

@@ -31,18 +31,18 @@ impl Epsilon {
     }
 
     /// ε added to `r²`.
-    pub fn beside_square(self) -> f64 {
+    pub fn squared_epsilon(self) -> f64 {
         Self::SHARE * self.mean * self.mean
     }
 
     /// Returns `square / (r² + ε)` of one channel, the term of `relmse`.
     pub fn relative(self, square: f64, r: f64) -> f64 {
-        square / (r * r + self.beside_square())
+        square / (r * r + self.squared_epsilon())
     }
 
     /// Returns `difference / sqrt(r² + ε)` of one channel.
     pub fn signed(self, difference: f64, r: f64) -> f64 {
-        difference / (r * r + self.beside_square()).sqrt()
+        difference / (r * r + self.squared_epsilon()).sqrt()
     }
 
     /// Returns [`Self::relative`] of 1 for each channel.

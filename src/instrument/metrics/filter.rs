@@ -1,14 +1,16 @@
 //! Separable filters of an image plane, continued by its outermost pixels.
 
+use std::ops::{AddAssign, Mul};
+
 /// One number per pixel, row-major.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Plane {
+pub(super) struct Plane<T = f32> {
     pub width: usize,
-    pub data: Vec<f32>,
+    pub data: Vec<T>,
 }
 
-impl Plane {
-    pub fn from_fn(width: usize, len: usize, value: impl FnMut(usize) -> f32) -> Self {
+impl<T: Copy + Default + AddAssign + Mul<Output = T>> Plane<T> {
+    pub fn from_fn(width: usize, len: usize, value: impl FnMut(usize) -> T) -> Self {
         Self {
             width,
             data: (0..len).map(value).collect(),
@@ -16,10 +18,10 @@ impl Plane {
     }
 
     /// `out(x, y) = Σ taps[i] · self(x + i - r, y)`, with `2 r + 1` taps.
-    pub fn filter_rows(&self, taps: &[f32]) -> Self {
+    pub fn filter_rows(&self, taps: &[T]) -> Self {
         let radius = taps.len() / 2;
-        let mut out = vec![0.0; self.data.len()];
-        let mut padded = vec![0.0; self.width + 2 * radius];
+        let mut out = vec![T::default(); self.data.len()];
+        let mut padded = vec![T::default(); self.width + 2 * radius];
         for (row, sums) in self
             .data
             .chunks_exact(self.width)
@@ -39,9 +41,9 @@ impl Plane {
     }
 
     /// `out(x, y) = Σ taps[i] · self(x, y + i - r)`, with `2 r + 1` taps.
-    pub fn filter_columns(&self, taps: &[f32]) -> Self {
+    pub fn filter_columns(&self, taps: &[T]) -> Self {
         let radius = taps.len() / 2;
-        let mut out = vec![0.0; self.data.len()];
+        let mut out = vec![T::default(); self.data.len()];
         let height = self.data.len() / self.width;
         for (y, sums) in out.chunks_exact_mut(self.width).enumerate() {
             for (i, &tap) in taps.iter().enumerate() {
@@ -57,7 +59,7 @@ impl Plane {
 }
 
 /// Adds `tap · values` as far as `sums` reaches.
-fn add_scaled(sums: &mut [f32], values: &[f32], tap: f32) {
+fn add_scaled<T: Copy + AddAssign + Mul<Output = T>>(sums: &mut [T], values: &[T], tap: T) {
     sums.iter_mut()
         .zip(values)
         .for_each(|(sum, &value)| *sum += tap * value);

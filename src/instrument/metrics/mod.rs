@@ -15,8 +15,10 @@ mod filter;
 mod flip;
 mod mean;
 mod noise;
+mod psnr;
 mod relmse;
 mod rmse;
+mod ssim;
 mod tone_mapped;
 mod weight;
 
@@ -41,11 +43,12 @@ listed!(Space, "space", { "linear": Linear, "display": Display });
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Better {
     Lower,
+    Higher,
     /// Signed: the magnitude counts.
     NearerZero,
 }
 
-listed!(Better, "order", { "lower": Lower, "nearer-zero": NearerZero });
+listed!(Better, "order", { "lower": Lower, "higher": Higher, "nearer-zero": NearerZero });
 
 /// A score of a test image against a reference.
 pub struct Metric {
@@ -62,6 +65,8 @@ pub struct Metric {
     /// difference.
     pub power: f64,
     pub pooling: Pooling,
+    /// Converts a score to an error, see [`Metric::error`].
+    error: fn(f64) -> f64,
     /// Scores row-major indices of masked pixels, at least one.
     evaluate: fn(&Comparison, &[usize]) -> f64,
     /// Expected score of an exact test, caused by the reference's standard error; `None` for
@@ -85,6 +90,7 @@ impl Metric {
             formula,
             power: 1.0,
             pooling: Pooling::None,
+            error: f64::abs,
             evaluate,
             noise_floor: |_| None,
         }
@@ -95,9 +101,9 @@ impl Metric {
         (self.evaluate)(comparison, pixels)
     }
 
-    /// Converts a score to an error: lower is better, and ratios mean something.
+    /// Converts a score to an error: lower is better, 0 is exact, and ratios mean something.
     pub fn error(&self, score: f64) -> f64 {
-        score.abs()
+        (self.error)(score)
     }
 
     /// Returns the expected score of an exact test, caused by the reference's standard error;
@@ -114,6 +120,8 @@ pub static METRICS: &[&Metric] = &[
     &tone_mapped::TONE_MAPPED,
     &bias::BIAS,
     &flip::FLIP,
+    &psnr::PSNR,
+    &ssim::SSIM,
 ];
 
 pub const HEADLINE: &str = "relmse";

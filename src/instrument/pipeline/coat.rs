@@ -71,13 +71,16 @@ impl Pipeline {
         let whole = self.render_layers(base)?;
         let is_split = coat_renderer.specular_power != coat_renderer.diffuse_power
             && !request.shading.diffuse.is_none();
-        let specular_only = base.shaded(|shading| shading.diffuse = Diffuse::listed(NONE));
+        // Emission is attenuated as the diffuse term.
+        let specular_only = base
+            .dark()
+            .shaded(|shading| shading.diffuse = Diffuse::listed(NONE));
         let specular = if is_split {
             Some(self.render_layers(&specular_only)?)
         } else {
             None
         };
-        let over = self.render_points(coat)?;
+        let over = self.render_occluded(coat)?;
         let pixels = self.layer_pixels(coat, &over, request.scene.coat_weights())?;
         let needs_pair =
             coat_renderer.lookup.is_some() || coat_layering.loss() == CoatWeight::Albedo;

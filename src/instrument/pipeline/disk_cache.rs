@@ -2,10 +2,11 @@
 //!
 //! An entry is a file named by the hash of its key. The key contains everything that determines the
 //! entry's bits: the SPIR-V of its shaders, the host's code around them, the device and its driver,
-//! the contents of the inputs, every parameter. The build script hashes all source files except
+//! the processor's model and features if the driver compiles for it, the contents of the inputs,
+//! every parameter. The build script hashes all source files except
 //! those that no device result depends on (`HOST_EXCLUDED` in `shaders/compile.rs`), and the
 //! versions of all crates. Floats are kept bit for bit: a run writes the same bytes with and
-//! without the cache.
+//! without the cache, on machines whose devices and processors are alike.
 //!
 //! An entry is written atomically and has a checksum; damaged entries are removed and made again.
 //! Several processes may share a folder. Above its size limit, the entries used longest ago are
@@ -91,10 +92,14 @@ impl DiskCache {
         let DeviceInfo {
             name,
             driver,
+            target,
             api_version,
             ..
         } = device;
         self.device += &format!("device={name}\ndriver={driver}\napi_version={api_version}\n");
+        if let Some(target) = target {
+            self.device += &format!("target={target}\n");
+        }
     }
 
     /// Returns whether there is an entry of these shaders for `key`. It may be damaged.

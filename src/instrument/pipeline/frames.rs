@@ -11,23 +11,20 @@
 //! pixels of another surface count 0 there, so W falls where a surface appears. The geometry is
 //! known, so reprojection is exact up to the bilinear lookup. The signal is `(L - offset) / scale`;
 //! offset and scale are 0 and 1 unless [`History`] says otherwise.
-//!
-//! Long because a sequence shares the states of its methods, which these functions hand on.
 
-use super::antialias::{SurfacePoint, UNLIKE, difference, surface_point};
+use super::reprojection::{Sums, View};
 use super::request::{Frame, FrameTimings, Steadiness};
 use super::{Pipeline, PipelineError, RenderRequest};
 use crate::base::math::sequence::{FramePoints, PixelPoints, SEQUENCES, frame_shift};
 use crate::base::names::Listed;
 use crate::base::pixels::{GrayImage, Pixels, RgbImage};
 use crate::instrument::environment::Environment;
-use crate::instrument::gbuffer::Gbuffer;
 use crate::instrument::metrics::tone_mapped_curve;
-use crate::instrument::scene::{Camera, Orbit};
+use crate::instrument::scene::Orbit;
 use crate::instrument::shade::frames::{Frames, History, Motion};
 use crate::instrument::shade::{Diffuse, Method, NONE};
-use glam::{DMat3, DVec2, DVec3};
-use rayon::prelude::*;
+use crate::instrument::tonemap::ToneCurve;
+use glam::DVec3;
 use std::sync::Arc;
 
 /// Samples of the frames that stand for frames without noise; their points are the same in all
@@ -35,39 +32,8 @@ use std::sync::Arc;
 pub const CONVERGED_SAMPLES: u32 = 64;
 /// Last frames that the flicker is about.
 const FLICKER_FRAMES: u32 = 8;
-/// Most steps to a reflection, and the miss that ends them: below the width of any lobe.
-const REFLECTION_STEPS: usize = 16;
-const REFLECTION_MISS: f64 = 1e-3;
 /// Smallest divisor of a demodulated signal.
 const SCALE_MIN: f64 = 1e-3;
-
-/// What a frame's camera sees.
-#[derive(Debug)]
-pub struct View {
-    pub camera: Camera,
-    pub environment_from_world: DMat3,
-    pub gbuffer: Arc<Gbuffer<f32>>,
-}
-
-/// The sums of each pixel up to a frame.
-#[derive(Debug)]
-pub struct Sums {
-    view: Arc<View>,
-    pixels: Vec<PixelSum>,
-}
-
-/// Sums of weighted signals and of weights, S and W.
-#[derive(Clone, Copy, Debug, Default)]
-struct PixelSum {
-    signal: DVec3,
-    weight: f64,
-}
-
-/// A pixel and its share of a bilinear lookup.
-struct Tap {
-    pixel: [i64; 2],
-    share: f64,
-}
 
 impl RenderRequest {
     /// Whether the image ends a sequence of frames.
@@ -134,177 +100,6 @@ impl RenderRequest {
                 .collect(),
         )
     }
-}
-
-impl View {
-    fn size(&self) -> [u32; 2] {
-        [
-            self.gbuffer.position_mask.width,
-            self.gbuffer.position_mask.height,
-        ]
-    }
-
-    /// Returns the surface at a pixel; `None` off the image or if nothing is hit.
-    fn surface(&self, [x, y]: [i64; 2]) -> Option<SurfacePoint> {
-        let [width, height] = self.size();
-        let is_inside = (0..i64::from(width)).contains(&x) && (0..i64::from(height)).contains(&y);
-        if is_inside {
-            surface_point(&self.gbuffer, x as u32, y as u32)
-        } else {
-            None
-        }
-    }
-
-    /// Returns the pixels of a bilinear lookup at a position in the image.
-    fn taps(position: DVec2) -> impl Iterator<Item = Tap> {
-        // A position that is not a number is off the image.
-        let position = if position.is_finite() {
-            position
-        } else {
-            DVec2::splat(-2.0)
-        };
-        let low = position.floor();
-        let t = position - low;
-        let share = |part: f64, step: i64| if step == 1 { part } else { 1.0 - part };
-        let taps = [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[right, down]| Tap {
-            pixel: [low.x as i64 + right, low.y as i64 + down],
-            share: share(t.x, right) * share(t.y, down),
-        });
-        taps.into_iter().filter(|tap| tap.share > 0.0)
-    }
-
-    /// Returns the direction in the environment that a position reflects to the viewer; `None` off
-    /// the surfaces.
-    fn reflected(&self, position: DVec2) -> Option<DVec3> {
-        let mut mean_position = DVec3::ZERO;
-        let mut mean_normal = DVec3::ZERO;
-        for Tap { pixel, share } in Self::taps(position) {
-            let surface = self.surface(pixel)?;
-            mean_position += share * surface.position.as_dvec3();
-            mean_normal += share * surface.normal.as_dvec3();
-        }
-        let n = mean_normal.normalize();
-        let v = self.camera.v_at(mean_position);
-        Some(self.environment_from_world * (2.0 * n.dot(v) * n - v))
-    }
-
-    /// Finds the position that reflects a direction, by Gauss-Newton from a first guess; `None` if
-    /// that does not converge.
-    fn position_of_reflection(&self, direction: DVec3, guess: DVec2) -> Option<DVec2> {
-        let mut position = guess;
-        for _ in 0..REFLECTION_STEPS {
-            let reflected = self.reflected(position)?;
-            let miss = direction - reflected;
-            if miss.length() < REFLECTION_MISS {
-                return Some(position);
-            }
-            let right = self.reflected(position + DVec2::X)? - reflected;
-            let down = self.reflected(position + DVec2::Y)? - reflected;
-            // The normal equations, by Cramer's rule.
-            let right_right = right.dot(right);
-            let right_down = right.dot(down);
-            let down_down = down.dot(down);
-            let right_miss = right.dot(miss);
-            let down_miss = down.dot(miss);
-            position += DVec2::new(
-                down_down * right_miss - right_down * down_miss,
-                right_right * down_miss - right_down * right_miss,
-            ) / (right_right * down_down - right_down * right_down);
-        }
-        None
-    }
-}
-
-impl Sums {
-    /// Adds the signal of a frame to the sums up to the frame before.
-    pub fn added(
-        before: Option<&Self>,
-        frames: &Frames,
-        view: &Arc<View>,
-        signal: &[DVec3],
-    ) -> Self {
-        let kept = frames.kept();
-        let pixel = |index: usize| {
-            let mut history = before.map_or(PixelSum::default(), |before| {
-                before.reprojected(view, index, frames.history)
-            });
-            if frames.history == History::Clamp && history.weight > 0.0 {
-                let [least, most] = range_around(view, signal, index);
-                history.signal =
-                    history.weight * (history.signal / history.weight).clamp(least, most);
-            }
-            PixelSum {
-                signal: kept * history.signal + signal[index],
-                weight: kept * history.weight + 1.0,
-            }
-        };
-        Self {
-            view: view.clone(),
-            pixels: (0..signal.len()).into_par_iter().map(pixel).collect(),
-        }
-    }
-
-    /// Returns the result S / W of each pixel.
-    pub fn means(&self) -> impl Iterator<Item = DVec3> + '_ {
-        self.pixels.iter().map(|sum| sum.signal / sum.weight)
-    }
-
-    /// Looks up the sums where this frame saw the surface of a pixel of `view`, or the light that
-    /// the surface reflects.
-    fn reprojected(&self, view: &View, index: usize, history: History) -> PixelSum {
-        let [width, height] = view.size();
-        let pixel = [index as u32 % width, index as u32 / width].map(i64::from);
-        let Some(surface) = view.surface(pixel) else {
-            return PixelSum::default();
-        };
-        let position = self
-            .view
-            .camera
-            .pixel_of(surface.position.as_dvec3(), [width, height]);
-        let reflection = if history == History::Reflected {
-            view.reflected(DVec2::new(pixel[0] as f64, pixel[1] as f64))
-                .and_then(|direction| self.view.position_of_reflection(direction, position))
-        } else {
-            None
-        };
-        if reflection.is_none() && view.camera == self.view.camera {
-            return self.pixels[index];
-        }
-        let difference = difference(&self.view.camera, [width, height]);
-        let is_same = |tap: &Tap| {
-            let other = self.view.surface(tap.pixel);
-            if reflection.is_some() {
-                other.is_some()
-            } else {
-                difference(other, Some(surface)) < UNLIKE
-            }
-        };
-        let mut sum = PixelSum::default();
-        for Tap {
-            pixel: [x, y],
-            share,
-        } in View::taps(reflection.unwrap_or(position)).filter(is_same)
-        {
-            let before = self.pixels[(y * i64::from(width) + x) as usize];
-            sum.signal += share * before.signal;
-            sum.weight += share * before.weight;
-        }
-        sum
-    }
-}
-
-/// Least and largest signal of the surfaces in the 3x3 pixels around one.
-fn range_around(view: &View, signal: &[DVec3], index: usize) -> [DVec3; 2] {
-    let width = i64::from(view.size()[0]);
-    let x = index as i64 % width;
-    let y = index as i64 / width;
-    let around = (-1..=1).flat_map(|down| (-1..=1).map(move |right| [x + right, y + down]));
-    let signals = around
-        .filter(|pixel| view.surface(*pixel).is_some())
-        .map(|[x, y]| signal[(y * width + x) as usize]);
-    signals.fold([signal[index]; 2], |[least, most], value| {
-        [least.min(value), most.max(value)]
-    })
 }
 
 /// A filter of one image per frame.
@@ -382,14 +177,12 @@ impl Pipeline {
         let frames = request.shading.frames;
         let is_moving = frames.motion != Motion::Still;
         let curve = tone_mapped_curve(request.epsilon());
-        let shown = |texel: [f32; 3]| DVec3::from_array(curve.apply(texel.map(f64::from)));
         let mut filter = Filter::default();
         let mut filter_without_noise = Filter::default();
         let mut pose: Option<Pose> = None;
         let mut timings = FrameTimings::default();
         let mut last = None;
-        // After the tone curve: the results of the last frames less, under motion, the results
-        // without noise.
+        // Of the last frames: the results less, under motion, the results without noise.
         let mut differences: Vec<Vec<DVec3>> = Vec::new();
         for index in 0..frames.count {
             let frame_request = request.of_frame(index);
@@ -414,14 +207,8 @@ impl Pipeline {
             };
             timings = timings.and(frame.timings.clone());
             if index + FLICKER_FRAMES >= frames.count {
-                let moving = without_noise.as_ref().filter(|_| is_moving);
-                let exact = |pixel| moving.map_or(DVec3::ZERO, |image| shown(image.data[pixel]));
-                let texels = radiance.data.iter().enumerate();
-                differences.push(
-                    texels
-                        .map(|(pixel, texel)| shown(*texel) - exact(pixel))
-                        .collect(),
-                );
+                let exact = without_noise.as_ref().filter(|_| is_moving);
+                differences.push(shown_difference(&curve, &radiance, exact));
             }
             last = Some((Frame { radiance, ..frame }, without_noise));
             pose = Some(frame_pose);
@@ -500,6 +287,16 @@ impl Pipeline {
             History::Plain | History::Clamp | History::Reflected => SignalTransform::default(),
         })
     }
+}
+
+/// Returns a result after the tone curve, less the exact one if there is one.
+fn shown_difference(curve: &ToneCurve, result: &RgbImage, exact: Option<&RgbImage>) -> Vec<DVec3> {
+    let shown = |texel: [f32; 3]| DVec3::from_array(curve.apply(texel.map(f64::from)));
+    let exact = |pixel| exact.map_or(DVec3::ZERO, |image| shown(image.data[pixel]));
+    let texels = result.data.iter().enumerate();
+    texels
+        .map(|(pixel, texel)| shown(*texel) - exact(pixel))
+        .collect()
 }
 
 /// The mean over the mask and channels of the variance over images; 0 for less than two.

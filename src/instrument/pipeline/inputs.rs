@@ -14,9 +14,10 @@ use crate::instrument::precompute::dfg::DfgAxes;
 use crate::instrument::precompute::given::{GivenMap, GivenTable};
 use crate::instrument::precompute::prefilter::pass::Recipe;
 use crate::instrument::precompute::prefilter::{self, Kernel, LevelMapping};
+use crate::instrument::precompute::sh9::{self, Projection};
 use crate::instrument::precompute::taps::{Chain, TapCount, TapTable};
 use crate::instrument::precompute::{
-    PrecomputeSettings, PrefilterBy, dfg, filtered, irradiance, mips, sh9,
+    PrecomputeSettings, PrefilterBy, dfg, filtered, irradiance, mips,
 };
 use crate::instrument::shade::Shading;
 use std::collections::BTreeSet;
@@ -81,8 +82,11 @@ pub(super) fn filtered_key(environment: &Environment, layout: &MapLayout) -> Sha
 }
 
 /// Key of the nine coefficients of the environment's finest level.
-pub(super) fn sh9_key(environment: &Environment) -> SharedKey {
-    let inputs = format!("environment={}\n", environment.hash);
+pub(super) fn sh9_key(environment: &Environment, projection: Projection) -> SharedKey {
+    let inputs = format!(
+        "environment={}\nprojection={projection:?}\n",
+        environment.hash
+    );
     SharedKey {
         kind: "sh9",
         inputs,
@@ -99,7 +103,7 @@ pub(super) struct IrradianceInputs<'a> {
 }
 
 impl<'a> IrradianceInputs<'a> {
-    pub(super) fn of(request: &'a RenderRequest) -> Self {
+    pub(super) fn from_request(request: &'a RenderRequest) -> Self {
         let settings = &request.shading.tables();
         Self {
             environment: &request.environment,
@@ -151,13 +155,13 @@ pub(super) struct PrefilterInputs<'a> {
 }
 
 impl<'a> PrefilterInputs<'a> {
-    pub(super) fn of(request: &'a RenderRequest) -> Self {
+    pub(super) fn from_request(request: &'a RenderRequest) -> Self {
         let settings = &request.shading.tables();
         let given = request.given.prefiltered.as_deref();
         Self {
             environment: &request.environment,
             layout: settings.layout,
-            recipe: Recipe::of(
+            recipe: Recipe::new(
                 request.shading.brdf,
                 request.shading.masking_shadowing,
                 settings,
@@ -233,7 +237,7 @@ pub(super) struct DfgInputs<'a> {
 }
 
 impl<'a> DfgInputs<'a> {
-    pub(super) fn of(request: &'a RenderRequest) -> Self {
+    pub(super) fn from_request(request: &'a RenderRequest) -> Self {
         let Shading {
             brdf,
             masking_shadowing: masking,
@@ -291,7 +295,7 @@ pub(super) struct TapTableInputs {
 }
 
 impl TapTableInputs {
-    pub(super) fn of(request: &RenderRequest, count: TapCount) -> Self {
+    pub(super) fn from_request(request: &RenderRequest, count: TapCount) -> Self {
         let Shading {
             brdf,
             masking_shadowing: masking,

@@ -6,7 +6,7 @@ use crate::base::names::Listed;
 use crate::base::pixels::RgbImage;
 use crate::instrument::gbuffer;
 use crate::instrument::shade::Shading;
-use crate::instrument::shade::pass::BACKGROUND_SHADER;
+use crate::instrument::shade::pass::{BACKGROUND_SHADER, DIFFUSE_PASS, SPECULAR_PASS};
 use crate::instrument::shade::reference_pass::Convergence;
 
 /// The expensive parts of a reference frame.
@@ -22,6 +22,42 @@ pub(super) struct Reference {
 ///
 /// Of the table settings only the DFG table's matter, and only if the frame reads it.
 pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
+    let Shading {
+        brdf,
+        method,
+        diffuse,
+        ..
+    } = request.shading;
+    if !request.has_reference_term() || method.has_pass() || diffuse.has_pass() {
+        return None;
+    }
+    let dfg = request
+        .needs_dfg()
+        .then(|| DfgInputs::from_request(request).key());
+    let inputs = inputs(request, dfg.as_ref());
+    let lobes = request
+        .reference_lobes()
+        .into_iter()
+        .flat_map(|lobe| lobe.shaders(brdf));
+    let background = request.background.then(|| BACKGROUND_SHADER.to_owned());
+    let shaders = gbuffer::pass::shaders()
+        .map(str::to_owned)
+        .chain(lobes)
+        // A background reads the levels of the environment.
+        .chain(mips_key(&request.environment).shaders)
+        .chain(dfg.into_iter().flat_map(|key| key.shaders))
+        .chain(background)
+        .collect();
+    Some(SharedKey {
+        kind: "reference",
+        inputs,
+        shaders,
+    })
+}
+
+/// Returns the values that determine a reference, by name; `dfg` is the key of the DFG table that
+/// it reads.
+fn inputs(request: &RenderRequest, dfg: Option<&SharedKey>) -> String {
     let RenderRequest {
         environment,
         scene,
@@ -37,85 +73,94 @@ pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
         given: _,
         seed,
     } = request;
-    let Shading {
-        placement,
-        environment_scale,
-        brdf,
-        masking_shadowing,
-        compensation,
-        method,
-        diffuse,
-        samples,
-        precompute,
-        // Parameters of sampled methods.
-        sequence: _,
-        point_set: _,
-        pixel_points: _,
-        frames: _,
-        frame: _,
-        lod_bias: _,
-        // Layers are kept each by itself.
+    let ShadingInputs {
+        light,
+        terms,
+        tables,
         widths,
-        bend: _,
-        coat_layering: _,
-        coat_renderer: _,
-        // The model of their layer.
-        sheen_visibility: _,
-        sheen_lookup: _,
-    } = shading;
-    if !request.has_reference_term() || method.has_pass() || diffuse.has_pass() {
-        return None;
-    }
-    let levels = method.uses_levels.then_some((
-        precompute.prefilter_level_count,
-        precompute.level_mapping.name,
-    ));
-    let weight = method
-        .uses_weight
-        .then_some(precompute.prefilter_weight.name);
-    let dfg = request.needs_dfg().then(|| DfgInputs::of(request).key());
-    let table = dfg.as_ref().map_or("none\n".to_owned(), |key| {
-        format!("{:?}\n{}", precompute.storage, key.inputs)
+    } = ShadingInputs::new(shading);
+    let table = dfg.map_or("none\n".to_owned(), |key| {
+        format!("{:?}\n{}", shading.precompute.storage, key.inputs)
     });
-    let inputs = format!(
-        "environment={}\nplacement={placement:?}\nscale={environment_scale}\nepsilon={}\nscene={}\n\
-         camera={camera:?}\nsize={width}x{height}\nmethod={}\ndiffuse={}\nbrdf={}\n\
-         masking={masking_shadowing:?}\ncompensation={compensation:?}\nsamples={samples}\n\
-         reference_samples={reference_samples}\nreference_error={reference_error:?}\n\
-         background={background}\nseed={seed}\nlevels={levels:?}\nweight={weight:?}\ndfg={table}",
-        environment.hash,
-        request.epsilon().beside_square(),
-        scene.hash,
-        method.name,
-        diffuse.name,
-        brdf.name(),
-    );
     let widths = if scene.has_anisotropy() {
-        format!("widths={}\n", widths.name())
+        widths
     } else {
         String::new()
     };
-    let inputs = inputs + &widths;
-    let lobes = request
-        .reference_lobes()
-        .into_iter()
-        .flat_map(|lobe| lobe.shaders(*brdf));
-    let shaders = gbuffer::pass::shaders().map(str::to_owned).chain(lobes);
-    let shaders = shaders
-        // A background reads the levels of the environment.
-        .chain(mips_key(environment).shaders)
-        .chain(dfg.into_iter().flat_map(|key| key.shaders))
-        .chain(background.then(|| BACKGROUND_SHADER.to_owned()))
-        .collect();
-    Some(SharedKey {
-        kind: "reference",
-        inputs,
-        shaders,
-    })
+    format!(
+        "environment={}\n{light}epsilon={}\nscene={}\ncamera={camera:?}\nsize={width}x{height}\n\
+         {terms}reference_samples={reference_samples}\nreference_error={reference_error:?}\n\
+         background={background}\nseed={seed}\n{tables}dfg={table}{widths}",
+        environment.hash,
+        request.epsilon().squared_epsilon(),
+        scene.hash,
+    )
+}
+
+/// The fields of [`Shading`] that determine a reference, as lines.
+struct ShadingInputs {
+    light: String,
+    terms: String,
+    /// What the method's reference takes from the table settings.
+    tables: String,
+    /// They matter to anisotropic materials alone.
+    widths: String,
+}
+
+impl ShadingInputs {
+    fn new(shading: &Shading) -> Self {
+        let Shading {
+            placement,
+            environment_scale,
+            brdf,
+            masking_shadowing,
+            compensation,
+            method,
+            diffuse,
+            samples,
+            precompute,
+            // Parameters of sampled methods.
+            sequence: _,
+            point_set: _,
+            pixel_points: _,
+            frames: _,
+            frame: _,
+            lod_bias: _,
+            // Layers are kept each by itself.
+            widths,
+            bend: _,
+            coat_layering: _,
+            coat_renderer: _,
+            // The model of their layer.
+            sheen_visibility: _,
+            sheen_lookup: _,
+            // Its factors are applied to the kept image.
+            specular_occlusion: _,
+        } = shading;
+        let levels = method.uses_levels.then_some((
+            precompute.prefilter_level_count,
+            precompute.level_mapping.name,
+        ));
+        let weight = method
+            .uses_weight
+            .then_some(precompute.prefilter_weight.name);
+        Self {
+            light: format!("placement={placement:?}\nscale={environment_scale}\n"),
+            terms: format!(
+                "method={}\ndiffuse={}\nbrdf={}\nmasking={masking_shadowing:?}\n\
+                 compensation={compensation:?}\nsamples={samples}\n",
+                method.name,
+                diffuse.name,
+                brdf.name(),
+            ),
+            tables: format!("levels={levels:?}\nweight={weight:?}\n"),
+            widths: format!("widths={}\n", widths.name()),
+        }
+    }
 }
 
 /// The possible values of [`Convergence::term`].
-const TERMS: [&str; 2] = ["shade-specular", "shade-diffuse"];
+const TERMS: [&str; 2] = [SPECULAR_PASS, DIFFUSE_PASS];
 const CONVERGENCE_LENGTH: usize = 18;
 
 impl Reference {

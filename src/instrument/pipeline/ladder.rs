@@ -14,6 +14,7 @@ use crate::instrument::gpu::{Gpu, Image};
 use crate::instrument::ladder::attribution::{Attribution, Case, attributions};
 use crate::instrument::ladder::radiance::{ByKernel, KernelRadiance, Radiance, Setting};
 use crate::instrument::precompute::PrecomputeSettings;
+use crate::instrument::precompute::given::Given;
 use crate::instrument::precompute::prefilter::{Kernel, harmonic};
 use crate::instrument::scene::MaterialOverride;
 use crate::instrument::shade::method::ladder::MASKING_ALONE;
@@ -54,7 +55,7 @@ impl Pipeline {
         let radiance = self.radiance_by_steps(&specular, &frames)?;
         let case = Case {
             n_dot_v: &n_dot_v,
-            radiance: &|coalition| radiance.of(coalition, f0),
+            radiance: &|coalition| radiance.for_coalition(coalition, f0),
             scrambles: &|coalition| radiance.scrambles(coalition, f0),
             epsilon: request.epsilon(),
         };
@@ -196,22 +197,59 @@ impl Pipeline {
 
 /// Names what determines the radiance of coalitions, as far as f0 does not matter.
 fn steps_key(request: &RenderRequest, alpha: f64) -> String {
+    let RenderRequest {
+        environment,
+        // `design`, with the material of `alpha`.
+        scene: _,
+        // The pixels of `design` have their own views.
+        camera: _,
+        size,
+        shading,
+        reference_samples,
+        // `None`: drawn terms take all samples.
+        reference_error: _,
+        background: _,
+        antialias: _,
+        given:
+            Given {
+                dfg,
+                // The steps filter the environment themselves.
+                prefiltered: _,
+            },
+        seed,
+    } = request;
     let Shading {
         placement,
         environment_scale,
         brdf,
         masking_shadowing,
         precompute,
-        ..
-    } = &request.shading;
+        // The split sum has these steps, under single scattering and without layers.
+        compensation: _,
+        method: _,
+        diffuse: _,
+        bend: _,
+        widths: _,
+        coat_layering: _,
+        coat_renderer: _,
+        sheen_visibility: _,
+        sheen_lookup: _,
+        specular_occlusion: _,
+        // Drawn terms take the samples of a reference.
+        samples: _,
+        sequence: _,
+        point_set: _,
+        pixel_points: _,
+        frames: _,
+        frame: _,
+        lod_bias: _,
+    } = shading;
+    let given = dfg.as_ref().map_or("", |table| &table.hash);
     format!(
-        "{} {placement:?} {environment_scale} {} {masking_shadowing:?} {alpha} {precompute:?} {:?} \
-         {} {}",
-        request.environment.hash,
+        "{} {placement:?} {environment_scale} {} {masking_shadowing:?} {alpha} {precompute:?} \
+         {given} {size:?} {reference_samples} {seed}",
+        environment.hash,
         brdf.name(),
-        request.size,
-        request.reference_samples,
-        request.seed
     )
 }
 
@@ -256,4 +294,40 @@ fn read_faces(gpu: &Gpu, image: &Image, mip: u32) -> Result<Vec<Pixels<DVec3>>, 
         .chunks((width * height) as usize)
         .map(|face| Pixels::new(width, height, face.to_vec()))
         .collect())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::pixels::RgbImage;
+    use crate::instrument::environment::Environment;
+    use crate::instrument::precompute::given::GivenTable;
+    use crate::instrument::scene::{CameraKind, Scene};
+
+    #[test]
+    fn steps_by_another_given_table_have_another_key() {
+        let white = Environment::from_image("white", RgbImage::filled(4, 2, [1.0; 3]));
+        let plain =
+            RenderRequest::plain(Arc::new(white), Scene::sphere(), CameraKind::Ortho, [8, 8]);
+        let key = |hash: &str| {
+            let table = GivenTable {
+                name: "table".to_owned(),
+                hash: hash.to_owned(),
+                side: 1,
+                texels: vec![[1.0, 0.0, 0.0, 1.0]],
+            };
+            let given = Given {
+                dfg: Some(Arc::new(table)),
+                prefiltered: None,
+            };
+            let request = RenderRequest {
+                given,
+                ..plain.clone()
+            };
+            steps_key(&request, 0.5)
+        };
+        assert_eq!(key("a"), key("a"));
+        assert_ne!(key("a"), key("b"));
+        assert_ne!(key("a"), steps_key(&plain, 0.5));
+    }
 }

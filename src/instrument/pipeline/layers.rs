@@ -2,7 +2,7 @@
 //! [`crate::instrument::shade::coat`] and [`crate::instrument::shade::sheen`].
 //!
 //! So every method and the reference serve a layer, squared errors add, and a reference of the base
-//! serves all layers. A coat lies over sheen, sheen over the base.
+//! serves all layers. A coat lies over emission, emission over sheen, sheen over the base.
 
 use super::request::Frame;
 use super::{Pipeline, PipelineError, RenderRequest};
@@ -24,9 +24,17 @@ const ROUGHNESS_LEVELS: f64 = 255.0;
 impl RenderRequest {
     /// Returns the requests of the base and of each layer over it.
     pub(super) fn layers(&self) -> Vec<Self> {
-        match self.coat_layers().or_else(|| self.sheen_layers()) {
-            Some([base, over]) => base.layers().into_iter().chain([over]).collect(),
-            None => vec![self.clone()],
+        let dark = self.dark();
+        match dark.coat_layers().or_else(|| dark.sheen_layers()) {
+            Some([base, over]) => {
+                let mut layers = base.layers();
+                layers.extend(over.occluded_layers());
+                layers
+            }
+            None => match dark.specular_layers() {
+                Some(layers) => layers.iter().flat_map(Self::occluded_layers).collect(),
+                None => dark.occluded_layers(),
+            },
         }
     }
 }
@@ -48,10 +56,12 @@ impl Pipeline {
         if let Some(layers) = request.coat_layers() {
             return self.render_coated(request, &layers);
         }
-        match request.sheen_layers() {
-            Some(layers) => self.render_sheened(request, &layers),
-            None => self.render_points(request),
-        }
+        let dark = request.dark();
+        let frame = match dark.sheen_layers() {
+            Some(layers) => self.render_sheened(&dark, &layers)?,
+            None => self.render_base(&dark)?,
+        };
+        self.with_emission(request, frame)
     }
 
     /// Reads the pixels of the layer `over`, whose frame is `frame`. `weights` is a scene whose

@@ -7,6 +7,7 @@ mod antialias;
 mod cache;
 mod coat;
 mod disk_cache;
+mod emission;
 mod error;
 mod fit;
 pub mod frames;
@@ -15,12 +16,16 @@ mod kept_reference;
 mod ladder;
 mod layers;
 mod light_tables;
+mod made_tables;
+mod occlusion;
 mod passes;
 mod prepare;
+pub mod reprojection;
 mod request;
 mod resources;
 mod shared_work;
 mod sheen;
+mod specular_weight;
 mod timing;
 
 pub use crate::instrument::gpu::{

@@ -6,7 +6,7 @@ use crate::base::glsl::constants::POINTS_PER_DISPATCH;
 use crate::base::pixels::{Pixels, RgbImage};
 use crate::instrument::gbuffer;
 use crate::instrument::gpu::{Buffer, Gpu, Report};
-use crate::instrument::shade::pass::Passes;
+use crate::instrument::shade::pass::{DIFFUSE_PASS, Passes, SPECULAR_PASS};
 use crate::instrument::shade::reference_pass::{Convergence, ReferenceRun};
 
 /// What the passes of a frame report.
@@ -37,9 +37,8 @@ impl Pipeline {
             let points_per_dispatch = prepared.samples_per_pixel.min(POINTS_PER_DISPATCH);
             for part in gpu.parts(request.size, 1, points_per_dispatch.into()) {
                 for points in prepared.tables.points.ranges() {
-                    report.add(
-                        gpu.submit_pass("shade-specular", |r| passes.specular(r, points, part))?,
-                    );
+                    report
+                        .add(gpu.submit_pass(SPECULAR_PASS, |r| passes.specular(r, points, part))?);
                 }
             }
         }
@@ -58,7 +57,7 @@ impl Pipeline {
         for part in gpu.parts(request.size, 1, 1) {
             let mut recorder = gpu.record("shade")?;
             if request.shading.diffuse.has_pass() {
-                recorder.pass("shade-diffuse", |r| passes.diffuse(r, part))?;
+                recorder.pass(DIFFUSE_PASS, |r| passes.diffuse(r, part))?;
             }
             if request.background {
                 recorder.pass("background", |r| passes.background(r, part))?;

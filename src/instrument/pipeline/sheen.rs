@@ -8,6 +8,7 @@ use crate::instrument::brdf::{Compensation, MaskingShadowing, SHEEN_ALPHA_MIN, S
 use crate::instrument::precompute::PrefilterBy;
 use crate::instrument::precompute::given::Given;
 use crate::instrument::precompute::prefilter::WEIGHTS;
+use crate::instrument::shade::occlusion::SpecularOcclusion;
 use crate::instrument::shade::sheen::{SheenMap, shares};
 use crate::instrument::shade::{Diffuse, Method, NONE, Shading};
 use glam::DVec3;
@@ -33,6 +34,8 @@ impl RenderRequest {
         };
         sheen.shading.diffuse = Diffuse::listed(NONE);
         sheen.shading.compensation = Compensation::None;
+        // As wide as a diffuse term, whichever method looks it up.
+        sheen.shading.specular_occlusion = SpecularOcclusion::Ao;
         sheen.choose_sheen_method();
         Some([base, sheen])
     }
@@ -90,7 +93,7 @@ impl Pipeline {
             ..
         } = request.shading;
         let under = self.render_layers(base)?;
-        let over = self.render_points(sheen)?;
+        let over = self.render_occluded(sheen)?;
         let mut pixels = self.layer_pixels(sheen, &over, request.scene.sheen_colors())?;
         pixels
             .iter_mut()

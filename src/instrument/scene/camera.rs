@@ -214,56 +214,22 @@ impl Camera {
 
     /// Finds the nearest camera along `scene.toward_viewer` whose side planes enclose the scene.
     fn fitting(kind: CameraKind, scene: &Scene, aspect: f64) -> Self {
-        let backward = scene.toward_viewer;
-        let right = DVec3::Y.cross(backward).normalize();
-        let up = backward.cross(right);
-        let reach = |direction: DVec3| support(scene, direction);
-        let [left_most, right_most] = [-reach(-right), reach(right)];
-        let [bottom, top] = [-reach(-up), reach(up)];
-        let [back, front] = [-reach(-backward), reach(backward)];
-        // Loading refuses empty scenes; the floor keeps the frame finite.
-        let size = (right_most - left_most)
-            .max(top - bottom)
-            .max(front - back)
-            .max(f64::MIN_POSITIVE);
-        // Eye in camera axes, projection and near plane.
-        let ([x, y, distance], projection, near) = match kind {
-            CameraKind::Ortho => {
-                let half_width = 0.5 * FRAME_MARGIN * (right_most - left_most);
-                let half_height = (0.5 * FRAME_MARGIN * (top - bottom)).max(half_width / aspect);
-                let eye = [
-                    0.5 * (left_most + right_most),
-                    0.5 * (bottom + top),
-                    front + size,
-                ];
-                (eye, Projection::Ortho { half_height }, 0.5 * size)
-            }
-            CameraKind::Perspective => {
-                let extent_y = perspective_extent() * (1.0 / aspect).max(1.0);
-                // The plane through the eye with slope e is `x - eye_x <= e (eye_z - z)`. It
-                // touches the scene at the support of (1, 0, e), so the sum of both sides gives
-                // eye_z and their difference eye_x.
-                let slope_x = extent_y * aspect / FRAME_MARGIN;
-                let slope_y = extent_y / FRAME_MARGIN;
-                let [to_right, to_left] = [
-                    reach(right + backward * slope_x),
-                    reach(backward * slope_x - right),
-                ];
-                let [to_top, to_bottom] = [
-                    reach(up + backward * slope_y),
-                    reach(backward * slope_y - up),
-                ];
-                let distance = ((to_right + to_left) / (2.0 * slope_x))
-                    .max((to_top + to_bottom) / (2.0 * slope_y));
-                // A long scene may reach up to the eye: half of the gap stays free.
-                let near = (0.5 * (distance - front)).max(1e-4 * size);
-                let eye = [
-                    0.5 * (to_right - to_left),
-                    0.5 * (to_top - to_bottom),
-                    distance,
-                ];
-                (eye, perspective(extent_y), near)
-            }
+        let extents = Extents::new(scene);
+        let Extents {
+            right,
+            up,
+            backward,
+            back,
+            size,
+            ..
+        } = extents;
+        let Fit {
+            eye: [x, y, distance],
+            projection,
+            near,
+        } = match kind {
+            CameraKind::Ortho => extents.fit_ortho(aspect),
+            CameraKind::Perspective => extents.fit_perspective(aspect),
         };
         Self {
             eye: right * x + up * y + backward * distance,
@@ -364,4 +330,110 @@ fn support(scene: &Scene, direction: DVec3) -> f64 {
     spheres
         .chain(scene.meshes.iter().map(mesh))
         .fold(f64::NEG_INFINITY, f64::max)
+}
+
+/// The extents of a scene along the axes of a camera.
+struct Extents<'a> {
+    scene: &'a Scene,
+    right: DVec3,
+    up: DVec3,
+    backward: DVec3,
+    /// Lowest and highest coordinate along `right`, `up` and `backward`.
+    left_most: f64,
+    right_most: f64,
+    bottom: f64,
+    top: f64,
+    back: f64,
+    front: f64,
+    /// The largest of the three extents.
+    size: f64,
+}
+
+/// A camera that encloses a scene.
+struct Fit {
+    /// Along `right`, `up` and `backward`.
+    eye: [f64; 3],
+    projection: Projection,
+    near: f64,
+}
+
+impl<'a> Extents<'a> {
+    fn new(scene: &'a Scene) -> Self {
+        let backward = scene.toward_viewer;
+        let right = DVec3::Y.cross(backward).normalize();
+        let up = backward.cross(right);
+        let reach = |direction: DVec3| support(scene, direction);
+        let [left_most, right_most] = [-reach(-right), reach(right)];
+        let [bottom, top] = [-reach(-up), reach(up)];
+        let [back, front] = [-reach(-backward), reach(backward)];
+        Self {
+            scene,
+            right,
+            up,
+            backward,
+            left_most,
+            right_most,
+            bottom,
+            top,
+            back,
+            front,
+            // Loading refuses empty scenes; the floor keeps the frame finite.
+            size: (right_most - left_most)
+                .max(top - bottom)
+                .max(front - back)
+                .max(f64::MIN_POSITIVE),
+        }
+    }
+
+    fn fit_ortho(&self, aspect: f64) -> Fit {
+        let half_width = 0.5 * FRAME_MARGIN * (self.right_most - self.left_most);
+        let half_height = 0.5 * FRAME_MARGIN * (self.top - self.bottom);
+        Fit {
+            eye: [
+                0.5 * (self.left_most + self.right_most),
+                0.5 * (self.bottom + self.top),
+                self.front + self.size,
+            ],
+            projection: Projection::Ortho {
+                half_height: half_height.max(half_width / aspect),
+            },
+            near: 0.5 * self.size,
+        }
+    }
+
+    fn fit_perspective(&self, aspect: f64) -> Fit {
+        let Self {
+            right,
+            up,
+            backward,
+            ..
+        } = *self;
+        let reach = |direction: DVec3| support(self.scene, direction);
+        let extent_y = perspective_extent() * (1.0 / aspect).max(1.0);
+        // The plane through the eye with slope e is `x - eye_x <= e (eye_z - z)`. It touches the
+        // scene at the support of (1, 0, e), so the sum of both sides gives eye_z and their
+        // difference eye_x.
+        let slope_x = extent_y * aspect / FRAME_MARGIN;
+        let slope_y = extent_y / FRAME_MARGIN;
+        let [to_right, to_left] = [
+            reach(right + backward * slope_x),
+            reach(backward * slope_x - right),
+        ];
+        let [to_top, to_bottom] = [
+            reach(up + backward * slope_y),
+            reach(backward * slope_y - up),
+        ];
+        let distance =
+            ((to_right + to_left) / (2.0 * slope_x)).max((to_top + to_bottom) / (2.0 * slope_y));
+        Fit {
+            eye: [
+                0.5 * (to_right - to_left),
+                0.5 * (to_top - to_bottom),
+                distance,
+            ],
+            projection: perspective(extent_y),
+            // A long scene may reach up to the eye: half of the gap stays free.
+            near: (0.5 * (distance - self.front)).max(1e-4 * self.size),
+        }
+    }
 }

@@ -1,4 +1,4 @@
-//! Textures of materials: PNG or JPEG to linear numbers.
+//! Textures of materials: PNG, JPEG or WebP to linear numbers.
 
 use crate::base::color::srgb_decode;
 use crate::base::pixels::lookup::Wrap;
@@ -47,6 +47,8 @@ pub(super) enum Meaning {
     Alpha,
     /// A normal, each coordinate as (x + 1)/2; x and y are then scaled.
     Normal { scale: f32 },
+    /// Fractions `1 + strength (x - 1)`.
+    Occlusion { strength: f32 },
     /// A direction of red and green, each coordinate as (x + 1)/2; its length is blue.
     Direction,
 }
@@ -61,6 +63,7 @@ impl Meaning {
                 scale * (2.0 * y - 1.0),
                 2.0 * z - 1.0,
             ],
+            Self::Occlusion { strength } => [x, y, z].map(|x| 1.0 + strength * (x - 1.0)),
             Self::Direction => {
                 let unit = Vec2::new(2.0 * x - 1.0, 2.0 * y - 1.0).normalize_or(Vec2::X);
                 (z * unit).extend(0.0).to_array()
@@ -154,7 +157,7 @@ fn decode(bytes: &[u8], meaning: Meaning) -> Result<RgbImage, String> {
             .map_err(|error| error.to_string())
     };
     if reader()?.format().is_none() {
-        return Err("not a PNG or JPEG file".to_owned());
+        return Err("not a PNG, JPEG or WebP file".to_owned());
     }
     let (width, height) = reader()?
         .into_dimensions()

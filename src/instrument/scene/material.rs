@@ -74,6 +74,41 @@ pub struct Anisotropy {
     pub is_shown: bool,
 }
 
+/// Light that a surface emits in every direction, in the unit of the environment's radiance. A coat
+/// lies over it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Emission {
+    /// Radiance, linear RGB, at least 0.
+    pub color: [f32; 3],
+    /// Index into `Scene::textures`; multiplies `color`.
+    pub map: Option<usize>,
+}
+
+/// The share of a dielectric's interface that reflects: F is `weight` times Schlick's of f0. Metals
+/// have all of theirs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct SpecularWeight {
+    /// From 0 to 1.
+    pub factor: f32,
+    /// Index into `Scene::textures`; red multiplies `factor`.
+    pub map: Option<usize>,
+}
+
+impl Default for SpecularWeight {
+    fn default() -> Self {
+        Self {
+            factor: 1.0,
+            map: None,
+        }
+    }
+}
+
+impl SpecularWeight {
+    pub fn is_full(&self) -> bool {
+        self.factor == 1.0 && self.map.is_none()
+    }
+}
+
 /// A surface. Its F0 is `mix(f0, albedo, metallic)`, its diffuse albedo `(1 - metallic) albedo`.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Material {
@@ -89,27 +124,35 @@ pub struct Material {
     pub alpha: f32,
     /// Index into `Scene::textures`; the square of green multiplies `alpha`.
     pub roughness_map: Option<usize>,
-    /// Dielectric F0, linear RGB.
+    /// Dielectric F0, linear RGB. A file's may exceed 1 under a map, which is multiplied first.
     pub f0: [f32; 3],
+    /// Index into `Scene::textures`; multiplies `f0`.
+    pub f0_map: Option<usize>,
+    pub specular: SpecularWeight,
     /// Index into `Scene::textures`; tangent-space normals of any length.
     pub normal_map: Option<usize>,
     pub anisotropy: Anisotropy,
     pub coat: Coat,
     pub sheen: Sheen,
+    pub emission: Emission,
+    /// Index into `Scene::textures`; red is the share of the image-based light that arrives, in
+    /// [0, 1].
+    pub occlusion_map: Option<usize>,
     /// Culls back faces. Otherwise their normals are negated.
     pub is_one_sided: bool,
 }
 
 impl Material {
-    pub fn maps(&self) -> impl Iterator<Item = usize> {
+    /// The maps of the g-buffer's pass: albedo, metallic, roughness, normal, f0, specular weight.
+    pub fn maps(&self) -> [Option<usize>; 6] {
         [
             self.albedo_map,
             self.metallic_map,
             self.roughness_map,
             self.normal_map,
+            self.f0_map,
+            self.specular.map,
         ]
-        .into_iter()
-        .flatten()
     }
 
     /// A surface whose tangent and strength of anisotropy replace normal and alpha.
@@ -135,6 +178,7 @@ impl Material {
             roughness_map: self.coat.roughness_map,
             f0: [f0; 3],
             normal_map: self.coat.normal_map,
+            occlusion_map: self.occlusion_map,
             is_one_sided: self.is_one_sided,
             ..Self::default()
         }
@@ -148,6 +192,7 @@ impl Material {
             alpha: self.sheen.alpha,
             roughness_map: self.sheen.roughness_map,
             normal_map: self.normal_map,
+            occlusion_map: self.occlusion_map,
             is_one_sided: self.is_one_sided,
             ..Self::default()
         }
@@ -158,6 +203,38 @@ impl Material {
         Self {
             albedo: self.sheen.color,
             albedo_map: self.sheen.color_map,
+            ..self.as_coat_weight()
+        }
+    }
+
+    /// A surface whose albedo is the emission.
+    pub(super) fn as_emission(&self) -> Self {
+        Self {
+            albedo: self.emission.color,
+            albedo_map: self.emission.map,
+            ..self.as_coat_weight()
+        }
+    }
+
+    /// A surface whose F0 is the weight of the interface: the specular weight, and 1 for metals.
+    pub(super) fn as_specular_weight(&self) -> Self {
+        Self {
+            name: self.name.clone(),
+            albedo: [1.0; 3],
+            metallic: self.metallic,
+            metallic_map: self.metallic_map,
+            f0: [self.specular.factor; 3],
+            f0_map: self.specular.map,
+            is_one_sided: self.is_one_sided,
+            ..Self::default()
+        }
+    }
+
+    /// A surface whose albedo is the occlusion.
+    pub(super) fn as_occlusion(&self) -> Self {
+        Self {
+            albedo: [1.0; 3],
+            albedo_map: self.occlusion_map,
             ..self.as_coat_weight()
         }
     }
@@ -185,10 +262,14 @@ impl Default for Material {
             alpha: DEFAULT_ALPHA,
             roughness_map: None,
             f0: [DEFAULT_F0; 3],
+            f0_map: None,
+            specular: SpecularWeight::default(),
             normal_map: None,
             anisotropy: Anisotropy::default(),
             coat: Coat::default(),
             sheen: Sheen::default(),
+            emission: Emission::default(),
+            occlusion_map: None,
             is_one_sided: false,
         }
     }
@@ -221,6 +302,12 @@ impl MaterialOverride {
             alpha: self.alpha.unwrap_or(material.alpha),
             roughness_map: material.roughness_map.filter(|_| self.alpha.is_none()),
             f0: self.f0.unwrap_or(material.f0),
+            f0_map: material.f0_map.filter(|_| self.f0.is_none()),
+            specular: if self.f0.is_none() {
+                material.specular
+            } else {
+                SpecularWeight::default()
+            },
             anisotropy: Anisotropy {
                 strength: self.anisotropy.unwrap_or(material.anisotropy.strength),
                 turn: self.anisotropy_turn.unwrap_or(material.anisotropy.turn),

@@ -9,11 +9,12 @@ pub mod mesh;
 mod obj;
 mod shader_ball;
 mod source;
+mod tangents;
 
 pub use builtin::{SCENES, SceneEntry, is_design};
 pub use camera::{Camera, CameraKind, Orbit, Projection};
 pub use maps::Texture;
-pub use material::{Anisotropy, Coat, Material, MaterialOverride, Sheen};
+pub use material::{Anisotropy, Coat, Emission, Material, MaterialOverride, Sheen, SpecularWeight};
 pub use mesh::Mesh;
 pub use source::SceneFiles;
 
@@ -196,6 +197,58 @@ impl Scene {
             .any(|material| material.anisotropy.strength > 0.0)
     }
 
+    pub fn has_emission(&self) -> bool {
+        self.materials
+            .iter()
+            .any(|material| material.emission.color != [0.0; 3])
+    }
+
+    /// Whether a dielectric reflects a share of its interface only.
+    pub fn has_specular_weight(&self) -> bool {
+        self.materials
+            .iter()
+            .any(|material| !material.specular.is_full())
+    }
+
+    /// Returns the scene whose albedo is the emission.
+    pub fn emission(&self) -> Self {
+        self.with_materials(Material::as_emission)
+    }
+
+    /// Returns the scene without emission.
+    pub fn dark(&self) -> Self {
+        self.with_materials(|material| Material {
+            emission: Emission::default(),
+            name: material.name.clone(),
+            ..*material
+        })
+    }
+
+    pub fn has_occlusion(&self) -> bool {
+        self.materials
+            .iter()
+            .any(|material| material.occlusion_map.is_some())
+    }
+
+    /// Returns the scene whose albedo is the occlusion.
+    pub fn occlusions(&self) -> Self {
+        self.with_materials(Material::as_occlusion)
+    }
+
+    /// Returns the scene without occlusion.
+    pub fn unoccluded(&self) -> Self {
+        self.with_materials(|material| Material {
+            occlusion_map: None,
+            name: material.name.clone(),
+            ..*material
+        })
+    }
+
+    /// Returns the scene whose F0 is the weight of the interfaces.
+    pub fn specular_weights(&self) -> Self {
+        self.with_materials(Material::as_specular_weight)
+    }
+
     /// Returns the scene whose g-buffer has tangents and strengths of anisotropy in place of
     /// normals and alphas.
     pub fn tangents(&self) -> Self {
@@ -336,6 +389,28 @@ impl SceneHasher {
         self.anisotropy(&material.anisotropy);
         self.coat(&material.coat);
         self.sheen(&material.sheen);
+        self.emission(&material.emission);
+        self.specular(material);
+        if material.occlusion_map.is_some() {
+            self.maps([material.occlusion_map]);
+        }
+    }
+
+    fn emission(&mut self, emission: &Emission) {
+        let Emission { color, map } = *emission;
+        if color != [0.0; 3] {
+            self.list(&[color, [0.0; 3]].concat());
+            self.maps([map]);
+        }
+    }
+
+    /// Hashes what `KHR_materials_specular` adds.
+    fn specular(&mut self, material: &Material) {
+        let SpecularWeight { factor, map } = material.specular;
+        if !material.specular.is_full() || material.f0_map.is_some() {
+            self.list(&[factor]);
+            self.maps([map, material.f0_map]);
+        }
     }
 
     fn anisotropy(&mut self, anisotropy: &Anisotropy) {

@@ -5,6 +5,7 @@ pub mod coat;
 pub mod diffuse;
 pub mod frames;
 pub mod method;
+pub mod occlusion;
 #[cfg(feature = "gpu")]
 pub mod pass;
 pub mod reference;
@@ -48,5 +49,5 @@ pub const EXACT_SPLIT: &str = "ladder-view";
 
 pub use crate::base::glsl::constants::FILE_PREFIX;
 pub use diffuse::{DIFFUSE, Diffuse};
-pub use method::{METHODS, Method, Role, from_file};
+pub use method::{METHODS, Method, Role, from_file, printed_lobe_alpha};
 pub use shading::{PointTable, Shading};

@@ -53,6 +53,10 @@ fn eye(camera: &Camera) -> [f32; 4] {
 
 pub(super) const TABLE: Sampler = Sampler(Filter::Linear, Wrap::CLAMP);
 
+/// The timed passes that shade surfaces: the only ones whose cost depends on the method.
+pub const SPECULAR_PASS: &str = "shade-specular";
+pub const DIFFUSE_PASS: &str = "shade-diffuse";
+
 pub const BACKGROUND_SHADER: &str = "shade/background.comp";
 
 /// Names the shader of a method's specular pass. Methods that do not use the model have one shader

@@ -73,7 +73,7 @@ impl Surface {
         let Widths(widths) = self.widths();
         let v = frame.to_local(self.v);
         // Slopes of the half vector over the widths.
-        let place = |l: DVec3| {
+        let in_widths = |l: DVec3| {
             let l = frame.to_local(l);
             let h = v + l.with_z(l.z.max(0.0));
             (h.truncate() / (h.z * widths)).extend(l.z)
@@ -84,7 +84,7 @@ impl Surface {
         integrate(Focus {
             direction: reflect(self.v, self.n),
             radius: alpha * v.z.max(alpha),
-            place: Some(&place),
+            in_widths: Some(&in_widths),
         })
     }
 

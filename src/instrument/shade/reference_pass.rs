@@ -2,7 +2,7 @@
 //! the term.
 
 use super::Method;
-use super::pass::{Passes, TABLE};
+use super::pass::{DIFFUSE_PASS, Passes, SPECULAR_PASS, TABLE};
 use crate::base::glsl::constants::{GROUP_SIDE, SCRAMBLE_COUNT};
 use crate::base::glsl::layout::{ShadeParams, SharedStruct};
 use crate::base::glsl::specialization::Specialization;
@@ -55,8 +55,8 @@ impl Lobe {
 
     fn pass_name(self) -> &'static str {
         match self {
-            Self::Specular(_) => "shade-specular",
-            Self::Diffuse(_) => "shade-diffuse",
+            Self::Specular(_) => SPECULAR_PASS,
+            Self::Diffuse(_) => DIFFUSE_PASS,
         }
     }
 }

@@ -3,6 +3,7 @@
 use super::bend::{BENDS, Bend};
 use super::coat::{COAT_RENDERERS, CoatLayering, CoatRenderer};
 use super::frames::Frames;
+use super::occlusion::SpecularOcclusion;
 use super::sheen::{SHEEN_LOOKUPS, SheenLookup};
 use super::{Diffuse, Method, NONE};
 use crate::base::glsl::constants::PIXEL_POINTS_SHIFTED;
@@ -56,6 +57,7 @@ pub struct Shading {
     pub coat_renderer: &'static CoatRenderer,
     pub sheen_visibility: SheenVisibility,
     pub sheen_lookup: &'static SheenLookup,
+    pub specular_occlusion: SpecularOcclusion,
 }
 
 impl Default for Shading {
@@ -83,6 +85,7 @@ impl Default for Shading {
             coat_renderer: &COAT_RENDERERS[0],
             sheen_visibility: SheenVisibility::default(),
             sheen_lookup: &SHEEN_LOOKUPS[0],
+            specular_occlusion: SpecularOcclusion::default(),
         }
     }
 }

@@ -93,7 +93,7 @@ pub fn models(plan: &Plan) -> Vec<LiveModel> {
         if models.len() == SCENE_COUNT {
             break;
         }
-        let label = short_text(axis::Named::own(axis::SCENE), &cell.point);
+        let label = short_text(axis::Named::primary(axis::SCENE), &cell.point);
         if models.iter().any(|known| known.label == label) {
             continue;
         }
@@ -203,7 +203,7 @@ fn averaged(scene: &Scene, material: &Material) -> LiveSurface {
         albedo: scaled(material.albedo, material.albedo_map),
         metallic: material.metallic * mean(material.metallic_map)[2],
         roughness: roughness(material.alpha, material.roughness_map),
-        f0: material.f0,
+        f0: scaled(material.f0, material.f0_map),
         anisotropy: anisotropy.strength * direction.truncate().length(),
         anisotropy_turn: (anisotropy.turn + direction.y.atan2(direction.x)).to_degrees(),
         coat: coat.weight * mean(coat.weight_map)[0],

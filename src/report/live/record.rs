@@ -202,7 +202,7 @@ impl LiveEnvironment {
             .flat_map(|level| level.data.iter().flatten());
         let scale = half_scale(radiance.fold(0.0, |largest: f32, x| largest.max(*x)));
         Self {
-            label: short_text(Named::own(ENVIRONMENT), &case.point),
+            label: short_text(Named::primary(ENVIRONMENT), &case.point),
             scale,
             mean_luminance: case.request.environment.luminance.mean,
             layout: tables.layout.name.to_owned(),

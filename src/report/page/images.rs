@@ -26,6 +26,9 @@ pub const BUDGET_BYTES: usize = 40_000_000;
 /// Images that are read and encoded together.
 const CHUNK: usize = 32;
 
+/// In place of images without references.
+const NO_REFERENCES: &str = "The run has no references to compare its images with; its linear EXR \
+                             and PNG files are in images/.";
 pub const DESIGN: &str = "each pixel is a separate surface, not part of a picture";
 
 #[derive(Clone, Debug, Default, Serialize)]
@@ -73,11 +76,16 @@ pub fn collect(runs: &[PageRun], choice: Choice, budget: usize) -> ImageSet {
         }
     }
     if set.images.is_empty() && choice != Choice::None {
-        set.notes.push(if designs(runs).is_empty() {
-            "The run has no images.csv, so there are no images.".to_owned()
-        } else {
-            format!("The run has only the scene design, of which there are no pictures: {DESIGN}.")
-        });
+        set.notes
+            .push(if runs.iter().all(|run| !run.finished.is_scored()) {
+                NO_REFERENCES.to_owned()
+            } else if designs(runs).is_empty() {
+                "The run has no images.csv, so there are no images.".to_owned()
+            } else {
+                format!(
+                    "The run has only the scene design, of which there are no pictures: {DESIGN}."
+                )
+            });
     }
     set
 }
@@ -121,7 +129,11 @@ impl ImageSet {
                     continue;
                 };
                 let light = page_run.finished.epsilon(&cell.point);
-                let reference = set.add(run, &files.reference, None, light);
+                // The page shows images beside their references.
+                let Some(reference) = &files.reference else {
+                    continue;
+                };
+                let reference = set.add(run, reference, None, light);
                 set.add(run, &files.radiance, Some(reference), light);
             }
         }

@@ -135,7 +135,7 @@ struct RunContent<'a> {
     cpu_warning: Option<String>,
     shared: String,
     /// Index of the answer on the first screen.
-    lead: Option<usize>,
+    main_section: Option<usize>,
     pictures: Option<Pictures>,
     sections: Vec<Section>,
     provenance: Vec<(&'static str, Vec<(String, String)>)>,
@@ -251,7 +251,7 @@ fn run_contents<'a>(
             warnings: run.warnings(),
             cpu_warning: run.cpu_warning(),
             shared: model::shared(&model::axes(std::slice::from_ref(run))),
-            lead: pictures::first_answer(run),
+            main_section: pictures::first_answer(run),
             pictures,
             sections,
             provenance: page_run::provenance(run),

@@ -12,7 +12,7 @@ use crate::experiment::value::{Kind, Value};
 use crate::instrument::metrics::{METRICS, Metric, verdict};
 use crate::instrument::scene::is_design;
 use crate::instrument::shade::{METHODS, Method};
-use crate::run::columns::FAILED;
+use crate::run::columns::{FAILED, UNSCORED};
 use crate::run::store::FailureRecord;
 use crate::study::finished::FinishedCell;
 use crate::study::names::Names;
@@ -91,7 +91,7 @@ pub fn axes(runs: &[PageRun]) -> Vec<PageAxis> {
         is_constant: true,
     }];
     if let Some(first) = runs.first() {
-        let names = Names::of(first.finished);
+        let names = Names::new(first.finished);
         axes.extend(AXES.ids().filter_map(|axis| page_axis(runs, &names, axis)));
     }
     axes
@@ -331,7 +331,7 @@ impl Model<'_> {
         let image_index = |file: &String| self.images.index.get(&(run, file.clone())).copied();
         let files = cell.images.as_ref();
         let image = files.and_then(|files| image_index(&files.radiance));
-        let reference = files.and_then(|files| image_index(&files.reference));
+        let reference = files.and_then(|files| image_index(files.reference.as_ref()?));
         let floor = cell.noise_floors.get(self.headline.name);
         let mut row = vec![
             json!(run),
@@ -356,8 +356,11 @@ impl Model<'_> {
 
     /// Whether the error of a cell exceeds its noise floor, in a word.
     fn verdict(&self, cell: &FinishedCell, floor: Option<f64>) -> &'static str {
-        if cell.scores.is_none() {
+        if cell.is_failed {
             return FAILED;
+        }
+        if cell.scores.is_none() {
+            return UNSCORED;
         }
         match (score(cell, self.headline), floor) {
             (Some(score), Some(floor)) => verdict(self.headline, score, floor).name(),
@@ -377,7 +380,7 @@ fn number(value: Option<f64>) -> Json {
 
 pub fn field(cell: &Cell) -> Json {
     match cell {
-        Cell::Text(text) => json!(text),
+        Cell::Text(text) | Cell::Quantity(text) | Cell::Named { name: text, .. } => json!(text),
         Cell::Number(value) => number(Some(*value)),
         Cell::Integer(value) => json!(value),
         Cell::Missing => Json::Null,

@@ -8,6 +8,7 @@ use crate::base::names::Listed;
 use crate::base::pixels::png::encode_rgb8;
 use crate::base::pixels::{GrayImage, Rgb8Image, RgbImage};
 use crate::draw::colormap::RELATIVE_ERROR;
+use crate::draw::variant::Variant;
 use crate::experiment::axis::{AXES, METHOD, SCENE, SIZE};
 use crate::instrument::metrics::Comparison;
 use crate::instrument::scene::is_design;
@@ -122,7 +123,8 @@ fn is_same_case(a: &Row, b: &Row) -> bool {
     let (Some(a_images), Some(b_images)) = (&a.cell.images, &b.cell.images) else {
         return false;
     };
-    a_images.reference == b_images.reference
+    a_images.reference.is_some()
+        && a_images.reference == b_images.reference
         && a.cell.point.settings().curve == b.cell.point.settings().curve
 }
 
@@ -145,7 +147,7 @@ impl<'a> Case<'a> {
     /// `None` if the reference of the row cannot be shown.
     fn read(page_run: &'a PageRun, frame: &'a Frame, row: &Row) -> Option<Self> {
         let files = row.cell.images.as_ref()?;
-        let image = read(&page_run.finished.dir, &files.reference).ok()?;
+        let image = read(&page_run.finished.dir, files.reference.as_ref()?).ok()?;
         let mask = mask_of(&image);
         is_radiance(&image.rgb).then(|| Self {
             page_run,
@@ -167,15 +169,15 @@ impl<'a> Case<'a> {
         let comparison =
             Comparison::new(&image, &self.reference, &self.mask, self.curve, epsilon).ok()?;
         let method = Method::by_name(&row.text(METHOD))?;
-        let samples = row.samples().map(|count| count.to_string());
+        let variant = Variant {
+            method: method.name.to_owned(),
+            samples: row.samples(),
+        };
         let map = RELATIVE_ERROR.image(&comparison.relative_error_map(), &self.mask);
-        let title = method.words(samples.as_deref());
+        let title = variant.title();
         Some(Shot {
             picture: Picture::new(title, &self.curve.apply_image(&image))?,
-            code: samples.map_or_else(
-                || method.name.to_owned(),
-                |samples| format!("{} {samples}", method.name),
-            ),
+            code: variant.to_string(),
             role: method.role(),
             scores: self.scores(row),
             map: Picture::new(String::new(), &map)?.source,

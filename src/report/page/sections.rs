@@ -2,13 +2,11 @@
 
 use super::model::{ScriptTable, field};
 use super::page_run::{PageRun, link};
-use crate::draw::figure::svg::WIDTHS;
-use crate::draw::method_titles::words_in;
+use crate::draw::figure::svg::{WIDTHS, svg};
 use crate::draw::words::{Span, spans};
-use crate::report::write::drawing;
 use crate::run::store::ANSWERS_FOLDER;
 use crate::study::questions::Answer;
-use crate::study::table::{Table, shown};
+use crate::study::table::{ColumnKind, Table, labelled};
 use serde::Serialize;
 use std::path::Path;
 
@@ -65,7 +63,7 @@ fn section(
     let figure = finding
         .figure
         .as_ref()
-        .map(|figure| WIDTHS.map(|width| drawing(figure, width).trim_end().to_owned()));
+        .map(|figure| WIDTHS.map(|width| svg(figure, width).trim_end().to_owned()));
     let small = Some(&finding.table).filter(|table| table.rows.len() <= DIGEST_ROWS);
     let digest = finding.digest.as_ref().or(small).map(Digest::new);
     let is_narrow = digest
@@ -131,20 +129,15 @@ struct DigestColumn {
 
 impl Digest {
     fn new(table: &Table) -> Self {
-        let rows: Vec<Vec<String>> = table
-            .rows
-            .iter()
-            .map(|row| row.iter().map(|cell| words_in(&shown(cell))).collect())
-            .collect();
-        let starts_with_digit =
-            |text: &String| text.starts_with(|c: char| c.is_ascii_digit() || c == '-');
-        let column = |(index, name): (usize, &String)| DigestColumn {
-            text: words_in(&name.replace('_', " ")),
-            is_number: index > 0 && rows.iter().any(|row| starts_with_digit(&row[index])),
+        let column = |index: usize| DigestColumn {
+            text: table.label(index),
+            // The first column names the rows.
+            is_number: index > 0 && table.kind(index) != ColumnKind::Texts,
         };
+        let rows = table.rows.iter();
         Self {
-            columns: table.columns.iter().enumerate().map(column).collect(),
-            rows,
+            columns: (0..table.columns.len()).map(column).collect(),
+            rows: rows.map(|row| row.iter().map(labelled).collect()).collect(),
         }
     }
 }

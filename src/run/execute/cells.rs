@@ -13,7 +13,7 @@ use crate::instrument::pipeline::{DeviceInfo, Frame};
 use crate::instrument::tonemap::ToneCurve;
 use crate::run::images;
 use crate::run::renderer::Renderer;
-use crate::run::scoring::{CellFault, ReferenceImage, Rendered};
+use crate::run::scoring::{CellFault, Judge, ReferenceImage, Rendered};
 use crate::run::store::{CellRecord, StepRecord, Store, StoreError};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -93,7 +93,7 @@ impl<'p> Run<'p> {
         })
     }
 
-    /// Renders the open cells of one reference.
+    /// Renders the open cells of one reference, or of one image without reference.
     fn group(
         &mut self,
         group: &ReferenceGroup<'p>,
@@ -108,14 +108,19 @@ impl<'p> Run<'p> {
         if self.is_stopped() {
             return Ok(());
         }
-        let point = self.plan.reference_point(&first.point);
-        let mut reference = match of_cell(self.reference(group.id, &point, renderer))? {
-            Ok(image) => GroupReference {
-                image: Arc::new(image),
-                pictures: Vec::new(),
-            },
-            Err(reason) => {
-                return self.fail(&cells, &format!("its reference: {reason}"), progress);
+        let mut reference = match group.reference {
+            None => None,
+            Some(id) => {
+                let point = self.plan.reference_point(&first.point);
+                match of_cell(self.reference(id, &point, renderer))? {
+                    Ok(image) => Some(GroupReference {
+                        image: Arc::new(image),
+                        pictures: Vec::new(),
+                    }),
+                    Err(reason) => {
+                        return self.fail(&cells, &format!("its reference: {reason}"), progress);
+                    }
+                }
             }
         };
         for radiance in &group.radiances {
@@ -126,15 +131,24 @@ impl<'p> Run<'p> {
             if self.is_stopped() {
                 return Ok(());
             }
-            let of_group = reference.image.rendered.as_ref();
-            let rendered = match of_group.filter(|_| radiance.id == group.id) {
+            let of_group = reference
+                .as_ref()
+                .and_then(|reference| reference.image.rendered.as_ref());
+            let rendered = match of_group.filter(|_| Some(radiance.id) == group.reference) {
                 Some(frame) => Ok(Made {
                     frame: frame.clone(),
                     steps: Arc::default(),
                 }),
                 None => of_cell(self.radiance(&first.point, renderer))?,
             };
-            self.image(&open, &rendered, &mut reference, renderer, desk, progress)?;
+            self.image(
+                &open,
+                &rendered,
+                reference.as_mut(),
+                renderer,
+                desk,
+                progress,
+            )?;
         }
         Ok(())
     }
@@ -144,7 +158,7 @@ impl<'p> Run<'p> {
         &mut self,
         cells: &[&'p Cell],
         rendered: &Result<Made, String>,
-        reference: &mut GroupReference,
+        mut reference: Option<&mut GroupReference>,
         renderer: &mut dyn Renderer,
         desk: &mut Desk<'p>,
         progress: &mut dyn Progress,
@@ -161,13 +175,13 @@ impl<'p> Run<'p> {
                     continue;
                 }
             };
-            let pictures = self.displays(cell, frame, reference, renderer);
+            let pictures = self.displays(cell, frame, reference.as_deref_mut(), renderer);
             match of_cell(pictures)? {
-                Ok(pictures) => desk.hand_in(Rendered {
+                Ok((picture, judge)) => desk.hand_in(Rendered {
                     cell,
                     frame: frame.clone(),
-                    reference: reference.image.clone(),
-                    pictures,
+                    picture,
+                    judge,
                     steps: steps.clone(),
                     linear: Arc::clone(&linear),
                 }),
@@ -205,7 +219,7 @@ impl<'p> Run<'p> {
             .plan
             .cells
             .iter()
-            .filter(|cell| cell.reference == reference)
+            .filter(|cell| cell.reference.as_deref() == Some(reference))
         {
             if let Some(hash) = self
                 .store
@@ -242,23 +256,33 @@ impl<'p> Run<'p> {
         Ok(reference)
     }
 
-    /// The display images of a cell and its reference.
+    /// The display image of a cell, and the reference with its own.
     fn displays(
         &mut self,
         cell: &Cell,
         frame: &Frame,
-        reference: &mut GroupReference,
+        reference: Option<&mut GroupReference>,
         renderer: &mut dyn Renderer,
-    ) -> Result<[Arc<Rgb8Image>; 2], CellFault> {
+    ) -> Result<(Arc<Rgb8Image>, Option<Judge>), CellFault> {
         let curve = cell.point.settings().curve;
         let picture = Arc::new(renderer.tonemap(&frame.radiance, curve)?);
+        let Some(reference) = reference else {
+            return Ok((picture, None));
+        };
         let mut known = reference.pictures.iter();
-        if let Some((_, reference_picture)) = known.find(|(known, _)| *known == curve) {
-            return Ok([picture, reference_picture.clone()]);
-        }
-        let reference_picture = Arc::new(renderer.tonemap(&reference.image.radiance, curve)?);
-        reference.pictures.push((curve, reference_picture.clone()));
-        Ok([picture, reference_picture])
+        let reference_picture = match known.find(|(known, _)| *known == curve) {
+            Some((_, reference_picture)) => reference_picture.clone(),
+            None => {
+                let made = Arc::new(renderer.tonemap(&reference.image.radiance, curve)?);
+                reference.pictures.push((curve, made.clone()));
+                made
+            }
+        };
+        let judge = Judge {
+            image: reference.image.clone(),
+            picture: reference_picture,
+        };
+        Ok((picture, Some(judge)))
     }
 
     /// Stores scored cells; `to_the_end` waits until the workers end.

@@ -7,7 +7,6 @@ use crate::run::provenance::{self, Provenance, device_words};
 use crate::run::shard::Shard;
 use crate::run::split::split;
 use crate::run::store::{REFERENCES_FOLDER, SHARDS_FOLDER, Store, StoreError, TIMINGS_FOLDER};
-use crate::run::timing::TimingRecord;
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -53,8 +52,9 @@ pub fn merge(plan: &Plan, options: &RunOptions) -> Result<Merged, RunError> {
         ..run.finish(true)?
     };
     let mut timed = BTreeMap::new();
-    for TimingRecord { device, driver, .. } in &outcome.timings {
-        *timed.entry(device_words(device, driver)).or_default() += 1;
+    for record in &outcome.timings {
+        let words = device_words(&record.device, &record.driver, record.target.as_deref());
+        *timed.entry(words).or_default() += 1;
     }
     let notes = cell_note
         .into_iter()
@@ -91,7 +91,7 @@ impl Run<'_> {
         let references: BTreeSet<&str> = plan
             .cells
             .iter()
-            .map(|cell| cell.reference.as_str())
+            .filter_map(|cell| cell.reference.as_deref())
             .collect();
         let references = references
             .into_iter()

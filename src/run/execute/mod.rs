@@ -18,6 +18,7 @@ use crate::run::environments;
 use crate::run::estimate::{Ahead, Forecast};
 use crate::run::images;
 use crate::run::provenance::device_words;
+use crate::run::recovery::{self, RECOVERY_FILE};
 use crate::run::renderer::{RenderFault, Renderer};
 use crate::run::scoring::CellFault;
 use crate::run::split::Share;
@@ -40,7 +41,7 @@ pub fn run(
     progress: &mut dyn Progress,
 ) -> Result<Outcome, RunError> {
     let started = Instant::now();
-    let is_begun = Store::at(&options.dir).check_identity(plan)?;
+    let is_begun = Store::read_only(&options.dir).check_identity(plan)?;
     // A new run without a device, or with a cell that cannot be rendered, leaves no folder.
     let mut renderer = if is_begun {
         None
@@ -80,6 +81,9 @@ pub fn run(
                 seconds: 0.0,
             },
         );
+    }
+    if run.makes_recovery(left > 0 || is_adopted) {
+        progress.note("fitting materials to the photos");
     }
     run.finish(left > 0 || is_adopted)
 }
@@ -127,9 +131,10 @@ impl<'p> Run<'p> {
             match store.record::<CellRecord>(CELLS_FOLDER, &cell.id) {
                 // Of another program.
                 Ok(Some(record))
-                    if !METRICS
-                        .iter()
-                        .all(|metric| record.scores.contains_key(metric.name)) =>
+                    if plan.config.is_scored
+                        && !METRICS
+                            .iter()
+                            .all(|metric| record.scores.contains_key(metric.name)) =>
                 {
                     unusable.push(format!(
                         "{}: lacks a score of some metric",
@@ -142,9 +147,9 @@ impl<'p> Run<'p> {
                         cell.id.clone(),
                         CellResult::Done(Box::new(KeptCell::new(&record))),
                     );
-                    *devices
-                        .entry(device_words(&record.device, &record.driver))
-                        .or_default() += 1;
+                    let words =
+                        device_words(&record.device, &record.driver, record.target.as_deref());
+                    *devices.entry(words).or_default() += 1;
                 }
                 Ok(None) => {}
                 Err(error) if error.is_unusable_record() => unusable.push(error.to_string()),
@@ -251,6 +256,7 @@ impl<'p> Run<'p> {
         let cells = groups.iter().flat_map(ReferenceGroup::cells);
         let open: Vec<&Cell> = cells.filter(|cell| !self.is_done(cell)).collect();
         let is_kept = |group: &ReferenceGroup| {
+            let id = group.reference?;
             let mut cells = group.cells();
             let first = cells.clone().find(|cell| !self.is_done(cell))?;
             let request = || {
@@ -258,7 +264,7 @@ impl<'p> Run<'p> {
                     .reference_request(&self.plan.reference_point(&first.point))
             };
             (cells.any(|cell| self.results.contains_key(&cell.id)) || renderer.has_kept(&request()))
-                .then(|| group.id.to_owned())
+                .then(|| id.to_owned())
         };
         let kept: Vec<String> = groups.iter().filter_map(is_kept).collect();
         Forecast::new(self.plan, &open, &self.open_jobs(), kept)
@@ -364,8 +370,10 @@ impl<'p> Run<'p> {
     fn write_tables(&self) -> Result<(), RunError> {
         let errors = tables::errors(self.plan, &self.results);
         self.store.write_table("errors.csv", errors)?;
-        let bins = tables::errors_by_n_dot_v(self.plan, &self.results, &self.store);
-        self.store.write_table("errors_by_n_dot_v.csv", bins)?;
+        if self.plan.config.is_scored {
+            let bins = tables::errors_by_n_dot_v(self.plan, &self.results, &self.store);
+            self.store.write_table("errors_by_n_dot_v.csv", bins)?;
+        }
         if self.plan.config.ladder.is_some() {
             let steps = tables::steps(self.plan, &self.results, &self.store);
             self.store.write_table("steps.csv", steps)?;
@@ -392,6 +400,11 @@ impl<'p> Run<'p> {
             }
         }
         self.write_tables()?;
+        if self.makes_recovery(has_worked) {
+            let table = recovery::recovered(self.plan, &self.results, &self.store)?;
+            self.store
+                .write_table(RECOVERY_FILE, table.into_results())?;
+        }
         if self.plan.config.timing.is_some() {
             let timings = tables::timings(&self.timings);
             self.store
@@ -412,6 +425,13 @@ impl<'p> Run<'p> {
                 .write_text(&path, &String::from_utf8_lossy(&index))?;
         }
         Ok(self.outcome())
+    }
+
+    /// Whether this process fits materials: at the end of a whole run, unless they are up to date.
+    fn makes_recovery(&self, has_worked: bool) -> bool {
+        let is_asked = self.plan.config.recovery.is_some() && self.share.is_none();
+        let is_new = || has_worked || !self.store.dir().join(RECOVERY_FILE).exists();
+        is_asked && !self.is_stopped() && is_new()
     }
 
     fn outcome(self) -> Outcome {

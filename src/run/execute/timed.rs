@@ -177,6 +177,7 @@ impl Timed<'_> {
             device: device.name.clone(),
             device_type: device.device_type.to_owned(),
             driver: device.driver.clone(),
+            target: device.target.clone(),
         }
     }
 }

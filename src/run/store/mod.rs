@@ -61,7 +61,7 @@ const SUBFOLDERS: &[&str] = &[
 
 impl Store {
     /// Opens a folder for reading.
-    pub fn at(dir: &Path) -> Self {
+    pub fn read_only(dir: &Path) -> Self {
         Self {
             dir: dir.to_owned(),
             shard: None,
@@ -71,7 +71,7 @@ impl Store {
 
     /// Creates the folder or checks that the plan may run in it, and locks it.
     pub fn open(dir: &Path, plan: &Plan) -> Result<Self, StoreError> {
-        let store = Self::at(dir).begin(plan)?;
+        let store = Self::read_only(dir).begin(plan)?;
         for folder in ["", ANSWERS_FOLDER].iter().chain(SUBFOLDERS) {
             remove_parts(&dir.join(folder))?;
         }
@@ -82,7 +82,7 @@ impl Store {
     pub fn open_shard(dir: &Path, plan: &Plan, shard: Shard) -> Result<Self, StoreError> {
         Self {
             shard: Some(shard),
-            ..Self::at(dir)
+            ..Self::read_only(dir)
         }
         .begin(plan)
     }

@@ -11,6 +11,7 @@ use crate::experiment::config::Config;
 use crate::experiment::value::Value;
 use crate::instrument::metrics::{Epsilon, METRICS, Weight};
 use crate::instrument::scene::is_design;
+use crate::run::columns::UNSCORED;
 use crate::run::provenance::{Provenance, device_words};
 use crate::run::store::{FailureRecord, ReferenceStop};
 use crate::run::timing::TimingRecord;
@@ -23,7 +24,7 @@ use std::sync::Arc;
 pub struct MetricValues(Box<[f64]>);
 
 impl MetricValues {
-    pub fn of(value: impl Fn(&'static str) -> Option<f64>) -> Self {
+    pub fn from_fn(value: impl Fn(&'static str) -> Option<f64>) -> Self {
         Self(
             METRICS
                 .iter()
@@ -52,10 +53,10 @@ pub struct Bin {
     pub noise_floors: MetricValues,
 }
 
-/// One step of an error over the pixels with n·v in `seen` (`run::columns::StepColumns`).
+/// One step of an error over the pixels with n·v in `n_dot_v` (`run::columns::StepColumns`).
 #[derive(Clone, Debug, PartialEq)]
 pub struct StepRow {
-    pub seen: [f64; 2],
+    pub n_dot_v: [f64; 2],
     pub step: String,
     pub share: f64,
     pub share_error: f64,
@@ -67,11 +68,28 @@ pub struct StepRow {
     pub noise: f64,
 }
 
+/// A material that a method recovers from photos (`run::columns::RecoveryColumns`).
+#[derive(Clone, Debug, PartialEq)]
+pub struct RecoveredRow {
+    /// Id of a photo.
+    pub truth: String,
+    /// Id of a cell of the candidate.
+    pub candidate: String,
+    pub loss: String,
+    pub n_dot_v: [f64; 2],
+    pub true_roughness: f64,
+    pub true_f0: f64,
+    pub roughness: f64,
+    pub f0: f64,
+    pub is_at_limit: bool,
+}
+
 /// File names of the linear images of a cell and its reference.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct CellImages {
     pub radiance: String,
-    pub reference: String,
+    /// `None` without references.
+    pub reference: Option<String>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -79,7 +97,8 @@ pub struct FinishedCell {
     pub id: String,
     /// Unused parameters are unset.
     pub point: Point,
-    /// `None` for a failed cell.
+    pub is_failed: bool,
+    /// `None` for a failed cell and without references.
     pub scores: Option<MetricValues>,
     /// Expected scores of an exact image, from the reference's noise.
     pub noise_floors: MetricValues,
@@ -111,6 +130,7 @@ pub struct Finished {
     pub cells: Vec<FinishedCell>,
     pub lights: Vec<Light>,
     pub timings: Vec<TimingRecord>,
+    pub recovered: Vec<RecoveredRow>,
     pub failures: Vec<FailureRecord>,
     /// Weights of views to answer by, the leading one first.
     pub weights: Vec<Weight>,
@@ -141,16 +161,21 @@ impl Finished {
     pub fn devices(&self) -> Vec<String> {
         let sessions = self.provenance.sessions.iter();
         let devices: IndexSet<String> = sessions
-            .map(|session| device_words(&session.device.name, &session.device.driver))
+            .map(|session| {
+                let device = &session.device;
+                device_words(&device.name, &device.driver, device.target.as_deref())
+            })
             .collect();
         devices.into_iter().collect()
     }
 
     pub fn failed_count(&self) -> usize {
-        self.cells
-            .iter()
-            .filter(|cell| cell.scores.is_none())
-            .count()
+        self.cells.iter().filter(|cell| cell.is_failed).count()
+    }
+
+    /// Whether its cells are compared with references.
+    pub fn is_scored(&self) -> bool {
+        self.provenance.reference.method != UNSCORED
     }
 
     /// Whether some image is a picture rather than a design.

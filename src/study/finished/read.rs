@@ -1,6 +1,8 @@
 //! Reads a finished run from its folder, published or not.
 
-use super::{Bin, CellImages, Finished, FinishedCell, Light, MetricValues, StepRow, point_of};
+use super::{
+    Bin, CellImages, Finished, FinishedCell, Light, MetricValues, RecoveredRow, StepRow, point_of,
+};
 use crate::base::csv::{Row, TableError, TableRows};
 use crate::base::files::read_regular;
 use crate::base::names::{Listed, printable};
@@ -9,9 +11,10 @@ use crate::experiment::fault::Faults;
 use crate::experiment::inputs::load_methods;
 use crate::experiment::value::Value;
 use crate::instrument::metrics::Weight;
-use crate::run::columns::FAILED;
+use crate::run::columns::{FAILED, UNSCORED};
 use crate::run::frozen::EXPERIMENT_FILE;
 use crate::run::provenance::{self, PROVENANCE_FILE, Provenance, ProvenanceError};
+use crate::run::recovery::RECOVERY_FILE;
 use crate::run::store::{
     CELLS_FOLDER, Exact, FAILED_FOLDER, ReferenceStop, StopReason, Store, StoreError,
     TIMINGS_FOLDER,
@@ -51,7 +54,7 @@ impl Finished {
     /// be wrong.
     pub fn read(dir: &Path) -> Result<Self, FinishedError> {
         let provenance = provenance(dir)?;
-        if Store::at(dir).is_under_way() {
+        if Store::read_only(dir).is_under_way() {
             return Err(FinishedError::UnderWay {
                 dir: dir.to_owned(),
             });
@@ -92,6 +95,7 @@ impl Finished {
             weight: Weight::Uniform,
             cells,
             lights: table("environments.csv")?.map_or_else(|| Ok(Vec::new()), lights)?,
+            recovered: table(RECOVERY_FILE)?.map_or_else(|| Ok(Vec::new()), recovered)?,
             timings: of_store(dir, TIMINGS_FOLDER, Store::timing)?,
             failures: of_store(dir, FAILED_FOLDER, Store::failure)?,
             provenance,
@@ -102,7 +106,7 @@ impl Finished {
 }
 
 fn metrics(row: &Row, suffix: &str) -> MetricValues {
-    MetricValues::of(|name| row.number(&format!("{name}{suffix}")))
+    MetricValues::from_fn(|name| row.number(&format!("{name}{suffix}")))
 }
 
 /// The cells of `errors.csv`, without the data of other tables.
@@ -121,6 +125,7 @@ fn cells(
         row.checked_number(HEADLINE)?;
         let id = row.text("cell").unwrap_or_default().to_owned();
         let is_failed = row.text("verdict") == Some(FAILED);
+        let is_scored = !is_failed && row.text("verdict") != Some(UNSCORED);
         let mut point = point_of(|name| Some(row.text(name)?.to_owned()));
         for value in &mut point.0 {
             if let Value::Text(text) = value {
@@ -132,7 +137,8 @@ fn cells(
         }
         cells.push(FinishedCell {
             point,
-            scores: (!is_failed).then(|| metrics(&row, "")),
+            is_failed,
+            scores: is_scored.then(|| metrics(&row, "")),
             noise_floors: metrics(&row, "_noise_floor"),
             steadiness: row
                 .number("lag_bias")
@@ -201,7 +207,7 @@ fn bins(
 
 fn step(row: &Row) -> Option<StepRow> {
     Some(StepRow {
-        seen: [row.number("n_dot_v_from")?, row.number("n_dot_v_to")?],
+        n_dot_v: [row.number("n_dot_v_from")?, row.number("n_dot_v_to")?],
         step: row.text("step")?.to_owned(),
         share: row.number("share")?,
         share_error: row.number("share_error")?,
@@ -211,6 +217,29 @@ fn step(row: &Row) -> Option<StepRow> {
         shapley: row.number("shapley")?,
         step_error: row.number("step_error")?,
         noise: row.number("noise")?,
+    })
+}
+
+fn recovered(mut table: TableRows) -> Result<Vec<RecoveredRow>, FinishedError> {
+    let mut rows = Vec::new();
+    table.each(|row| {
+        rows.extend(recovered_row(&row));
+        Ok(())
+    })?;
+    Ok(rows)
+}
+
+fn recovered_row(row: &Row) -> Option<RecoveredRow> {
+    Some(RecoveredRow {
+        truth: row.text("cell")?.to_owned(),
+        candidate: row.text("candidate")?.to_owned(),
+        loss: row.text("loss")?.to_owned(),
+        n_dot_v: [row.number("n_dot_v_from")?, row.number("n_dot_v_to")?],
+        true_roughness: row.number("true_roughness")?,
+        true_f0: row.number("true_f0")?,
+        roughness: row.number("roughness")?,
+        f0: row.number("f0")?,
+        is_at_limit: row.number("is_at_limit")? > 0.0,
     })
 }
 
@@ -305,19 +334,17 @@ fn images(mut table: TableRows) -> Result<HashMap<String, CellImages>, FinishedE
     let mut found = HashMap::new();
     let mut stranger = None;
     table.each(|row| {
-        let [cell, radiance, reference] =
-            ["cell", "radiance", "reference"].map(|name| row.text(name).unwrap_or_default());
-        if let Some(name) = [radiance, reference]
-            .into_iter()
-            .find(|name| !is_name(name))
-        {
+        let [cell, radiance] = ["cell", "radiance"].map(|name| row.text(name).unwrap_or_default());
+        let reference = row.text("reference").filter(|name| !name.is_empty());
+        let mut names = std::iter::once(radiance).chain(reference);
+        if let Some(name) = names.find(|name| !is_name(name)) {
             stranger = Some(name.to_owned());
         }
         found.insert(
             cell.to_owned(),
             CellImages {
                 radiance: radiance.to_owned(),
-                reference: reference.to_owned(),
+                reference: reference.map(str::to_owned),
             },
         );
         Ok(())
@@ -344,7 +371,7 @@ fn check_errors(
         return damaged(format!("{} rows of {} cells", cells.len(), ids.len()));
     }
     // Unreadable records do not count, but are read only if there seem to be too many.
-    let store = Store::at(dir);
+    let store = Store::read_only(dir);
     let records: BTreeSet<String> = [CELLS_FOLDER, FAILED_FOLDER]
         .into_iter()
         .flat_map(|folder| store.ids(folder))
@@ -398,7 +425,7 @@ fn of_store<T>(
     folder: &str,
     read: fn(&Store, &str) -> Result<Option<T>, StoreError>,
 ) -> Result<Vec<T>, FinishedError> {
-    let store = Store::at(dir);
+    let store = Store::read_only(dir);
     store
         .ids(folder)
         .iter()

@@ -84,7 +84,7 @@ impl Finished {
                 pooled.or(cell.noise_floors.get(name))
             };
             FinishedCell {
-                noise_floors: MetricValues::of(floor),
+                noise_floors: MetricValues::from_fn(floor),
                 scores: cell.scores.as_ref().map(|_| pooled.scores),
                 ..cell.clone()
             }
@@ -178,11 +178,11 @@ impl FinishedCell {
         bins.sort_by(|(_, a), (_, b)| a.lo.total_cmp(&b.lo));
         let is_tilted = *weight != Weight::Uniform;
         Pooled {
-            scores: MetricValues::of(|name| {
+            scores: MetricValues::from_fn(|name| {
                 let parts = parts(&bins, |bin| bin.scores.get(name))?;
                 Metric::listed(name).pooled(&parts, is_tilted)
             }),
-            noise_floors: MetricValues::of(|name| {
+            noise_floors: MetricValues::from_fn(|name| {
                 let parts = parts(&bins, |bin| bin.noise_floors.get(name))?;
                 Metric::listed(name).pooled_floor(&parts, is_tilted)
             }),

@@ -59,7 +59,7 @@ fn sorted(values: &[f64]) -> Vec<f64> {
 
 impl Middle {
     /// NaN for no values.
-    pub fn of(self, values: &[f64]) -> f64 {
+    pub fn estimate(self, values: &[f64]) -> f64 {
         let n = values.len();
         match self {
             Self::GeometricMean => geometric_mean(values),
@@ -118,7 +118,7 @@ impl Middle {
 /// Student's 95 % interval of the expected value, or with `new` 1 of one further value.
 fn student(values: &[f64], new: f64) -> [f64; 2] {
     let n = values.len();
-    let mean = Middle::Mean.of(values);
+    let mean = Middle::Mean.estimate(values);
     let variance = values.iter().map(|x| (x - mean).powi(2)).sum::<f64>() / (n - 1) as f64;
     let half = t_95(n - 1) * (variance * (new + 1.0 / n as f64)).sqrt();
     [mean - half, mean + half]
@@ -138,15 +138,18 @@ pub fn estimate(values: &[(Value, f64)], middle: Middle) -> Option<Estimate> {
     let mut clusters = Vec::new();
     for (_, cluster) in super::grouped(values, |(environment, _)| environment) {
         let numbers: Vec<f64> = cluster.into_iter().map(|(_, number)| *number).collect();
-        clusters.push(middle.of(&numbers));
+        clusters.push(middle.estimate(&numbers));
     }
     let sorted = sorted(&clusters);
     let are_enough = clusters.len() >= CLUSTERS_MIN;
     Some(Estimate {
         ends: [*sorted.first()?, *sorted.last()?],
-        value: middle.of(&clusters),
+        value: middle.estimate(&clusters),
         interval: are_enough.then(|| middle.interval(&clusters)).flatten(),
         prediction: are_enough.then(|| middle.prediction(&clusters)).flatten(),
         n: clusters.len(),
     })
 }
+
+#[cfg(test)]
+mod tests;

@@ -12,7 +12,7 @@ pub const POINTS_MIN: usize = 3;
 
 impl Line {
     /// `None` below [`POINTS_MIN`] points, for points that are not finite, or for a single x.
-    pub fn of(points: &[[f64; 2]]) -> Option<Self> {
+    pub fn fit(points: &[[f64; 2]]) -> Option<Self> {
         if points.len() < POINTS_MIN || points.iter().flatten().any(|x| !x.is_finite()) {
             return None;
         }
@@ -62,3 +62,6 @@ pub fn t_95(degrees: usize) -> f64 {
         }
     }
 }
+
+#[cfg(test)]
+mod tests;

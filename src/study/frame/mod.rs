@@ -15,6 +15,7 @@ use super::finished::{Finished, FinishedCell};
 use super::names::Names;
 use super::table::axis_cells;
 use crate::base::csv::Cell;
+use crate::draw::variant::Variant;
 use crate::experiment::axis::{
     ALPHA, AXES, AxisId, BRDF, DIFFUSE_METHOD, ENVIRONMENT, F0, METHOD, Part, PerAxis, Point,
     SAMPLES, SCENE,
@@ -65,7 +66,7 @@ impl<'f> Frame<'f> {
             run,
             rows,
             metric,
-            names: Names::of(run),
+            names: Names::new(run),
             digest_axis: None,
             curve_axis: SAMPLES,
             is_first: true,
@@ -220,16 +221,16 @@ impl<'f> Frame<'f> {
 
     /// Whether a row has none of the compared terms.
     pub fn is_nothing(&self, row: &Row) -> bool {
-        self.variant(row) == NONE
+        self.variant(row).method == NONE
     }
 
-    /// The method of a row with its sample count: "sampled 16", "split-sum".
-    pub fn variant(&self, row: &Row) -> String {
-        let axes = self.variant_axes().into_iter();
-        axes.map(|axis| row.text(axis))
-            .filter(|text| !text.is_empty())
-            .collect::<Vec<_>>()
-            .join(" ")
+    /// The method of a row with its sample count; without any specular term its diffuse method.
+    pub fn variant(&self, row: &Row) -> Variant {
+        let axes = self.variant_axes();
+        Variant {
+            method: row.text(axes[0]),
+            samples: row.samples().filter(|_| axes.contains(&SAMPLES)),
+        }
     }
 }
 

@@ -15,6 +15,9 @@ pub struct Shape {
     pub values: PerAxis<Vec<Value>>,
     pub has_timing: bool,
     pub has_ladder: bool,
+    pub has_recovery: bool,
+    /// Whether cells are compared with references.
+    pub is_scored: bool,
     pub reference_method: String,
 }
 
@@ -41,6 +44,8 @@ impl Shape {
                 values: set_only(values),
                 has_timing: !run.timings.is_empty(),
                 has_ladder: false,
+                has_recovery: !run.recovered.is_empty(),
+                is_scored: run.is_scored(),
                 reference_method: run.provenance.reference.method.clone(),
             },
         }
@@ -51,6 +56,8 @@ impl Shape {
             values: set_only(values),
             has_timing: config.timing.is_some(),
             has_ladder: config.ladder.is_some(),
+            has_recovery: config.recovery.is_some(),
+            is_scored: config.is_scored,
             reference_method: config.reference.method.clone(),
         }
     }

@@ -115,7 +115,7 @@ pub fn figure(frame: &Frame) -> Option<Figure> {
         title: "Error against map lookups per pixel",
         note: commas([
             metric,
-            &format!("relative to {base}"),
+            &format!("relative to {}", Variant::new(base.to_string()).label()),
             "median environment",
             &frame.names.comma_label(&others, &surface),
         ]) + "; dashed: without samples; sampling wins where its line is below",
@@ -149,7 +149,7 @@ fn points(frame: &Frame, series: usize, rows: &[(&Row, f64)]) -> Vec<Point> {
         points.push(match lookups(rows[0].0) {
             Some(lookups) => {
                 let position = [lookups, median.value];
-                let dot = middle_dot(&median, series, &variant, position, &with_interval);
+                let dot = middle_dot(&median, series, &variant.label(), position, &with_interval);
                 Point {
                     position: Some(position),
                     mark: Mark {
@@ -160,8 +160,11 @@ fn points(frame: &Frame, series: usize, rows: &[(&Row, f64)]) -> Vec<Point> {
             }
             None => Point {
                 position: None,
-                mark: Mark::new(Form::HorizontalRule(median.value), series)
-                    .tip(format!("{variant}: {}", with_interval(&median))),
+                mark: Mark::new(Form::HorizontalRule(median.value), series).tip(format!(
+                    "{}: {}",
+                    variant.label(),
+                    with_interval(&median)
+                )),
             },
         });
     }

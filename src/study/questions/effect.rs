@@ -147,7 +147,7 @@ impl<'r, 'f> AxisEffects<'r, 'f> {
     fn phrase(&self, frame: &Frame, value: &Value) -> Phrase {
         let text = frame.names.in_sentence(self.axis, value);
         if self.axis == METHOD {
-            Phrase::Method(text)
+            Phrase::Method(Variant::new(text))
         } else {
             Phrase::Code(text)
         }
@@ -179,8 +179,8 @@ fn table(frame: &Frame, all: &[AxisEffects]) -> Table {
             let mut row = effect.row.cells(&axes);
             row.extend(cells![
                 AXES[one.axis].name,
-                &effect.value,
-                &one.base,
+                value_cell(one.axis, &effect.value),
+                value_cell(one.axis, &one.base),
                 effect.ratio,
                 effect.is_resolved
             ]);
@@ -251,44 +251,25 @@ fn statement_of_axis(frame: &Frame, one: &AxisEffects, best: Option<&Best>) -> S
     }
     let times = estimated(&best.mean).unit(" times");
     let among = format!("Of the {}, ", frame.names.plural(one.axis));
+    let wins = wins(frame, one, &best.ratios);
+    let against_base = |times: Quantity| {
+        statement![
+            times,
+            " the ",
+            metric.clone(),
+            " of ",
+            base.clone(),
+            wins.clone(),
+            "."
+        ]
+    };
     if one.resolved().len() == 1 {
-        statement![
-            name,
-            " has ",
-            times.strong(),
-            " the ",
-            metric,
-            " of ",
-            base,
-            wins(frame, one, &best.ratios),
-            "."
-        ]
+        statement![name, " has ", against_base(times.strong())]
     } else if best.mean.value < 1.0 {
-        statement![
-            among,
-            name,
-            " errs least: it has ",
-            times,
-            " the ",
-            metric,
-            " of ",
-            base,
-            wins(frame, one, &best.ratios),
-            "."
-        ]
+        statement![among, name, " errs least: it has ", against_base(times)]
     } else {
-        statement![
-            among,
-            "the base ",
-            base,
-            " errs least; the next, ",
-            name,
-            ", has ",
-            times,
-            " its ",
-            metric,
-            "."
-        ]
+        let next = statement![name, ", has ", times, " its ", metric, "."];
+        statement![among, "the base ", base, " errs least; the next, ", next]
     }
 }
 
@@ -342,20 +323,38 @@ fn digest(frame: &Frame, all: &[AxisEffects]) -> Table {
         for ValueRatios { value, ratios } in values {
             let mut row = cells![
                 AXES[one.axis].name,
-                names.short(one.axis, value),
-                names.short(one.axis, &one.base)
+                names.short_cell(one.axis, value),
+                names.short_cell(one.axis, &one.base)
             ];
             for step in &steps {
                 let ratios = ratios.with_value(row_axis, step);
                 row.push(ratios.cell(frame, &|all| number(all.value)));
             }
-            row.push(ratios.pooled(frame).as_ref().map(with_interval).into());
+            row.push(ratios.pooled(frame).as_ref().map(estimated).into());
             let Wins { below, all } = ratios.winning_environments();
-            row.push(format!("{below} of {all}").into());
+            row.push(Cell::Quantity(format!("{below} of {all}")));
             table.row(row);
         }
     }
     table.without_empty()
+}
+
+/// A value in a figure: a method by its label.
+fn label(frame: &Frame, axis: AxisId, value: &Value) -> String {
+    if axis == METHOD {
+        Variant::new(value.to_string()).label()
+    } else {
+        frame.names.in_sentence(axis, value)
+    }
+}
+
+/// As [`label`] of the base, but without units.
+fn base_label(frame: &Frame, one: &AxisEffects) -> String {
+    if one.axis == METHOD {
+        label(frame, METHOD, &one.base)
+    } else {
+        frame.names.short(one.axis, &one.base)
+    }
 }
 
 /// What the panels of the figure share.
@@ -392,7 +391,7 @@ fn figure(frame: &Frame, one: &AxisEffects) -> Option<Figure> {
         title: &format!("Effect of {}", AXES[one.axis].name),
         note: format!(
             "Error over the error of {}; below 1 is better{}",
-            frame.names.short(one.axis, &one.base),
+            base_label(frame, one),
             if first.has_interval() { INTERVAL } else { "" }
         ),
         x: ChartAxis::values(frame, row_axis, &drawing.steps),
@@ -402,7 +401,7 @@ fn figure(frame: &Frame, one: &AxisEffects) -> Option<Figure> {
             .compared
             .iter()
             .map(|value| {
-                let name = frame.names.in_sentence(one.axis, value);
+                let name = label(frame, one.axis, value);
                 if one.axis == METHOD {
                     method_series(name, value.text(), false)
                 } else {
@@ -419,12 +418,12 @@ impl Drawing<'_, '_> {
         step(&self.compared, value) as usize
     }
 
-    /// "sampled, alpha 0.1".
+    /// "Split sum (textbook), alpha 0.1".
     fn name(&self, value: &Value, row_value: &Value) -> String {
         let names = &self.frame.names;
         format!(
             "{}, {}",
-            names.in_sentence(self.axis, value),
+            label(self.frame, self.axis, value),
             names.in_sentence(self.frame.row_axis(), row_value)
         )
     }

@@ -37,7 +37,7 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
 struct Case<'r, 'f> {
     row: &'r Row<'f>,
     /// As [`Frame::variant`].
-    variant: String,
+    variant: Variant,
     error: f64,
     is_resolved: bool,
 }
@@ -102,8 +102,8 @@ fn leading<'c, 'r, 'f>(images: &[&Row], all: &'c [Case<'r, 'f>]) -> Option<&'c C
     })
 }
 
-fn numbers<'r, 'f>(cases: &[Case<'r, 'f>], variant: &str) -> Numbers<'r, 'f> {
-    let cases = cases.iter().filter(|case| case.variant == variant);
+fn numbers<'r, 'f>(cases: &[Case<'r, 'f>], variant: &Variant) -> Numbers<'r, 'f> {
+    let cases = cases.iter().filter(|case| case.variant == *variant);
     Numbers::new(
         cases.map(|case| (case.row, case.error)),
         Middle::GeometricMean,
@@ -112,7 +112,7 @@ fn numbers<'r, 'f>(cases: &[Case<'r, 'f>], variant: &str) -> Numbers<'r, 'f> {
 
 /// The leading method by [`Frame::row_axis`] and environment; if the axis has one value, every
 /// method by environment.
-fn digest(frame: &Frame, leading: &str, all: &[Case]) -> Table {
+fn digest(frame: &Frame, leading: &Variant, all: &[Case]) -> Table {
     let words = |mean: &Estimate| error_with_interval(frame, mean);
     if frame.shape.is_swept(frame.row_axis()) {
         return numbers(all, leading).digest(frame, &words);
@@ -121,7 +121,7 @@ fn digest(frame: &Frame, leading: &str, all: &[Case]) -> Table {
     let rows: Vec<DigestRow> = variants
         .into_iter()
         .map(|variant| DigestRow {
-            head: cells![variant.as_str()],
+            head: cells![variant],
             numbers: numbers(all, variant),
         })
         .collect();
@@ -182,7 +182,7 @@ const COUNTS_SHOWN: usize = 3;
 /// The figure's variants and its horizontal axis.
 struct Drawing<'a, 'f> {
     frame: &'a Frame<'f>,
-    variants: Vec<String>,
+    variants: Vec<Variant>,
     /// Whether the values of the row axis are positive numbers, which then are the axis of the
     /// figure.
     is_by_size: bool,
@@ -232,7 +232,7 @@ fn figure(frame: &Frame, all: &[Case]) -> Option<Figure> {
         x: if drawing.is_by_size {
             ChartAxis::Log(frame.names.name(row_axis))
         } else {
-            ChartAxis::Steps("", variants.clone())
+            ChartAxis::Steps("", variants.iter().map(Variant::label).collect())
         },
         y: ChartAxis::Log(metric),
         panels: light_panels(frame, &first, || drawing.averages(all), lights),
@@ -241,7 +241,7 @@ fn figure(frame: &Frame, all: &[Case]) -> Option<Figure> {
             .map(|variant| {
                 let case = all.iter().find(|case| case.variant == *variant);
                 let method = case.map_or_else(String::new, |case| case.row.text(METHOD));
-                method_series(variant, &method, false)
+                method_series(variant.label(), &method, false)
             })
             .collect(),
     }
@@ -268,7 +268,7 @@ impl Drawing<'_, '_> {
         let axes = frame.case_axes();
         let label = frame.names.label(&axes, &case.row.key(&axes));
         let error = with_rms(frame, case.error);
-        let tip = format!("{}: {error} · {label}", case.variant);
+        let tip = format!("{}: {error} · {label}", case.variant.label());
         Some(dot([x, case.error], series, tip, case.row))
     }
 
@@ -281,7 +281,8 @@ impl Drawing<'_, '_> {
         for (series, variant) in self.variants.iter().enumerate() {
             let errors = numbers(all, variant);
             if !self.is_by_size {
-                marks.extend(errors.marks(series, variant, |error| [series as f64, error], &words));
+                let name = variant.label();
+                marks.extend(errors.marks(series, &name, |error| [series as f64, error], &words));
                 continue;
             }
             let mut dots = Vec::new();
@@ -290,7 +291,7 @@ impl Drawing<'_, '_> {
                 let label = frame.names.value_label(row_axis, &value);
                 dots.extend(errors.with_value(row_axis, &value).marks(
                     series,
-                    &format!("{variant}, {label}"),
+                    &format!("{}, {label}", variant.label()),
                     |error| [x, error],
                     &words,
                 ));
@@ -302,7 +303,7 @@ impl Drawing<'_, '_> {
 }
 
 /// Methods without samples, and a few counts of each other method.
-fn shown_variants(all: &[Case]) -> Vec<String> {
+fn shown_variants(all: &[Case]) -> Vec<Variant> {
     let mut shown = Vec::new();
     for (_, cases) in grouped(all, |case| case.row.point[METHOD].clone()) {
         let mut counts = distinct_in_order(cases.iter().filter_map(|case| case.row.samples()));

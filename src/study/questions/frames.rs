@@ -74,7 +74,8 @@ fn last_cells(pair: &Pair) -> Vec<Cell> {
         .into()
 }
 
-/// How a method samples: "1 sample a frame, light", by the axes with `is_shown`.
+/// How a method samples: "1 sample a frame, light", by the axes with `is_shown`; a method by its
+/// label.
 fn sampling(
     frame: &Frame,
     axes: &[AxisId],
@@ -82,21 +83,20 @@ fn sampling(
     is_shown: impl Fn(AxisId) -> bool,
 ) -> String {
     let mut samples = String::new();
-    let mut other_axes = Vec::new();
-    let mut other_values = Vec::new();
+    let mut others = Vec::new();
     for (&axis, value) in axes.iter().zip(key) {
         if axis == SAMPLES {
             samples = match value {
                 Value::Count(1) => "1 sample a frame".to_owned(),
                 count => format!("{count} samples a frame"),
             };
-        } else if is_shown(axis) {
-            other_axes.push(axis);
-            other_values.push(value.clone());
+        } else if is_shown(axis) && axis == METHOD {
+            others.push(Variant::new(value.to_string()).label());
+        } else if is_shown(axis) && *value != Value::Unset {
+            others.push(frame.names.value_label(axis, value));
         }
     }
-    let others = frame.names.comma_label(&other_axes, &other_values);
-    commas([&samples, &others])
+    commas([&samples, &others.join(", ")])
 }
 
 /// " with 1 sample a frame"; empty without words.
@@ -117,21 +117,23 @@ fn sentences(frame: &Frame, axes: &[AxisId], all: &[Pair]) -> Option<Sentences> 
         sampling(frame, axes, &pair.key, |axis| axis != frame.row_axis())
     });
     let (name, pairs) = by_sampling.first()?;
-    let extent = Ends::of(pairs)?.extent();
+    let extent = Ends::find(pairs)?.extent();
     let (beats, end) = match extent.least {
         Number::MoreThan(most) => (" does not beat ", {
-            let frames = Quantity::new(Number::Count(most)).unit(" frames").strong();
+            let frames = Quantity::new(Number::Count(most))
+                .unit(Unit::FRAMES)
+                .strong();
             statement![" within ", frames]
         }),
         _ => (" beats ", {
-            let frames = Quantity::new(extent).unit(" frames").strong();
+            let frames = Quantity::new(extent).unit(Unit::FRAMES).strong();
             statement![" from ", frames, " on"]
         }),
     };
     let headline = statement![
-        Phrase::Method(first.methods.sampled.clone()),
+        Phrase::Method(Variant::new(&first.methods.sampled)),
         beats,
-        Phrase::Method(first.methods.fixed.clone()),
+        Phrase::Method(Variant::new(&first.methods.fixed)),
         " in ",
         Phrase::Metric(first.metric),
         end,
@@ -141,9 +143,9 @@ fn sentences(frame: &Frame, axes: &[AxisId], all: &[Pair]) -> Option<Sentences> 
     let ratios = pairs.iter().map(|pair| pair.at_largest.ratio);
     let mut details = vec![statement![
         "After ",
-        Number::Count(pairs[0].tried.largest()?.into()),
-        " frames it has ",
-        Quantity::new(Extent::of(ratios)),
+        Quantity::new(Number::Count(pairs[0].tried.largest()?.into())).unit(Unit::FRAMES),
+        " it has ",
+        Quantity::new(Extent::from_values(ratios)),
         " times the error."
     ]];
     let (slowest, pairs) = by_sampling.iter().reduce(|a, b| {
@@ -156,7 +158,7 @@ fn sentences(frame: &Frame, axes: &[AxisId], all: &[Pair]) -> Option<Sentences> 
     if slowest != name {
         details.push(statement![
             "It needs ",
-            Quantity::new(Ends::of(pairs)?.extent()),
+            Quantity::new(Ends::find(pairs)?.extent()),
             with(slowest),
             "."
         ]);
@@ -171,7 +173,9 @@ fn most_frames(pairs: &[&Pair]) -> f64 {
 
 /// The images of one method or of one sampling, in all panels.
 struct Curve<'r, 'f> {
+    /// The label of a method without samples; how another one samples.
     name: String,
+    method: String,
     /// Whether the method has no samples.
     is_fixed: bool,
     rows: Vec<(&'r Row<'f>, f64)>,
@@ -196,7 +200,9 @@ impl Curve<'_, '_> {
             let Some(median) = Numbers::new(rows, Middle::Median).estimate() else {
                 continue;
             };
-            let name = format!("{}, {count} frames", self.name);
+            let frames = Number::Count(count.count().into());
+            let frames = Quantity::new(frames).unit(Unit::FRAMES);
+            let name = format!("{}, {frames}", self.name);
             let position = [f64::from(count.count()), median.value];
             dots.push(middle_dot(&median, series, &name, position, &with_interval));
         }
@@ -246,13 +252,15 @@ fn curves<'r, 'f>(frame: &Frame, rows: Vec<(&'r Row<'f>, f64)>) -> Vec<Curve<'r,
     }
     let fixed = grouped(fixed, |(row, _)| row.text(METHOD))
         .into_iter()
-        .map(|(name, rows)| Curve {
-            name,
+        .map(|(method, rows)| Curve {
+            name: Variant::new(method.as_str()).label(),
+            method,
             is_fixed: true,
             rows,
         });
     let sampled = by_key.into_iter().map(|(key, rows)| Curve {
         name: sampling(frame, &axes, &key, |axis| shown.contains(&axis)),
+        method: rows[0].0.text(METHOD),
         is_fixed: false,
         rows,
     });
@@ -268,7 +276,11 @@ fn figure(frame: &Frame) -> Option<Figure> {
     let curves = curves(frame, rows);
     let fixed = curves.first().filter(|curve| curve.is_fixed)?;
     let sampled = curves.iter().filter(|curve| !curve.is_fixed);
-    let motions = distinct_in_order(sampled.flat_map(|curve| curve.values(MOTION)));
+    let mut motions = distinct_in_order(sampled.flat_map(|curve| curve.values(MOTION)));
+    // Images of one frame have no motion, and are in the panel of every motion.
+    if motions.len() > 1 {
+        motions.retain(|motion| *motion != Value::Unset);
+    }
     let mut panels = Vec::new();
     for value in ascending(fixed.values(row_axis)) {
         for motion in &motions {
@@ -295,8 +307,11 @@ fn figure(frame: &Frame) -> Option<Figure> {
     let metric = frame.metric_name();
     Chart {
         title: "Error against frames",
-        note: commas([metric, &format!("relative to {base}"), "median environment"])
-            + "; dashed: without samples; sampling wins where its line is below",
+        note: commas([
+            metric,
+            &format!("relative to {}", Variant::new(base.to_string()).label()),
+            "median environment",
+        ]) + "; dashed: without samples; sampling wins where its line is below",
         x: ChartAxis::Log("frames"),
         y: ChartAxis::Log(&format!("relative {metric}")),
         panels,
@@ -304,7 +319,7 @@ fn figure(frame: &Frame) -> Option<Figure> {
             .iter()
             .map(|curve| {
                 if curve.is_fixed {
-                    method_series(&curve.name, &curve.name, true)
+                    method_series(&curve.name, &curve.method, true)
                 } else {
                     solid(&curve.name)
                 }

@@ -63,6 +63,7 @@ questions! {
     n_dot_v,
     visibility,
     pictures,
+    recovery,
     times,
 }
 
@@ -72,13 +73,15 @@ pub struct Question {
     pub asks: &'static str,
     /// Columns of its table after the axes.
     pub columns: &'static [Column],
+    /// Whether it needs cells that are compared with references.
+    pub needs_scores: bool,
     /// Whether the answer depends on measured times.
     pub uses_times: bool,
     /// Whether the weight of views changes its answer for the scene `design`.
     pub is_weighted: bool,
     /// Whether `by` can name the axis of the rows of its digest.
     pub has_rows: bool,
-    /// Missing part of an experiment, as the end of "cannot be answered: ...".
+    /// Missing part of a scored experiment, as [`Question::lack`].
     pub lacks: fn(&Shape) -> Option<&'static str>,
     /// `None` without suitable finished cells.
     pub answer: fn(&Frame) -> Option<Finding>,
@@ -89,12 +92,21 @@ impl Question {
         name: "",
         asks: "",
         columns: &[],
+        needs_scores: true,
         uses_times: false,
         is_weighted: true,
         has_rows: true,
         lacks: |_| None,
         answer: |_| None,
     };
+
+    /// Missing part of an experiment of this shape, as the end of "cannot be answered: ...".
+    pub fn lack(&self, shape: &Shape) -> Option<&'static str> {
+        if self.needs_scores && !shape.is_scored {
+            return Some("it needs scores, and the experiment has reference = \"none\"");
+        }
+        (self.lacks)(shape)
+    }
 
     /// Whether the answer depends on times of a CPU driver, which say nothing about a GPU.
     pub fn rests_on_cpu_times(&self, run: &Finished) -> bool {
@@ -137,7 +149,7 @@ pub fn answers(run: &Finished, metric: Option<&str>) -> Vec<Answer> {
         for frame in &mut frames {
             frame.digest_axis = digest_axis;
         }
-        if (question.lacks)(&frames[0].shape).is_some() {
+        if question.lack(&frames[0].shape).is_some() {
             continue;
         }
         if let Some(finding) = finding(question, &frames, recorded_weight) {
@@ -200,26 +212,26 @@ fn finding(
 pub fn check(config: &Config, faults: &mut Faults) {
     let shape = Shape::of_config(config);
     let names: Vec<&str> = QUESTIONS.iter().map(|question| question.name).collect();
-    for (weight, place) in &config.weights {
+    for (weight, location) in &config.weights {
         if let Err(fault) = check_weight(weight, &shape.values[SCENE]) {
-            faults.add(place, format!("weights: {fault}"));
+            faults.add(location, format!("weights: {fault}"));
         }
     }
     for ask in &config.asks {
         let name = &ask.question;
         let Some(question) = question(name) else {
             let fault = not_listed("question", name, &names, "", Some(LISTED_QUESTIONS));
-            faults.add(&ask.place, format!("asks: {fault}"));
+            faults.add(&ask.location, format!("asks: {fault}"));
             continue;
         };
-        if let Some(lack) = (question.lacks)(&shape) {
+        if let Some(lack) = question.lack(&shape) {
             let fault = format!("asks: {name:?} cannot be answered: {lack}");
-            faults.add(&ask.place, fault);
+            faults.add(&ask.location, fault);
         }
-        if let Some((axis, place)) = &ask.by
+        if let Some((axis, location)) = &ask.by
             && let Some(fault) = fault_of_by(config, &shape, question, *axis)
         {
-            faults.add(place, fault);
+            faults.add(location, fault);
         }
     }
 }

@@ -42,8 +42,7 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
 
 /// The error of a method in a bin of n·v, at one value of [`Frame::row_axis`].
 struct BinError<'r, 'f> {
-    /// As [`Frame::variant`].
-    method: String,
+    variant: Variant,
     row_value: Value,
     bin: [f64; 2],
     error: Estimate,
@@ -51,14 +50,14 @@ struct BinError<'r, 'f> {
 }
 
 /// The images of a method at one sample count.
-struct Variant<'r, 'f> {
-    name: String,
+struct VariantImages<'r, 'f> {
+    variant: Variant,
     rows: Vec<&'r Row<'f>>,
 }
 
 /// The images of each method at the tried count nearest to the default; methods without samples
 /// first.
-fn nearest_to_default<'r, 'f>(frame: &'r Frame<'f>) -> Vec<Variant<'r, 'f>> {
+fn nearest_to_default<'r, 'f>(frame: &'r Frame<'f>) -> Vec<VariantImages<'r, 'f>> {
     let mut rows = frame.images();
     rows.retain(|row| !row.cell.bins.is_empty() && !frame.is_nothing(row));
     // Without any specular term diffuse methods are compared.
@@ -75,23 +74,23 @@ fn nearest_to_default<'r, 'f>(frame: &'r Frame<'f>) -> Vec<Variant<'r, 'f>> {
                     a
                 }
             });
-        variants.extend(nearest.map(|(name, rows)| Variant { name, rows }));
+        variants.extend(nearest.map(|(variant, rows)| VariantImages { variant, rows }));
     }
-    variants.sort_by_key(|variant| variant.rows[0].samples().is_some());
+    variants.sort_by_key(|images| images.rows[0].samples().is_some());
     variants
 }
 
 /// The errors of a method by [`Frame::row_axis`] and bin.
-fn bin_errors<'r, 'f>(frame: &Frame, variant: &Variant<'r, 'f>) -> Vec<BinError<'r, 'f>> {
+fn bin_errors<'r, 'f>(frame: &Frame, images: &VariantImages<'r, 'f>) -> Vec<BinError<'r, 'f>> {
     let row_axis = frame.row_axis();
-    let bins = variant.rows.iter().flat_map(|row| row.cell.bins.iter());
+    let bins = images.rows.iter().flat_map(|row| row.cell.bins.iter());
     let bins = distinct_bins(bins.map(|bin| [bin.lo, bin.hi]));
     let mut found = Vec::new();
-    for row_value in values(variant.rows.iter().copied(), row_axis) {
+    for row_value in values(images.rows.iter().copied(), row_axis) {
         if row_value == Value::Unset {
             continue;
         }
-        let mut rows = variant.rows.clone();
+        let mut rows = images.rows.clone();
         rows.retain(|row| row.point[row_axis] == row_value);
         for &bin in &bins {
             let by_light: Vec<(Value, f64)> = rows
@@ -103,7 +102,7 @@ fn bin_errors<'r, 'f>(frame: &Frame, variant: &Variant<'r, 'f>) -> Vec<BinError<
                 .collect();
             if let Some(error) = estimate(&by_light, Middle::Median) {
                 found.push(BinError {
-                    method: variant.name.clone(),
+                    variant: images.variant.clone(),
                     row_value: row_value.clone(),
                     bin,
                     error,
@@ -132,7 +131,7 @@ fn distinct_bins(all: impl Iterator<Item = [f64; 2]>) -> Vec<[f64; 2]> {
 fn answer(frame: &Frame) -> Option<Finding> {
     let all: Vec<BinError> = nearest_to_default(frame)
         .iter()
-        .flat_map(|variant| bin_errors(frame, variant))
+        .flat_map(|images| bin_errors(frame, images))
         .collect();
     Some(Finding {
         sentences: sentences(frame, &all)?,
@@ -171,8 +170,8 @@ fn table(frame: &Frame, all: &[BinError]) -> Table {
 }
 
 fn sentences(frame: &Frame, all: &[BinError]) -> Option<Sentences> {
-    let method = &all.first()?.method;
-    let of_method = || all.iter().filter(|one| one.method == *method);
+    let variant = &all.first()?.variant;
+    let of_method = || all.iter().filter(|one| one.variant == *variant);
     let by_error = |a: &&BinError, b: &&BinError| a.error.value.total_cmp(&b.error.value);
     let most = of_method().max_by(by_error)?;
     let least = of_method().min_by(by_error)?;
@@ -199,7 +198,7 @@ fn sentences(frame: &Frame, all: &[BinError]) -> Option<Sentences> {
     let headline = statement![
         views,
         ", ",
-        Phrase::Method(method.clone()),
+        Phrase::Method(variant.clone()),
         " errs most at ",
         condition(most),
         format!(": {} ", frame.metric_name()),
@@ -229,7 +228,7 @@ fn sentences(frame: &Frame, all: &[BinError]) -> Option<Sentences> {
 /// A row of the digest.
 #[derive(PartialEq, Eq, Hash)]
 struct DigestKey {
-    method: String,
+    variant: Variant,
     row_value: Value,
 }
 
@@ -248,15 +247,15 @@ fn digest(frame: &Frame, all: &[BinError]) -> Table {
     heads.extend(bins.iter().map(|bin| n_dot_v_words(*bin)));
     let mut table = Table::with_names(heads);
     let key = |one: &&BinError| DigestKey {
-        method: one.method.clone(),
+        variant: one.variant.clone(),
         row_value: one.row_value.clone(),
     };
     for (key, errors) in grouped(all, key) {
-        let mut row = cells![key.method];
+        let mut row = cells![&key.variant];
         row.extend(frame.names.head_of(row_axis, &key.row_value));
         for bin in &bins {
             let error = errors.iter().find(|one| one.bin == *bin);
-            row.push(error.map(|one| with_interval(&one.error)).into());
+            row.push(error.map(|one| estimated(&one.error)).into());
         }
         table.row(row);
     }
@@ -270,14 +269,14 @@ fn figure(frame: &Frame, all: &[BinError]) -> Option<Figure> {
         all.iter().map(|one| one.row_value.clone()),
     ));
     let mut panels = Vec::new();
-    for (method, errors) in grouped(all, |one| one.method.clone()) {
+    for (variant, errors) in grouped(all, |one| one.variant.clone()) {
         let mut marks = Vec::new();
         for (series, row_value) in row_values.iter().enumerate() {
             let line = errors.iter().filter(|one| one.row_value == *row_value);
             marks.extend(joined(line.map(|one| mark(frame, one, series)).collect()));
         }
         panels.push(ChartPanel {
-            title: method,
+            title: variant.label(),
             marks,
         });
     }
@@ -303,7 +302,7 @@ fn figure(frame: &Frame, all: &[BinError]) -> Option<Figure> {
 fn mark(frame: &Frame, one: &BinError, series: usize) -> Mark {
     let tip = format!(
         "{} · {} · {}: {}",
-        one.method,
+        one.variant.label(),
         frame.names.value_label(frame.row_axis(), &one.row_value),
         n_dot_v_words(one.bin),
         with_interval(&one.error)

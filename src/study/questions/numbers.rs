@@ -1,10 +1,10 @@
 //! A number of each image of a group, and how it depends on the axes: digests, extremes, changes of
 //! sign.
 
-use super::words::{count, number, range, scope_statement};
+use super::words::{count, number, scope_statement};
 use crate::base::csv::Cell;
 use crate::draw::figure::{Mark, Shape as Form};
-use crate::draw::words::{Statement, statement};
+use crate::draw::words::{Extent, Statement, statement};
 use crate::experiment::axis::{AXES, AxisId, ENVIRONMENT, Part, SAMPLES};
 use crate::experiment::value::Value;
 use crate::instrument::environment::BUILTIN_PREFIX;
@@ -276,9 +276,9 @@ impl<'r, 'f> Numbers<'r, 'f> {
             return Cell::Missing;
         };
         if self.pooled(frame).is_some() {
-            words(&all).into()
+            Cell::Quantity(words(&all))
         } else {
-            range(self.items.iter().map(|(_, number)| *number)).into()
+            Extent::from_values(self.items.iter().map(|(_, number)| *number)).into()
         }
     }
 
@@ -421,12 +421,15 @@ pub fn by_light(
         if has_all {
             cells.push(match numbers.pooled(frame) {
                 None if is_summed && numbers.is_ratio => Cell::from("mixed"),
-                all => all.as_ref().map(words).into(),
+                all => all.map(|all| Cell::Quantity(words(&all))).into(),
             });
         }
         if is_summed {
             let ends = numbers.estimate().map(|all| all.ends);
-            cells.push(ends.map(|ends| range_in_words(ends, words)).into());
+            cells.push(
+                ends.map(|ends| Cell::Quantity(range_in_words(ends, words)))
+                    .into(),
+            );
         }
         table.row(cells);
     }

@@ -8,9 +8,12 @@ pub use super::numbers::{ALL, DigestRow, Numbers, Wins, all_head, by_light, from
 pub use super::words::*;
 pub use super::{Finding, N_DOT_V_FROM, N_DOT_V_TO, Question, Sentences};
 pub use crate::base::csv::Cell;
-pub use crate::draw::figure::{Figure, Mark, Shape as Form};
+pub use crate::draw::figure::{Figure, Mark, Series, Shape as Form};
+pub use crate::draw::variant::Variant;
 pub(super) use crate::draw::words::statement;
-pub use crate::draw::words::{Coverage, Extent, Interval, Number, Phrase, Quantity, Statement};
+pub use crate::draw::words::{
+    Coverage, Extent, Interval, Number, Phrase, Quantity, Statement, Unit,
+};
 pub use crate::experiment::axis::*;
 pub use crate::experiment::value::Value;
 pub use crate::instrument::scene::is_design;
@@ -21,4 +24,4 @@ pub use crate::study::frame::{
     grouped, grouped_ascending, pair, values,
 };
 pub use crate::study::table::{Table, column};
-pub(super) use crate::study::table::{axis_cells, cells};
+pub(super) use crate::study::table::{axis_cells, cells, value_cell};

@@ -13,7 +13,7 @@
 
 use super::prelude::*;
 use crate::base::math::order_statistics::median_interval;
-use crate::run::timing::{FRAME, Key, PRECOMPUTE, PassSamples, TimingRecord, swept_axes};
+use crate::run::timing::{FRAME, Key, PRECOMPUTE, TimingRecord, swept_axes};
 use crate::run::timing_ratios::{Ratio, ratios};
 
 pub const QUESTION: Question = Question {
@@ -67,6 +67,7 @@ pub const QUESTION: Question = Question {
             "Its type; times of a `cpu` say nothing about a GPU.",
         ),
     ],
+    needs_scores: false,
     uses_times: true,
     is_weighted: false,
     has_rows: false,
@@ -113,13 +114,10 @@ fn method(key: &Key) -> &str {
     }
 }
 
-/// "sampled 40".
-fn variant(key: &Key) -> String {
-    let samples = text(key, SAMPLES);
-    if samples.is_empty() {
-        method(key).to_owned()
-    } else {
-        format!("{} {samples}", method(key))
+fn variant(key: &Key) -> Variant {
+    Variant {
+        samples: text(key, SAMPLES).parse().ok(),
+        ..Variant::new(method(key))
     }
 }
 
@@ -210,7 +208,7 @@ fn row(axes: &[AxisId], one: &Timed, pass: &str, ms: &[f64], ratio: Option<&Rati
         ms_lo,
         ms_hi,
         Some(one.shading()).filter(|ms| *ms > 0.0),
-        ratio.map(|ratio| variant(&ratio.fixed.key())),
+        ratio.map(|ratio| Cell::from(&variant(&ratio.fixed.key()))),
         ratio.map(|ratio| ratio.ratio),
         ratio_lo,
         ratio_hi,
@@ -228,8 +226,7 @@ fn ends(interval: [f64; 2]) -> [Cell; 2] {
 
 /// The times of a method at one sample count, over its configurations.
 struct VariantTimes {
-    /// "sampled 40".
-    name: String,
+    variant: Variant,
     configuration_count: usize,
     ms: Extent,
     shading_ms: Extent,
@@ -238,7 +235,7 @@ struct VariantTimes {
     /// The samples of the first sampling method that take as long to shade.
     samples_as_long: Option<Extent>,
     tables_ms: Option<Extent>,
-    /// "mips 28 to 29, prefilter 265 to 287": times of tables by kind of pass.
+    /// "mips 28 to 29, prefilter 265 to 287": times of tables.
     passes: Option<String>,
 }
 
@@ -246,44 +243,44 @@ fn variants(frames: &[Timed], tables: &[Timed], ratios: &[Ratio]) -> Vec<Variant
     let groups = grouped(frames, |one| variant(&one.key));
     let first = groups
         .iter()
-        .map(|(name, _)| name.clone())
-        .find(|name| name != NONE)
+        .map(|(variant, _)| variant.clone())
+        .find(|variant| variant.method != NONE)
         .unwrap_or_default();
     let mut variants = Vec::new();
-    for (name, frames) in groups {
+    for (variant, frames) in groups {
         let tables: Vec<&Timed> = tables
             .iter()
             .filter(|table| table.method() == frames[0].method())
             .collect();
-        let to_first = ratios_to(&first, &name, ratios);
+        let to_first = ratios_to(&first, &variant, ratios);
         let samples: Option<Vec<f64>> = frames
             .iter()
             .map(|one| samples_as_long(one.record, ratios))
             .collect();
         variants.push(VariantTimes {
             configuration_count: frames.len(),
-            ms: Extent::of(frames.iter().map(|one| one.median())),
-            shading_ms: Extent::of(frames.iter().map(|one| one.shading())),
-            ratio: (!to_first.is_empty()).then(|| Extent::of(to_first)),
-            samples_as_long: samples.map(Extent::of),
+            ms: Extent::from_values(frames.iter().map(|one| one.median())),
+            shading_ms: Extent::from_values(frames.iter().map(|one| one.shading())),
+            ratio: (!to_first.is_empty()).then(|| Extent::from_values(to_first)),
+            samples_as_long: samples.map(Extent::from_values),
             tables_ms: (!tables.is_empty())
-                .then(|| Extent::of(tables.iter().map(|table| table.median()))),
+                .then(|| Extent::from_values(tables.iter().map(|table| table.median()))),
             passes: passes(&tables),
-            name,
+            variant,
         });
     }
     variants
 }
 
 /// The ratios of a variant's time to shade over the first variant's.
-fn ratios_to(first: &str, name: &str, ratios: &[Ratio]) -> Vec<f64> {
+fn ratios_to(first: &Variant, wanted: &Variant, ratios: &[Ratio]) -> Vec<f64> {
     let mut found = Vec::new();
     for ratio in ratios {
         let sampled = variant(&ratio.sampled.key());
         let fixed = variant(&ratio.fixed.key());
-        if sampled == name && fixed == first {
+        if sampled == *wanted && fixed == *first {
             found.push(ratio.ratio);
-        } else if fixed == name && sampled == first {
+        } else if fixed == *wanted && sampled == *first {
             found.push(ratio.ratio.recip());
         }
     }
@@ -293,7 +290,7 @@ fn ratios_to(first: &str, name: &str, ratios: &[Ratio]) -> Vec<f64> {
 /// One row per variant: its times, over the first variant's or in samples, and the cost of its
 /// tables.
 fn digest(variants: &[VariantTimes]) -> Table {
-    let first = first_variant(variants).map_or("", |first| &first.name);
+    let first = first_variant(variants).map_or_else(String::new, |first| first.variant.to_string());
     let mut table = Table::with_names([
         AXES[METHOD].name,
         "configurations",
@@ -307,13 +304,13 @@ fn digest(variants: &[VariantTimes]) -> Table {
     for one in variants {
         let samples = one.samples_as_long;
         table.row(cells![
-            one.name.as_str(),
+            &one.variant,
             one.configuration_count,
-            one.ms.to_string(),
-            one.shading_ms.to_string(),
-            one.ratio.map(|ratio| ratio.to_string()),
-            samples.map(|samples| format!("{samples} samples")),
-            one.tables_ms.map(|ms| ms.to_string()),
+            one.ms,
+            one.shading_ms,
+            one.ratio,
+            samples.map(|samples| Quantity::new(samples).unit(Unit::SAMPLES)),
+            one.tables_ms,
             one.passes.clone()
         ]);
     }
@@ -322,7 +319,7 @@ fn digest(variants: &[VariantTimes]) -> Table {
 
 /// The first variant with a compared term, over which ratios are taken.
 fn first_variant(variants: &[VariantTimes]) -> Option<&VariantTimes> {
-    variants.iter().find(|one| one.name != NONE)
+    variants.iter().find(|one| one.variant.method != NONE)
 }
 
 /// The samples of the first sampling method that take as long to shade as this method without
@@ -346,24 +343,19 @@ fn samples_as_long(fixed: &TimingRecord, ratios: &[Ratio]) -> Option<f64> {
     Some(n + (m - n) * (1.0 - a) / (b - a))
 }
 
-/// "mips 28 to 29, prefilter 265 to 287": times by kind of pass, the first word of its name; levels
-/// of a map count together.
+/// "mips 28 to 29, prefilter 265 to 287": times by the table that the passes fill.
 fn passes(tables: &[&Timed]) -> Option<String> {
     let mut sums: Vec<(&str, f64)> = Vec::new();
     for table in tables {
-        for (kind, passes) in grouped(&table.record.passes, |pass| kind(pass)) {
-            sums.push((kind, passes.iter().map(|pass| median(&pass.ms)).sum()));
+        for (name, passes) in grouped(&table.record.passes, |pass| pass.table()) {
+            sums.push((name, passes.iter().map(|pass| median(&pass.ms)).sum()));
         }
     }
-    let words: Vec<String> = grouped(sums, |(kind, _)| *kind)
+    let words: Vec<String> = grouped(sums, |(name, _)| *name)
         .into_iter()
-        .map(|(kind, sums)| format!("{kind} {}", range(sums.into_iter().map(|(_, ms)| ms))))
+        .map(|(name, sums)| format!("{name} {}", range(sums.into_iter().map(|(_, ms)| ms))))
         .collect();
     (!words.is_empty()).then(|| words.join(", "))
-}
-
-fn kind(pass: &PassSamples) -> &str {
-    pass.pass.split_whitespace().next().unwrap_or_default()
 }
 
 /// The samples that each method without samples costs; without counts, the first variant and the
@@ -371,11 +363,15 @@ fn kind(pass: &PassSamples) -> &str {
 fn sentences(frame: &Frame, variants: &[VariantTimes]) -> Option<Sentences> {
     let first = first_variant(variants)?;
     let driver = frame.cpu_words();
-    let name = Phrase::Method(first.name.clone());
+    let name = Phrase::Method(first.variant.clone());
     let ms = Quantity::new(first.shading_ms).unit(" ms");
     let as_samples = variants.iter().filter_map(|one| {
-        let samples = Quantity::new(one.samples_as_long?).unit(" samples");
-        Some(statement![Phrase::Method(one.name.clone()), " ", samples])
+        let samples = Quantity::new(one.samples_as_long?).unit(Unit::SAMPLES);
+        Some(statement![
+            Phrase::Method(one.variant.clone()),
+            " ",
+            samples
+        ])
     });
     let as_samples = Statement::joined(as_samples, ", ");
     let costliest = variants
@@ -386,7 +382,7 @@ fn sentences(frame: &Frame, variants: &[VariantTimes]) -> Option<Sentences> {
         statement![format!("As long to shade{driver} as: "), as_samples, "."]
     } else if let Some((other, ratio)) = costliest {
         statement![
-            Phrase::Method(other.name.clone()),
+            Phrase::Method(other.variant.clone()),
             " takes ",
             Quantity::new(ratio).unit(" times"),
             " as long to shade as ",
@@ -444,9 +440,9 @@ fn figure(frame: &Frame, frames: &[Timed], axes: &[AxisId]) -> Option<Figure> {
     .figure()
 }
 
-/// "sampled 40 · ggx".
+/// "Sampling, 40 samples · ggx".
 fn bar_name(one: &Timed, axes: &[AxisId]) -> String {
-    let mut words = vec![variant(&one.key)];
+    let mut words = vec![variant(&one.key).label()];
     for axis in axes {
         let text = one.text(*axis);
         if ![METHOD, SAMPLES].contains(axis) && !text.is_empty() {

@@ -43,8 +43,7 @@ fn lacks(shape: &Shape) -> Option<&'static str> {
 
 /// A method at one exposure and contrast.
 struct Setting<'r, 'f> {
-    /// As [`Frame::variant`].
-    method: String,
+    variant: Variant,
     exposure: Value,
     contrast: Value,
     /// Mean FLIP by environment, median over its images.
@@ -53,14 +52,14 @@ struct Setting<'r, 'f> {
 }
 
 impl<'r, 'f> Setting<'r, 'f> {
-    fn new(method: &str, key: &[Value], rows: Vec<&'r Row<'f>>) -> Self {
+    fn new(variant: &Variant, key: &[Value], rows: Vec<&'r Row<'f>>) -> Self {
         let by_light = grouped(&rows, |row| row.point[ENVIRONMENT].clone());
         let flips = by_light.iter().map(|(_, rows)| {
             let flips: Vec<f64> = rows.iter().filter_map(|row| row.flip()).collect();
             median(&flips)
         });
         Self {
-            method: method.to_owned(),
+            variant: variant.clone(),
             exposure: key[0].clone(),
             contrast: key[1].clone(),
             flips: flips.collect(),
@@ -99,10 +98,10 @@ fn settings<'r, 'f>(frame: &'r Frame<'f>) -> Vec<Vec<Setting<'r, 'f>>> {
     methods.sort_by_key(|(_, rows)| rows[0].samples().is_some());
     let size = |value: &Value| value.size().unwrap_or(f64::NAN);
     let mut found = Vec::new();
-    for (method, rows) in methods {
+    for (variant, rows) in methods {
         let mut settings: Vec<Setting> = grouped(rows, |row| row.key(&DISPLAY))
             .into_iter()
-            .map(|(key, rows)| Setting::new(&method, &key, rows))
+            .map(|(key, rows)| Setting::new(&variant, &key, rows))
             .collect();
         settings.sort_by(|a, b| {
             size(&a.contrast)
@@ -205,7 +204,7 @@ fn sentences(frame: &Frame, settings: &[Setting]) -> Option<Sentences> {
     });
     let headline = statement![
         "The error of ",
-        Phrase::Method(peak.method.clone()),
+        Phrase::Method(peak.variant.clone()),
         " is most visible at ",
         frame.names.comma_phrases(&DISPLAY, &peak.key()),
         ": mean FLIP ",
@@ -256,9 +255,9 @@ fn digest(methods: &[Vec<Setting>]) -> Table {
     for settings in methods {
         let Some(peak) = peak(settings) else { continue };
         let mut row = cells![
-            peak.method.as_str(),
-            peak.exposure.to_string(),
-            peak.contrast.to_string(),
+            &peak.variant,
+            Cell::Quantity(peak.exposure.to_string()),
+            Cell::Quantity(peak.contrast.to_string()),
             peak.median(),
             VISIBLE_FROM
         ];
@@ -289,7 +288,7 @@ fn figure(frame: &Frame, methods: &[Vec<Setting>]) -> Option<Figure> {
             marks.extend(joined(line.map(|one| mark(frame, one, series)).collect()));
         }
         panels.push(ChartPanel {
-            title: settings[0].method.clone(),
+            title: settings[0].variant.label(),
             marks,
         });
     }
@@ -313,7 +312,7 @@ fn figure(frame: &Frame, methods: &[Vec<Setting>]) -> Option<Figure> {
 fn mark(frame: &Frame, setting: &Setting, series: usize) -> Mark {
     let tip = format!(
         "{} · {}: mean FLIP {}, visible in {} of {}",
-        setting.method,
+        setting.variant.label(),
         frame.names.label(&DISPLAY, &setting.key()),
         number(setting.median()),
         setting.visible_count(),

@@ -99,15 +99,6 @@ pub fn count(n: usize, one: &str, many: &str) -> String {
     format!("{n} {}", if n == 1 { one } else { many })
 }
 
-/// As [`count`], in a sentence.
-pub fn counted(n: usize, one: &'static str, many: &'static str) -> Statement {
-    statement![
-        Number::Count(n as u64),
-        " ",
-        if n == 1 { one } else { many }
-    ]
-}
-
 /// "25 %" for 0.25.
 pub fn percent(share: f64) -> String {
     Number::share(share).to_string()
@@ -124,5 +115,5 @@ pub fn percent_extent([lo, hi]: [f64; 2]) -> Quantity {
 
 /// The range of positive numbers: "5.1" or "5.1 to 6.0".
 pub fn range(values: impl IntoIterator<Item = f64>) -> String {
-    Extent::of(values).to_string()
+    Extent::from_values(values).to_string()
 }

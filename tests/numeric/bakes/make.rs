@@ -6,10 +6,11 @@ use super::scores::marked_light;
 use glam::{DVec2, DVec3};
 use half::f16;
 use splitsum::bake::Stated;
-use splitsum::bake::container::{Encoding, FORMATS, TEXELS, from_bytes, read_texture};
+use splitsum::bake::container::{Encoding, FORMATS, TEXELS, Texel, from_bytes, read_texture};
 use splitsum::bake::convention::{Axes, Preset, TABLE_AXES};
 use splitsum::bake::given;
-use splitsum::bake::make::{GOOD, Making, make};
+use splitsum::bake::judge::Part;
+use splitsum::bake::make::{GOOD, Loss, Making, make};
 use splitsum::bake::plain::Baking;
 use splitsum::bake::sh;
 use splitsum::bake::source::{Reading, read};
@@ -20,7 +21,7 @@ use splitsum::instrument::brdf::{Beckmann, Brdf, Ggx, MaskingShadowing};
 use splitsum::instrument::environment::layout::LAYOUTS;
 use splitsum::instrument::environment::{Environment, LoadOptions};
 use splitsum::instrument::precompute::given::OWN;
-use splitsum::instrument::precompute::prefilter::{Kernel, LevelMapping};
+use splitsum::instrument::precompute::prefilter::{Kernel, LevelMapping, LevelSpacing};
 use splitsum::instrument::precompute::taps;
 use std::f64::consts::PI;
 use std::path::Path;
@@ -43,17 +44,25 @@ const LOOKUPS: &[Lookup] = &[
     ("three", |d| DVec3::new(-d.x, d.y, d.z)),
     // `pbrBlockReflection`: z is negated in a right-handed scene.
     ("babylon", |d| DVec3::new(d.x, d.y, -d.z)),
+    // `env` files are for the lookup of a mirrored cube.
+    ("babylon-env", |d| DVec3::new(-d.x, d.y, d.z)),
     // A shader gives its samplerCube a direction of the world.
     ("godot", |d| d),
     // `reflectionCube.js`: x is negated.
     ("playcanvas", |d| DVec3::new(-d.x, d.y, d.z)),
+    // `render/util.py`, latlong_to_cubemap: the centre of the map is -z.
+    ("nvdiffrec", |d| DVec3::new(-d.x, d.y, -d.z)),
     // The world is left-handed.
     ("unity", |d| DVec3::new(-d.x, d.y, d.z)),
 ];
 
 pub fn making<'a>(engine: &str, environment: &'a Environment) -> Making<'a> {
     let preset = Preset::listed(engine);
-    let level_count = preset.convention().mapping.engine_levels.unwrap_or(6);
+    let level_count = match engine {
+        // The widths of an `.env` are for levels down to one texel.
+        "babylon-env" => 7,
+        _ => preset.convention().mapping.engine_levels.unwrap_or(6),
+    };
     Making {
         irradiance_side: 16,
         table_side: 8,
@@ -65,7 +74,8 @@ pub fn making<'a>(engine: &str, environment: &'a Environment) -> Making<'a> {
 #[test]
 fn every_direction_is_where_the_engine_looks() {
     let light = marked_light();
-    assert_eq!(LOOKUPS.len(), Preset::engines().count());
+    // An atlas has no cube; `packed` compares it.
+    assert_eq!(LOOKUPS.len() + 1, Preset::engines().count());
     let hot = DVec3::new(0.35, 0.6, 0.72).normalize();
     for (engine, lookup) in LOOKUPS {
         let dir = tempfile::tempdir().unwrap();
@@ -76,7 +86,7 @@ fn every_direction_is_where_the_engine_looks() {
             baked
                 .levels
                 .iter()
-                .all(|level| level.relmse < 1e-4 && level.why.is_none()),
+                .all(|level| level.relmse < 2e-4 && level.loss.is_none()),
             "{engine} {baked:?}"
         );
         let bake = read(
@@ -89,7 +99,7 @@ fn every_direction_is_where_the_engine_looks() {
         .unwrap();
         let faces = &bake.specular.as_ref().unwrap().levels[0];
         let seen = |d: DVec3| {
-            let (face, uv) = (LAYOUTS[0].place)(lookup(d));
+            let (face, uv) = (LAYOUTS[0].face_uv)(lookup(d));
             DVec3::from_array(
                 faces[face as usize]
                     .get((uv.x * 64.0) as u32, (uv.y * 64.0) as u32)
@@ -135,7 +145,10 @@ fn every_direction_is_where_the_engine_looks() {
         }
         // A KTX file alone states its conventions as the folder does.
         let file = dir.path().join(making.preset.product().specular);
-        if file.extension().is_some_and(|form| form != "dds") {
+        if file
+            .extension()
+            .is_some_and(|form| form != "dds" && form != "env")
+        {
             let alone = read(&[file.display().to_string()], Reading::default())
                 .unwrap()
                 .stated;
@@ -234,13 +247,80 @@ fn taps_are_for_the_levels_of_the_engine() {
     }
 }
 
+/// The levels of nvdiffrec's `build_mips` and `get_mip`, and taps for them.
+#[test]
+fn nvdiffrec_gets_levels_and_taps_of_its_spacing() {
+    let light = marked_light();
+    let dir = tempfile::tempdir().unwrap();
+    make(&making("nvdiffrec", &light), dir.path()).unwrap();
+    let manifest = std::fs::read_to_string(dir.path().join("bake.json")).unwrap();
+    let manifest: serde_json::Value = serde_json::from_str(&manifest).unwrap();
+    assert_eq!(manifest["level_mapping"], "0.08:0.185:0.29:0.395:0.5:1");
+    // `roughness = idx / (n - 2) * (0.5 - 0.08) + 0.08` for all but the last level.
+    let mut due: Vec<f64> = (0..5).map(|k| 0.08 + f64::from(k) / 4.0 * 0.42).collect();
+    due.push(1.0);
+    let alphas = manifest["prefilter_alphas"].as_array().unwrap();
+    assert_eq!(alphas.len(), due.len());
+    for (alpha, roughness) in alphas.iter().zip(&due) {
+        assert!((alpha.as_f64().unwrap().sqrt() - roughness).abs() < 1e-12);
+    }
+    let spacing = LevelSpacing::listed(due).unwrap();
+    let kernel = Kernel::new(
+        &Ggx,
+        Preset::listed("nvdiffrec").convention().weight,
+        MaskingShadowing::Correlated,
+    );
+    let chain = taps::Chain::spaced(kernel, spacing);
+    let table = taps::TapTable::fit(
+        &chain,
+        &Ggx,
+        MaskingShadowing::Correlated,
+        taps::TapCount::Two,
+    );
+    let found = read_texture(&dir.path().join("taps.ktx2")).unwrap();
+    for (own, found) in table.texels.data.iter().zip(&found.levels[0][0].data) {
+        let own = own.map(|value| f16::from_f32(value).to_f32());
+        assert_eq!(own[..3], found[..]);
+    }
+}
+
+/// A preset of a user may list widths for a product of as many levels.
+#[test]
+fn listed_widths_of_a_preset_need_as_many_levels() {
+    let preset = |alphas: &str, count: u32| {
+        let text = format!(
+            "{{\"name\": \"own\", \"alphas\": {alphas}, \"product\": {{\"engine\": \"own\", \
+             \"specular\": \"specular\", \"texel\": \"rgba32f\", \"level_count\": {count}}}}}"
+        );
+        Preset::from_json(text)
+    };
+    assert_eq!(
+        preset("[0.01, 0.25, 1.0]", 3)
+            .unwrap()
+            .convention()
+            .spacing(3)
+            .unwrap()
+            .level_count(),
+        3
+    );
+    let fault = preset("[0.01, 0.25, 1.0]", 4).unwrap_err();
+    assert!(fault.contains("level_count = 3"), "{fault}");
+    let wide = preset("[0.01, 0.25, 4.0]", 3).unwrap_err();
+    assert!(wide.contains("each from 0 to 1"), "{wide}");
+}
+
 /// As given tables, all bakes are the same map and table, whatever their axes, order and pixel
 /// format.
 #[test]
 fn given_tables_are_turned_to_our_axes() {
     let light = marked_light();
     let dir = tempfile::tempdir().unwrap();
-    let loaded = Preset::engines().map(|preset| {
+    // Packed files have no cube of a listed level mapping.
+    let has_cube = |preset: &&Preset| {
+        let is_packed = ["rgbd", "rgbp"].contains(&preset.product().texel);
+        !is_packed && preset.convention().has_mapping()
+    };
+    let loaded = Preset::engines().filter(has_cube).map(|preset| {
         let engine = preset.product().engine;
         let making = Making {
             masking: MaskingShadowing::Correlated,
@@ -601,7 +681,7 @@ fn the_last_level_has_enough_texels_for_lookups() {
         let last = baked
             .levels
             .iter()
-            .rfind(|level| level.name != "irradiance");
+            .rfind(|level| level.part != Part::Irradiance);
         (last.unwrap().side, baked.last_between)
     };
     for (engine, sides) in [("khronos", 8), ("filament", 16)] {
@@ -644,7 +724,7 @@ fn a_preset_is_read_from_its_own_fields() {
         (r#"{"axis": "+x+y+z"}"#, "axis"),
         (r#"{"axes": "+x+x+z"}"#, "+x+x+z"),
         (r#"{"weight": "fg"}"#, "fg"),
-        (r#"{"alphas": [0, 1.5]}"#, "1.5"),
+        (r#"{"alphas": [0, 16.5]}"#, "16.5"),
         (r#"{"irradiance_scale": -1}"#, "-1"),
         (r#"{"alphas": [0.5, 0]}"#, "ascending"),
         (r#"{"product": {}, "alphas": [0, 1]}"#, "alphas"),
@@ -662,4 +742,104 @@ fn a_preset_is_read_from_its_own_fields() {
         let fault = read(text).unwrap_err();
         assert!(fault.contains(why) && !fault.contains("line 1"), "{fault}");
     }
+}
+
+/// Half of the sphere at 1e6: halves end at 65504, so level 0 keeps 65504/1e6 of its light.
+#[test]
+fn a_sun_above_the_largest_number_of_a_format_is_reported_with_the_light_it_costs() {
+    let light = super::scores::light_of(|d| DVec3::splat(if d.y > 0.0 { 1e6 } else { 0.0 }));
+    let baked = |format: &str| {
+        let dir = tempfile::tempdir().unwrap();
+        let making = Making {
+            texel: Texel::listed(format),
+            ..making("khronos", &light)
+        };
+        make(&making, dir.path()).unwrap()
+    };
+    for (format, largest) in [
+        ("rgba16f", 65504.0),
+        ("rgb9e5", 65408.0),
+        ("r11g11b10f", 64512.0),
+    ] {
+        let level = &baked(format).levels[0];
+        let Some(Loss::Cut(loss)) = level.loss else {
+            panic!("{format}: {level:?}");
+        };
+        let share = 1.0 - largest / 1e6;
+        assert!((loss.share / share - 1.0).abs() < 0.01, "{loss:?}");
+        assert_eq!(loss.enough.unwrap().name, "rgb32f");
+        assert!(f64::from(loss.largest) > 0.99e6);
+    }
+    assert!(
+        baked("rgba32f")
+            .levels
+            .iter()
+            .all(|level| level.loss.is_none())
+    );
+
+    // A sun of two texels: relMSE alone hardly notices it.
+    let sun = DVec3::new(0.3, 0.8, 0.5).normalize();
+    let light = super::scores::light_of(|d| {
+        DVec3::splat(if d.angle_between(sun) < 0.04 {
+            3e5
+        } else {
+            1.0
+        })
+    });
+    let dir = tempfile::tempdir().unwrap();
+    let baked = make(&making("khronos", &light), dir.path()).unwrap();
+    let level = &baked.levels[0];
+    assert!(level.relmse < 0.01 && level.bias_rel < -0.2, "{level:?}");
+    let Some(Loss::Cut(loss)) = level.loss else {
+        panic!("{level:?}");
+    };
+    assert!((loss.share + level.bias_rel).abs() < 1e-12);
+}
+
+#[test]
+fn formats_that_an_engine_does_not_draw_are_refused() {
+    let light = marked_light();
+    let refusal = |format: &str| {
+        let making = Making {
+            texel: Texel::listed(format),
+            ..making("filament", &light)
+        };
+        making.check()
+    };
+    assert!(
+        refusal("rgb9e5")
+            .unwrap_err()
+            .contains("filament does not draw it")
+    );
+    for format in ["rgba16f", "rgb16f", "rgba32f", "rgb32f", "r11g11b10f"] {
+        refusal(format).unwrap();
+    }
+}
+
+#[test]
+fn a_shipped_file_names_its_source_without_folders() {
+    let mut light = marked_light();
+    light.name = "/home/someone/maps/studio.hdr".to_owned();
+    let dir = tempfile::tempdir().unwrap();
+    make(&making("filament", &light), dir.path()).unwrap();
+    let keys = read_texture(&dir.path().join("ibl.ktx")).unwrap().keys;
+    let source = keys.iter().find(|(key, _)| key == "splitsum.source");
+    assert_eq!(source.unwrap().1, "studio.hdr");
+}
+
+/// A preset of the user has the effect of the listed one with the same fields.
+#[test]
+fn given_tables_take_a_preset_from_a_file() {
+    let light = marked_light();
+    let dir = tempfile::tempdir().unwrap();
+    make(&making("khronos", &light), &dir.path().join("baked")).unwrap();
+    std::fs::write(dir.path().join("mine.toml"), "axes = \"-z+y+x\"\n").unwrap();
+    let map = |preset: &str| {
+        let value = format!("file:baked/specular.ktx2#{preset}");
+        given::map(&value, dir.path()).unwrap().unwrap()
+    };
+    assert_eq!(map("mine.toml").hash, map("khronos").hash);
+    assert_ne!(map("mine.toml").hash, map("bevy").hash);
+    let fault = given::map("file:baked/specular.ktx2#none.toml", dir.path()).unwrap_err();
+    assert!(fault.contains("none.toml"), "{fault}");
 }

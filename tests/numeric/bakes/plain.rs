@@ -9,7 +9,7 @@ use splitsum::base::names::Listed;
 use splitsum::base::pixels::exr;
 use splitsum::instrument::brdf::{Brdf, Ggx, MaskingShadowing, Phong};
 use splitsum::instrument::environment::Environment;
-use splitsum::instrument::precompute::prefilter::{Kernel, LevelMapping, reference};
+use splitsum::instrument::precompute::prefilter::{Kernel, LevelMapping, LevelSpacing, reference};
 use splitsum::instrument::precompute::taps::{Chain, TapCount, TapTable};
 use splitsum::instrument::precompute::{PrecomputeSettings, exact_quadrature};
 
@@ -93,7 +93,11 @@ fn files_hold_the_tables_in_f64() {
             count,
         )
         .texels;
-        let of_program = taps(of_ggx, MaskingShadowing::Separable, linear, 5, count);
+        let spacing = LevelSpacing::Mapped {
+            mapping: linear,
+            level_count: 5,
+        };
+        let of_program = taps(of_ggx, MaskingShadowing::Separable, spacing, count);
         assert_eq!(
             of_program.data,
             fresh

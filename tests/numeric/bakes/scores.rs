@@ -336,7 +336,7 @@ fn lookups_between_texels_are_judged() {
                 (axes[0] + 0.5 * (axes[1] + axes[2])).normalize(),
             );
             let relative =
-                (found - right).powf(2.0) / (right.powf(2.0) + truth.epsilon().beside_square());
+                (found - right).powf(2.0) / (right.powf(2.0) + truth.epsilon().squared_epsilon());
             squares.push(relative.element_sum() / 3.0);
         }
         let expected = squares.iter().sum::<f64>() / squares.len() as f64;
@@ -421,6 +421,17 @@ fn coefficients_of_cmgen_are_irradiance_by_its_polynomials() {
     };
     let text: String = numbers.iter().map(line).collect();
     let found = sh::parse(Path::new("sh.txt"), &text).unwrap();
+    // The same numbers without a word, as shaders have them.
+    let bare: String = numbers
+        .iter()
+        .map(|[r, g, b]| format!("{{ {r:.15}f, {g:.15}f, {b:.15}f }},\n"))
+        .collect();
+    assert_eq!(sh::parse(Path::new("sh.txt"), &bare).unwrap(), found);
+    let refused = sh::parse(Path::new("sh.txt"), "1 2 3 4").unwrap_err();
+    assert!(
+        refused.to_string().contains("it has 4 numbers"),
+        "{refused}"
+    );
     for axes in Axes::all() {
         let n = axes.to_world(DVec3::new(0.48, -0.6, 0.64));
         let DVec3 { x, y, z } = n;

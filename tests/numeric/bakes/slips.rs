@@ -15,11 +15,11 @@ use splitsum::instrument::environment::layout::LAYOUTS;
 use splitsum::instrument::precompute::prefilter::{Kernel, WEIGHTS};
 use std::f64::consts::PI;
 
-const SIDE: u32 = 24;
+pub const SIDE: u32 = 24;
 const ALPHAS: [f64; 3] = [0.1, 0.2, 0.6];
 const TWO: [f64; 2] = [0.2, 0.6];
 
-fn of_levels(levels: Vec<Vec<RgbImage>>) -> Map {
+pub fn of_levels(levels: Vec<Vec<RgbImage>>) -> Map {
     Map {
         layout: &LAYOUTS[0],
         levels,
@@ -27,7 +27,7 @@ fn of_levels(levels: Vec<Vec<RgbImage>>) -> Map {
 }
 
 /// The exact cube of these widths, along turned directions.
-fn cube(truth: &Truth, alphas: &[f64], turn: impl Fn(DVec3) -> DVec3) -> Map {
+pub fn cube(truth: &Truth, alphas: &[f64], turn: impl Fn(DVec3) -> DVec3) -> Map {
     let level = |alpha: &f64| {
         let map = (*alpha > 0.0).then(|| truth.prefiltered(*alpha));
         let value = |d| {
@@ -39,17 +39,17 @@ fn cube(truth: &Truth, alphas: &[f64], turn: impl Fn(DVec3) -> DVec3) -> Map {
     of_levels(alphas.iter().map(level).collect())
 }
 
-fn exact(truth: &Truth, alphas: &[f64]) -> Map {
+pub fn exact(truth: &Truth, alphas: &[f64]) -> Map {
     cube(truth, alphas, |direction| direction)
 }
 
-fn judged_bake(light: &Environment, bake: Bake, alphas: Option<&[f64]>) -> Judged {
+pub fn judged_bake(light: &Environment, bake: Bake, alphas: Option<&[f64]>) -> Judged {
     let mut judging = Judging::stated(&Stated::default()).unwrap();
     judging.convention.alphas = alphas.map(<[f64]>::to_vec);
     judging.judge(light, &bake, |_| ()).unwrap()
 }
 
-fn judged(light: &Environment, map: Map, alphas: Option<&[f64]>) -> Judged {
+pub fn judged(light: &Environment, map: Map, alphas: Option<&[f64]>) -> Judged {
     judged_bake(
         light,
         Bake {
@@ -65,7 +65,7 @@ fn assert_named(judged: &Judged, words: &str) {
     assert!(verdict.contains(words), "{words}: {verdict}");
 }
 
-fn each_texel(map: &mut Map, change: impl Fn([f32; 3]) -> [f32; 3]) {
+pub fn each_texel(map: &mut Map, change: impl Fn([f32; 3]) -> [f32; 3]) {
     map.levels
         .iter_mut()
         .flatten()

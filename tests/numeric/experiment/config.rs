@@ -193,6 +193,22 @@ fn every_fault_is_reported_with_its_place() {
             &[],
         ),
         (
+            "ranges by a count",
+            axes(
+                "alpha = { logspace = [0, 1, 9] }\nf0 = { linspace = [0, 1, 1] }\nexposure = { \
+                 linspace = [2, 1, 5] }\ncontrast = { logspace = [0.1, 1] }\nmetallic = { \
+                 linspace = [0, 2, 3] }\nsamples = { logspace = [1, 8, 20] }\nlod_bias = { \
+                 linspace = [-1, 1, 3.5] }\nbrdf = { linspace = [1, 2, 3] }\ncoat = { logspace = \
+                 [0.1, inf, 3] }\nior = { logspace = 3 }",
+            ),
+            &[],
+        ),
+        (
+            "an index",
+            axes("ior = [0.9, 101, \"glass\", [1.5, 1.6]]\nf0 = [0.04]"),
+            &[],
+        ),
+        (
             "one slip in a range",
             axes(
                 "alpha = { pow2 = [-1, 0], stopp = 2 }\n[[exclude]]\nalpha = \

@@ -2,9 +2,8 @@
 
 use super::planned;
 use splitsum::experiment::Plan;
-use splitsum::experiment::axis::ALPHA;
-use splitsum::experiment::inputs::short_names;
-use splitsum::experiment::value::ALPHA_MIN;
+use splitsum::experiment::axis::{ALPHA, F0};
+use splitsum::experiment::value::{ALPHA_MIN, Value};
 
 fn plan(axes: &str, set: &[&str]) -> Plan {
     planned(&format!("name = \"x\"\n[axes]\n{axes}\n"), set)
@@ -36,6 +35,26 @@ fn perceptual_roughness_makes_the_cells_of_its_square() {
     let zipped = "perceptual_roughness = [0.1, 0.3]\nmetallic = [0, 1]\n[[zip]]\naxes = \
                   [\"perceptual_roughness\", \"metallic\"]";
     assert_eq!(plan(zipped, &[]).cells.len(), 2);
+}
+
+#[test]
+fn an_index_makes_the_cells_of_its_f0() {
+    // By ((1 - n)/(1 + n))², by hand: 1.5 is 1/25, 3 is 1/4, 1 is 0.
+    let indices = plan("ior = [1.5, 3, 1]", &[]);
+    assert_eq!(ids(&indices), ids(&plan("f0 = [0.04, 0.25, 0]", &[])));
+    assert_eq!(ids(&plan("f0 = [1]", &["ior=1.5,3,1"])), ids(&indices));
+    let by_channel = plan("ior = [[1.5, 3, 1]]", &[]);
+    assert_eq!(
+        by_channel.cells[0].point[F0],
+        Value::Color([0.04, 0.25, 0.0])
+    );
+    let label = |text: &str| {
+        let plan = plan(text, &[]);
+        plan.label(&plan.cells[0])
+    };
+    // f32 holds neither 1.33 nor its F0.
+    assert_eq!(label("ior = [1.33, 1.4]"), "ior=1.33");
+    assert_eq!(label("f0 = [0.04, 0.25]"), "f0=0.04");
 }
 
 #[test]
@@ -83,28 +102,4 @@ fn a_method_in_a_file_counts_by_its_text() {
     assert_eq!((&a.radiance, &a.reference), (&b.radiance, &b.reference));
     assert_eq!(a.reference, c.reference);
     assert_ne!(a.radiance, c.radiance);
-}
-
-#[test]
-fn names_of_environments_are_short_and_distinct() {
-    let names = |files: &[&str]| -> Vec<String> {
-        let short = short_names(files.iter().copied());
-        files.iter().map(|file| short[*file].clone()).collect()
-    };
-    assert_eq!(
-        names(&["maps/a.hdr", "/x/b.c.exr", "builtin:sky"]),
-        ["a", "b.c", "builtin:sky"]
-    );
-    assert_eq!(
-        names(&["one/a.hdr", "two/a.hdr", "b.hdr"]),
-        ["one/a.hdr", "two/a.hdr", "b"]
-    );
-    assert_eq!(
-        names(&["a.hdr", "a.exr", "a.exr#sun"]),
-        ["a.hdr", "a.exr", "a#sun"]
-    );
-    assert_eq!(
-        names(&["/maps/x/a.hdr", "a", "b"]),
-        ["/maps/x/a.hdr", "a", "b"]
-    );
 }

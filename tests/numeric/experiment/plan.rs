@@ -2,6 +2,7 @@
 
 use super::config::values;
 use super::planned;
+use crate::occluded::{OCCLUDED, occluded_scene};
 use splitsum::bake::container::{Encoding, FORMATS, TEXELS};
 use splitsum::base::pixels::RgbImage;
 use splitsum::experiment::axis::{AXES, Axis, Layer, Part, SCENE};
@@ -255,6 +256,8 @@ fn layers_are_columns_only_where_they_are_named() {
 
 #[test]
 fn the_reference_inherits_the_axes_of_cases_alone() {
+    let folder = occluded_scene();
+    let occluded = format!("scene = [{:?}]\n", folder.path().join(OCCLUDED));
     // Tables of files are tested elsewhere.
     let is_file =
         |axis: &&Axis| axis.part == Part::Table && matches!(axis.kind, Kind::NameOrFile { .. });
@@ -288,6 +291,7 @@ fn the_reference_inherits_the_axes_of_cases_alone() {
         let more = match axis.name {
             "ema_factor" => "accumulation = [\"ema\"]\n",
             "motion_deg" => "motion = [\"light\"]\n",
+            "specular_occlusion" => &occluded,
             _ => "",
         };
         let plan = plan(&format!(
@@ -302,7 +306,7 @@ fn the_reference_inherits_the_axes_of_cases_alone() {
             axis.name,
             plan.cells.len()
         );
-        let references: BTreeSet<&String> = plan.cells.iter().map(|cell| &cell.reference).collect();
+        let references: BTreeSet<_> = plan.cells.iter().map(|cell| &cell.reference).collect();
         assert_eq!(
             references.len(),
             if axis.part == Part::Case { 2 } else { 1 },
@@ -417,6 +421,31 @@ fn powers_of_two_are_a_range() {
 }
 
 #[test]
+fn ranges_have_equal_steps_or_equal_ratios() {
+    let of = |axis: &str, range: &str| {
+        values(
+            &plan(&format!("name = \"x\"\n[axes]\n{axis} = {range}\n")),
+            axis,
+        )
+    };
+    assert_eq!(
+        of("exposure", "{ logspace = [0.01, 1, 5] }"),
+        ["0.01", "0.0316228", "0.1", "0.316228", "1"]
+    );
+    assert_eq!(of("samples", "{ logspace = [1, 64, 3] }"), ["1", "8", "64"]);
+    assert_eq!(
+        of("contrast", "{ linspace = [0.5, 1.5, 4] }"),
+        ["0.5", "0.833333", "1.16667", "1.5"]
+    );
+    // Ends keep all their digits.
+    assert_eq!(
+        of("lod_bias", "{ linspace = [-1.23456789, 1.23456789, 3] }"),
+        ["-1.23456789", "0", "1.23456789"]
+    );
+    assert_eq!(of("f0", "{ linspace = [0, 1, 3] }"), ["0", "0.5", "1"]);
+}
+
+#[test]
 fn a_zipped_axis_may_repeat_a_value_if_the_rows_differ() {
     let axes = "brdf = [\"ggx\", \"phong\"]\nalpha = [0.1, 0.1, 0.2]\nsamples = [1, 2, 2]";
     let plan = plan(&format!(
@@ -468,7 +497,8 @@ fn a_reference_under_test_shares_no_points_with_the_one_that_judges_it() {
     );
     assert_ne!(judge.seed, request.seed);
     assert_ne!(
-        under_test.radiance, under_test.reference,
+        Some(&under_test.radiance),
+        under_test.reference.as_ref(),
         "both must not share one image"
     );
     assert_eq!((judge.seed, plan.request(&sampled.point).seed), (7, 7));

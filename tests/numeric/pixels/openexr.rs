@@ -7,7 +7,7 @@ use exr::prelude::{
     LineOrder, WritableImage, f16,
 };
 use fastrand::Rng;
-use splitsum::base::pixels::{Decoded, GrayImage, PixelsError, RgbImage, exr as exr_file};
+use splitsum::base::pixels::{Content, Decoded, GrayImage, PixelsError, RgbImage, exr as exr_file};
 
 fn test_image(seed: u64, width: u32, height: u32) -> RgbImage {
     let mut random = Rng::with_seed(seed);
@@ -475,6 +475,7 @@ fn colour_labels_are_read_in_the_order_of_openexr() {
         ("lin_p3d65_scene", [0.556_235, 0.239_486, 0.107_806]),
         // Its green is -0.0104, outside Rec.709.
         ("lin_ciexyzd65_scene", [1.173_813, 0.0, 0.108_942]),
+        ("ocio:lin_ciexyzd65_display", [1.173_813, 0.0, 0.108_942]),
     ] {
         let found = labelled(&interop_id(id)).unwrap().rgb.data[0];
         assert!(is_close(found, expected), "{id}: {found:?}");
@@ -484,11 +485,14 @@ fn colour_labels_are_read_in_the_order_of_openexr() {
         "srgb_rec709_scene",
         "g22_ap1_scene",
         "pq_rec2020_display",
-        "data",
+        "ocio:acescct_ap1_scene",
+        "ocio:acescc_ap1_scene",
     ] {
         let message = labelled(&interop_id(id)).unwrap_err().to_string();
         assert!(message.contains(id), "{message}");
     }
+    let data = labelled(&interop_id("data")).unwrap();
+    assert_eq!((data.content, data.rgb.data[0]), (Content::Data, rec709));
     let unknown = labelled(&interop_id("show:lin_film")).unwrap();
     assert_eq!(unknown.rgb.data[0], rec709);
     assert!(
@@ -583,6 +587,16 @@ fn the_picture_comes_before_the_passes() {
         "V.Combined.R",
     ];
     assert_eq!(names(&blender).rgb.data[0], [6.0, 5.0, 4.0]);
+    // Numbers of objects come last, whatever their names.
+    let mattes = [
+        "CryptoObject00.B",
+        "CryptoObject00.G",
+        "CryptoObject00.R",
+        "diffuse.B",
+        "diffuse.G",
+        "diffuse.R",
+    ];
+    assert_eq!(names(&mattes).rgb.data[0], [6.0, 5.0, 4.0]);
     assert_eq!(names(&["b", "g", "r"]).rgb.data[0], [3.0, 2.0, 1.0]);
     assert_eq!(names(&["Y"]).rgb.data[0], [1.0; 3]);
 }

@@ -309,7 +309,13 @@ fn scene(name: &str, memory: Memory) {
                         .chain(&material.f0)
                         .all(|x| (0.0..=1.0).contains(x))
                 );
-                assert!(material.maps().all(|map| map < scene.textures.len()));
+                assert!(
+                    material
+                        .maps()
+                        .into_iter()
+                        .flatten()
+                        .all(|map| map < scene.textures.len())
+                );
             }
         }
         Err(error) => {

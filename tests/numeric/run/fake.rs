@@ -38,6 +38,10 @@ pub struct Log {
     pub renders_left: Option<usize>,
     /// Name of the device, if it is not `fake`.
     pub device: Option<&'static str>,
+    /// The processor that its driver compiles for.
+    pub target: Option<&'static str>,
+    /// Whether the radiance is proportional to the F0 of the material.
+    pub has_f0: bool,
     /// Whether every error, share and time is another, by a hash of the request.
     pub is_scrambled: bool,
 }
@@ -143,6 +147,7 @@ impl Renderer for Fake {
             name: self.0.borrow().device.unwrap_or("fake").to_owned(),
             device_type: "cpu",
             driver: "formula".to_owned(),
+            target: self.0.borrow().target.map(str::to_owned),
             api_version: "0".to_owned(),
             timestamp_period_ns: 1.0,
             memory_bytes: 0,
@@ -191,7 +196,12 @@ impl Renderer for Fake {
                     + set_error(request.shading.point_set)
             }
         };
-        let alpha = request.scene.materials.first().map_or(0.5, |m| m.alpha);
+        let material = request.scene.materials.first();
+        let alpha = material.map_or(0.5, |material| material.alpha);
+        let f0 = match material {
+            Some(material) if log.has_f0 => material.f0[0],
+            _ => 1.0,
+        };
         let [width, height] = request.size;
         let n_z = |x: u32, y: u32| {
             let centred = |i: u32, count: u32| (i as f32 + 0.5) / count as f32 * 2.1 - 1.05;
@@ -217,7 +227,7 @@ impl Renderer for Fake {
         };
         let radiance = RgbImage::from_fn(width, height, |x, y| {
             let of = |n_z: f32| {
-                [0, 1, 2].map(|k| factor([x, y], k) * [0.2, 0.5, 1.0][k] * (alpha + n_z))
+                [0, 1, 2].map(|k| f0 * factor([x, y], k) * [0.2, 0.5, 1.0][k] * (alpha + n_z))
             };
             n_z(x, y).map_or([0.0; 3], of)
         });
@@ -264,7 +274,8 @@ impl Renderer for Fake {
         })
     }
 
-    /// Step k adds 0.01 (k + 1).
+    /// Step k adds 0.01 (k + 1): twice that alone, three times that as the last, four times that on
+    /// average. Its standard error is 0.001 (k + 1), of its share 0.
     fn attributions(
         &mut self,
         request: &RenderRequest,
@@ -290,18 +301,18 @@ impl Renderer for Fake {
                 if is_scrambled {
                     most * dice(what, i)
                 } else {
-                    0.0
+                    1e-3 * (i + 1) as f64
                 }
             };
             let step = |i: usize| StepNumbers {
                 step: STEPS[i].name,
                 share: own(i) / error,
                 error: (0..=i).map(own).sum(),
-                first_in: varied("first", i),
-                last_out: varied("last", i),
-                shapley: varied("shapley", i),
+                first_in: 2.0 * varied("first", i),
+                last_out: 3.0 * varied("last", i),
+                shapley: 4.0 * varied("shapley", i),
                 step_error: noise("step", i),
-                share_error: noise("share", i),
+                share_error: if is_scrambled { noise("share", i) } else { 0.0 },
             };
             let steps = (0..STEPS.len()).map(step).collect();
             Attribution {

@@ -213,7 +213,7 @@ fn a_block_never_mixes_rounds() {
             seen = Some(
                 block
                     .iter()
-                    .filter(|id| Store::at(dir).has_timing(id))
+                    .filter(|id| Store::read_only(dir).has_timing(id))
                     .collect::<Vec<_>>(),
             );
         }
@@ -226,5 +226,5 @@ fn a_block_never_mixes_rounds() {
     )
     .unwrap();
     assert_eq!(seen, Some(vec![&block[0]]));
-    assert!(block.iter().all(|id| Store::at(dir).has_timing(id)));
+    assert!(block.iter().all(|id| Store::read_only(dir).has_timing(id)));
 }

@@ -180,7 +180,9 @@ pub fn summary(dir: &Path) -> String {
 }
 
 pub fn finished(plan: &Plan, dir: &Path) -> PathBuf {
-    invoke(plan, dir, &log(), usize::MAX).unwrap_or_else(|error| panic!("{error}"));
+    let log = log();
+    log.borrow_mut().has_f0 = plan.config.recovery.is_some();
+    invoke(plan, dir, &log, usize::MAX).unwrap_or_else(|error| panic!("{error}"));
     dir.to_owned()
 }
 
@@ -223,10 +225,16 @@ pub fn assert_like_whole(dir: &Path, plan: &Plan) {
     for (name, bytes) in &due {
         assert!(found[name] == *bytes, "{name} differs");
     }
-    let ids = |dir: &Path| [CELLS_FOLDER, TIMINGS_FOLDER].map(|folder| Store::at(dir).ids(folder));
+    let ids =
+        |dir: &Path| [CELLS_FOLDER, TIMINGS_FOLDER].map(|folder| Store::read_only(dir).ids(folder));
     assert_eq!(ids(dir), ids(whole.path()));
     for cell in &plan.cells {
-        let record = |dir: &Path| Store::at(dir).cell(&cell.id).unwrap().expect("a record");
+        let record = |dir: &Path| {
+            Store::read_only(dir)
+                .cell(&cell.id)
+                .unwrap()
+                .expect("a record")
+        };
         let [mut found, due] = [record(dir), record(whole.path())];
         found.device = due.device.clone();
         // A second tone curve gives every cell a further file.

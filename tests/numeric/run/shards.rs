@@ -337,7 +337,8 @@ fn every_cell_is_in_one_part_and_parts_have_no_image_in_common() {
             let mut owner: BTreeMap<&str, usize> = BTreeMap::new();
             for (place, share) in shares.iter().enumerate() {
                 for id in &share.cells {
-                    for image in [&cells[id.as_str()].reference, &cells[id.as_str()].radiance] {
+                    let cell = cells[id.as_str()];
+                    for image in cell.reference.iter().chain([&cell.radiance]) {
                         assert_eq!(
                             *owner.entry(image).or_insert(place),
                             place,
@@ -453,6 +454,30 @@ fn a_mix_of_devices_is_reported_and_failures_are_kept() {
         "the cells come from 2 devices: {cells} from rare (formula), {usual} from usual (formula)"
     );
     assert_eq!(merged.notes, [note]);
+}
+
+/// The name of a software device states a vector width, but not which instructions it has.
+#[test]
+fn processors_under_one_device_name_are_a_mix() {
+    let bench = Bench::new(EXPERIMENT);
+    let targets = [
+        "core, features 11",
+        "core, features 22",
+        "core, features 22",
+    ];
+    for (shard, target) in ["1/3", "2/3", "3/3"].into_iter().zip(targets) {
+        let log = log("soft");
+        log.borrow_mut().target = Some(target);
+        assert!(bench.shard(shard, &log).unwrap().failures.is_empty());
+    }
+    let shares = split(&bench.plan, 3);
+    let note = format!(
+        "the cells come from 2 devices: {} from soft (formula; core, features 11), {} from soft \
+         (formula; core, features 22)",
+        shares[0].cells.len(),
+        shares[1].cells.len() + shares[2].cells.len()
+    );
+    assert_eq!(bench.merge().unwrap().notes, [note]);
 }
 
 #[test]

@@ -1,5 +1,7 @@
 //! Two methods timed together, with known times.
 
+use splitsum::base::csv::Cell;
+use splitsum::run::tables::timings;
 use splitsum::run::timing::TimingRecord;
 use splitsum::run::timing_ratios::ratios;
 
@@ -74,22 +76,22 @@ pub fn swept() -> Vec<TimingRecord> {
         records.push(record(
             "frame",
             &of("sampled", &[("samples", "40")]),
-            &[("shade", 6.0)],
+            &[("shade-specular", 6.0)],
         ));
         records.push(record(
             "frame",
             &of("sampled-unfiltered", &[("samples", "40")]),
-            &[("shade", 4.0)],
+            &[("shade-specular", 4.0)],
         ));
         records.push(record(
             "frame",
             &of("sampled-unfiltered", &[("samples", "16")]),
-            &[("shade", 3.0)],
+            &[("shade-specular", 3.0)],
         ));
         records.push(record(
             "frame",
             &of("split-sum", &[("storage_format", "f32")]),
-            &[("shade", 2.0)],
+            &[("shade-specular", 2.0)],
         ));
     }
     records
@@ -124,7 +126,7 @@ fn two_methods_of_one_kind_are_compared_at_the_same_count() {
                 ("samples", samples),
                 ("storage_format", format),
             ];
-            formats.push(record("frame", &axes, &[("shade", 1.0)]));
+            formats.push(record("frame", &axes, &[("shade-specular", 1.0)]));
         }
     }
     assert_eq!(ratios(&formats).len(), 2);
@@ -168,4 +170,30 @@ fn records_of_other_sizes_and_devices_change_no_ratio() {
     };
     let apart = kinds.iter().flat_map(|records| found(records)).collect();
     assert_eq!(sorted(found(&kinds.concat())), sorted(apart));
+}
+
+/// Each statistic of a row of `timings.csv` comes from its own numbers.
+#[test]
+fn a_row_of_timings_has_the_medians_of_its_pass_and_of_the_host() {
+    let mut record = record(
+        "frame",
+        &[("method", "split-sum")],
+        &[("shade-specular", 2.0)],
+    );
+    record.passes[0].ms = vec![3.0, 1.0, 2.0, 5.0, 4.0, 7.0, 6.0];
+    record.wall_ms = vec![10.0, 30.0, 8.0, 9.0, 20.0, 7.0, 6.0];
+    let table = timings(&[record]);
+    let row = &table.rows[0];
+    let number = |name: &str| {
+        let column = table.columns.iter().position(|column| column == name);
+        match row[column.unwrap()] {
+            Cell::Number(number) => number,
+            ref other => panic!("{name}: {other:?}"),
+        }
+    };
+    assert_eq!(number("median_ms"), 4.0);
+    // With seven rounds the interval is from the least to the largest.
+    assert_eq!([number("median_lo_ms"), number("median_hi_ms")], [1.0, 7.0]);
+    assert_eq!(number("wall_median_ms"), 9.0);
+    assert_eq!(number("passes_over_wall"), 4.0 / 9.0);
 }

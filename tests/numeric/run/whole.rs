@@ -3,6 +3,7 @@
 use super::fake::{ERROR_AT_ONE, SPLIT_SUM_ERROR};
 use super::runs::{Bench, invoke, log, plan, read, snapshot, summary};
 use splitsum::base::csv::Table;
+use splitsum::instrument::ladder::{BANDS, STEPS};
 use std::collections::BTreeMap;
 
 pub const EXPERIMENT: &str = r#"
@@ -123,6 +124,60 @@ fn a_run_renders_each_radiance_once_and_leaves_everything() {
         "temporary files are left: {:?}",
         files.keys()
     );
+}
+
+/// The numbers of the fake's steps ([`super::fake::Fake`]), each under its name.
+#[test]
+fn steps_are_written_under_their_names() {
+    let text = EXPERIMENT.replace(
+        "[axes]",
+        "scene = \"design\"\nladder = { samples = 64 }\n[axes]",
+    );
+    let table = Bench::finished(&text).table("steps.csv");
+    let column = |name: &str| crate::table::numbers(&table, name);
+    let [from, to] = ["n_dot_v_from", "n_dot_v_to"].map(column);
+    let step = table.column("step").unwrap();
+    let order = |name: &str| STEPS.iter().position(|step| step.name == name).unwrap();
+    let total: usize = (1..=STEPS.len()).sum();
+    let numbers = [
+        "share",
+        "rung_error",
+        "first_in",
+        "last_out",
+        "shapley",
+        "step_error",
+        "share_error",
+        "noise",
+    ]
+    .map(column);
+    for (i, row) in table.rows.iter().enumerate() {
+        assert!(from[i] < to[i], "{row:?}");
+        let k = order(&row[step]) + 1;
+        let below: usize = (1..=k).sum();
+        let share = k as f64 / total as f64;
+        let k = k as f64;
+        let due = [
+            share,
+            0.01 * below as f64,
+            0.02 * k,
+            0.03 * k,
+            0.04 * k,
+            1e-3 * k,
+            0.0,
+            1e-6,
+        ];
+        for (column, due) in numbers.iter().zip(due) {
+            // Four digits are written.
+            assert!(
+                (column[i].unwrap() - due).abs() <= 1e-3 * due,
+                "{row:?}, {due}"
+            );
+        }
+    }
+    let cells = table.rows.iter().map(|row| row[0].as_str());
+    let cells: std::collections::BTreeSet<&str> = cells.collect();
+    let bands = 1 + BANDS.len();
+    assert_eq!(table.rows.len(), cells.len() * bands * STEPS.len());
 }
 
 /// A cell's scores do not depend on the cells before it: every tone curve has its own displays.

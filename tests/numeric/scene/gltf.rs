@@ -296,6 +296,62 @@ fn a_textured_square_has_the_texels_of_its_textures() {
     }
 }
 
+/// Red of the map, moved to 1 by the strength, at the texels of the square.
+#[test]
+fn an_occlusion_map_counts_by_its_strength() {
+    let size = [4, 4];
+    let red = |x: u32, y: u32| [(60 * x + 5 * y) as u8, 255, 0];
+    let model = |texture: Value, image: Value| {
+        let material = json!({ "doubleSided": true, "occlusionTexture": texture });
+        load(&textured(quad(), material, &[image]))
+    };
+    let scene = model(json!({ "index": 0, "strength": 0.5 }), png(4, 4, red)).unwrap();
+    assert_eq!(scene.warnings, Vec::<String>::new());
+    assert!(scene.has_occlusion() && !scene.unoccluded().has_occlusion());
+    let occlusions = seen(&scene.occlusions(), size, DVec3::Z).albedo_metallic;
+    for (x, y) in (0..16).map(|i| (i % 4, i / 4)) {
+        let expected = 0.5 + 0.5 * f64::from(red(x, y)[0]) / 255.0;
+        let found = occlusions.get(x, y)[0];
+        assert!(
+            (found - expected).abs() < F32,
+            "({x}, {y}): {found}, {expected}"
+        );
+    }
+    // A map without effect is not read, and one of other coordinates cannot be.
+    let broken = json!({ "uri": "data:image/png;base64,AAAA" });
+    let idle = model(json!({ "index": 0, "strength": 0 }), broken.clone()).unwrap();
+    assert!(!idle.has_occlusion() && idle.hash == loaded(&bare()).hash);
+    let error = model(json!({ "index": 0 }), broken).unwrap_err();
+    assert!(error.contains("image 0"), "{error}");
+    let mut shared = textured(
+        quad(),
+        json!({
+            "doubleSided": true,
+            "occlusionTexture": { "index": 0, "texCoord": 1 },
+            "normalTexture": { "index": 0 },
+        }),
+        &[png(1, 1, |_, _| [128, 128, 255])],
+    );
+    let scene = loaded(&shared);
+    assert!(!scene.has_occlusion());
+    assert_eq!(
+        scene.warnings,
+        ["not read: occlusion by other texture coordinates than the other maps'"]
+    );
+    shared["materials"][0]["occlusionTexture"] = json!({ "index": 0, "strength": 1.5 });
+    let scene = loaded(&shared);
+    assert!(scene.has_occlusion());
+    assert_eq!(
+        scene.warnings,
+        ["not read: factors outside [0, 1] (clamped)"]
+    );
+}
+
+/// The square with a plain material.
+fn bare() -> Value {
+    textured(quad(), json!({ "doubleSided": true }), &[])
+}
+
 /// The vector that a texel of a normal map encodes.
 fn unpacked(texel: [u8; 3]) -> DVec3 {
     2.0 * DVec3::from_array(texel.map(|x| f64::from(x) / 255.0)) - 1.0
@@ -513,7 +569,7 @@ fn unsupported_and_broken_files_are_refused() {
             m["meshes"][0]["primitives"][0]["targets"] = json!([{ "POSITION": 0 }])
         }),
         ("a coat's texture that does not exist", |m| {
-            m["materials"] = json!([{ "extensions": { "KHR_materials_clearcoat": { "clearcoatTexture": { "index": 7 } } } }]);
+            m["materials"] = json!([{ "extensions": { "KHR_materials_clearcoat": { "clearcoatFactor": 1, "clearcoatTexture": { "index": 7 } } } }]);
         }),
         ("a coat that is not one", |m| {
             m["materials"] = json!([{ "extensions": { "KHR_materials_clearcoat": { "clearcoatFactor": "much" } } }]);
@@ -641,11 +697,11 @@ fn unsupported_and_broken_files_are_refused() {
 #[test]
 fn ignored_features_cause_a_warning() {
     let mut model = quad();
-    model["materials"] = json!([{ "emissiveFactor": [1, 0, 0], "alphaMode": "MASK" }]);
+    model["materials"] = json!([{ "alphaMode": "MASK" }]);
     model["extensionsUsed"] = json!(["KHR_lights_punctual"]);
     assert_eq!(
         loaded(&model).warnings,
-        ["not read: KHR_lights_punctual, emission, transparency"]
+        ["not read: KHR_lights_punctual, transparency"]
     );
     model["materials"][0] =
         json!({ "extensions": { "KHR_materials_clearcoat": { "clearcoatFactor": 2 } } });
@@ -653,6 +709,43 @@ fn ignored_features_cause_a_warning() {
         loaded(&model).warnings,
         ["not read: KHR_lights_punctual, factors outside [0, 1] (clamped)"]
     );
+}
+
+/// Chunks of unknown types are skipped, wherever the binary one is.
+#[test]
+fn unknown_chunks_of_a_container_are_skipped() {
+    let mut model = quad();
+    let bytes: Vec<u8> = [0f32, 0., 0., 1., 0., 0., 1., 1., 0., 0., 1., 0.]
+        .into_iter()
+        .flat_map(f32::to_le_bytes)
+        .collect();
+    model["buffers"][0] = json!({ "byteLength": bytes.len() });
+    let plain = glb(&model);
+    let chunk = |kind: &[u8; 4], data: &[u8]| {
+        [&(data.len() as u32).to_le_bytes(), &kind[..], data].concat()
+    };
+    let unknown = chunk(b"ABCD", &[1, 2, 3, 4]);
+    let binary = chunk(b"BIN\0", &bytes);
+    let folder = tempfile::tempdir().unwrap();
+    let read = |chunks: &[&[u8]]| {
+        let mut file = [&[&plain[..]], chunks].concat().concat();
+        let length = file.len() as u32;
+        file[8..12].copy_from_slice(&length.to_le_bytes());
+        std::fs::write(folder.path().join("x.glb"), file).unwrap();
+        Scene::load("x.glb", folder.path()).expect("a readable file")
+    };
+    let expected = read(&[&binary]);
+    for chunks in [[&unknown[..], &binary[..]], [&binary, &unknown]] {
+        let scene = read(&chunks);
+        assert_eq!(scene.hash, expected.hash);
+        if chunks[0] == unknown {
+            assert!(
+                scene.warnings[0].contains("\"ABCD\""),
+                "{:?}",
+                scene.warnings
+            );
+        }
+    }
 }
 
 /// A truncated `.glb`, or one with wrong lengths, is reported as such.

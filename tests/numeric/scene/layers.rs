@@ -129,3 +129,178 @@ fn a_sheen_has_its_color_and_roughness() {
     ));
     assert_eq!(smooth.materials[0].sheen.alpha, 0.01);
 }
+
+/// The specular weight and colour of a file: F is `w min(f0 colour, 1)` at normal incidence and w at
+/// grazing, but for metals.
+#[test]
+fn a_specular_extension_scales_the_dielectric_interface() {
+    let specular = json!({
+        "specularFactor": 0.5, "specularTexture": { "index": 0 },
+        "specularColorFactor": [2, 1, 40], "specularColorTexture": { "index": 1 },
+    });
+    let images = [
+        uri(image::RgbaImage::from_pixel(
+            1,
+            1,
+            image::Rgba([0, 0, 0, 102]),
+        )),
+        png(1, 1, |_, _| [255, 0, 255]),
+    ];
+    for metallic in [0.0, 0.25, 1.0] {
+        let material = json!({
+            "pbrMetallicRoughness": { "metallicFactor": metallic, "baseColorFactor": [0.8, 0.8, 0.8, 1] },
+            "extensions": { "KHR_materials_specular": specular },
+        });
+        let scene = loaded(&textured(quad(), material, &images));
+        let seen = |scene: &Scene| seen(scene, [1, 1], DVec3::Z).f0_material.data[0];
+        let [red, green, blue, _] = seen(&scene);
+        let weight = seen(&scene.specular_weights())[0];
+        let dielectric = [0.08, 0.0, 1.0].map(|f0| 0.2 * f0);
+        let expected = dielectric.map(|f0| f0 * (1.0 - metallic) + 0.8 * metallic);
+        for (f0, expected) in [red, green, blue].into_iter().zip(expected) {
+            assert!(
+                (weight * f0 - expected).abs() < F32,
+                "{metallic}: {f0} {expected}"
+            );
+        }
+        let f90 = 0.2 * (1.0 - metallic) + metallic;
+        assert!((weight - f90).abs() < F32, "{metallic}: {weight}");
+    }
+    let set = MaterialOverride {
+        f0: Some([0.5; 3]),
+        ..MaterialOverride::default()
+    };
+    let plain = loaded(&textured(
+        quad(),
+        json!({ "extensions": { "KHR_materials_specular": specular } }),
+        &images,
+    ));
+    assert!(plain.has_specular_weight() && !plain.apply(&set).has_specular_weight());
+}
+
+/// Emission: factor, sRGB texture and strength.
+#[test]
+fn emission_is_its_factor_texture_and_strength() {
+    let material = json!({
+        "emissiveFactor": [1, 0.5, 0], "emissiveTexture": { "index": 0 },
+        "extensions": { "KHR_materials_emissive_strength": { "emissiveStrength": 8 } },
+    });
+    let scene = loaded(&textured(quad(), material, &[png(1, 1, |_, _| [188; 3])]));
+    assert_eq!(scene.warnings, Vec::<String>::new());
+    let [red, green, blue, _] = seen(&scene.emission(), [1, 1], DVec3::Z)
+        .albedo_metallic
+        .data[0];
+    // sRGB 188 is 0.50289 linear.
+    let off = [red - 8.0 * 0.502_886_5, green - 4.0 * 0.502_886_5, blue];
+    assert!(off.iter().all(|off| off.abs() < 1e-4), "{off:?}");
+    assert!(scene.has_emission() && !scene.dark().has_emission());
+}
+
+/// Textures whose only source is a WebP file.
+#[test]
+fn webp_textures_are_read() {
+    let mut file = std::io::Cursor::new(Vec::new());
+    image::RgbImage::from_pixel(1, 1, image::Rgb([188, 0, 255]))
+        .write_to(&mut file, image::ImageFormat::WebP)
+        .expect("a picture in memory");
+    let base64 = base64::Engine::encode(&base64::prelude::BASE64_STANDARD, file.into_inner());
+    let image =
+        json!({ "uri": format!("data:image/webp;base64,{base64}"), "mimeType": "image/webp" });
+    let material = json!({ "pbrMetallicRoughness": { "baseColorTexture": { "index": 0 } } });
+    let mut model = textured(quad(), material, &[image]);
+    model["textures"] = json!([{ "extensions": { "EXT_texture_webp": { "source": 0 } } }]);
+    model["extensionsUsed"] = json!(["EXT_texture_webp"]);
+    model["extensionsRequired"] = json!(["EXT_texture_webp"]);
+    let scene = loaded(&model);
+    assert_eq!(scene.warnings, Vec::<String>::new());
+    let [red, green, blue, _] = seen(&scene, [1, 1], DVec3::Z).albedo_metallic.data[0];
+    assert!((red - 0.502_886_5).abs() < 1e-4 && green == 0.0 && blue == 1.0);
+}
+
+/// Maps that a factor of 0 multiplies are not read: their texture coordinates and images don't
+/// matter.
+#[test]
+fn maps_without_effect_are_not_read() {
+    let other_set = json!({ "index": 0, "texCoord": 1 });
+    let material = json!({
+        "pbrMetallicRoughness": {
+            "baseColorTexture": { "index": 1 },
+            "metallicFactor": 0, "roughnessFactor": 0, "metallicRoughnessTexture": other_set,
+        },
+        "emissiveTexture": other_set,
+        "normalTexture": { "index": 0, "texCoord": 1, "scale": 0 },
+        "extensions": {
+            "KHR_materials_clearcoat": {
+                "clearcoatTexture": other_set, "clearcoatRoughnessTexture": other_set,
+                "clearcoatNormalTexture": other_set,
+            },
+            "KHR_materials_sheen": { "sheenColorTexture": other_set, "sheenRoughnessTexture": other_set },
+            "KHR_materials_anisotropy": { "anisotropyTexture": other_set },
+            "KHR_materials_specular": {
+                "specularFactor": 0, "specularTexture": other_set, "specularColorTexture": other_set,
+            },
+        },
+    });
+    let missing = json!({ "uri": "missing.png" });
+    let scene = loaded(&textured(
+        quad(),
+        material,
+        &[missing, png(1, 1, |_, _| [255; 3])],
+    ));
+    assert_eq!(scene.textures.len(), 1);
+    // Without texture coordinates.
+    let mut bare = textured(
+        quad(),
+        json!({ "emissiveTexture": { "index": 0 } }),
+        &[json!({ "uri": "missing.png" })],
+    );
+    bare["meshes"][0]["primitives"][0]["attributes"]
+        .as_object_mut()
+        .expect("attributes")
+        .remove("TEXCOORD_0");
+    assert_eq!(loaded(&bare).textures.len(), 0);
+}
+
+/// Misspelt and older members are named, of the core material and of extensions.
+#[test]
+fn unknown_members_of_materials_are_named() {
+    let material = json!({
+        "name": "paint",
+        "baseColor": [1, 1, 1],
+        "extras": { "anything": 1 },
+        "pbrMetallicRoughness": { "roughness": 0.5 },
+        "extensions": {
+            "KHR_materials_clearcoat": { "clearCoatFactor": 1, "extras": {} },
+            "KHR_materials_anisotropy": { "anisotropy": 0.5 },
+        },
+    });
+    let warnings = loaded(&textured(quad(), material, &[])).warnings;
+    let [warning] = &warnings[..] else {
+        panic!("{warnings:?}")
+    };
+    for part in [
+        "material 0 (\"paint\")",
+        "baseColor",
+        "pbrMetallicRoughness.roughness",
+        "KHR_materials_clearcoat.clearCoatFactor",
+        "KHR_materials_anisotropy.anisotropy",
+    ] {
+        assert!(warning.contains(part), "{part}: {warning}");
+    }
+    assert!(!warning.contains("extras"), "{warning}");
+}
+
+/// Anisotropic files of Blender come with the flag that has the widths of its renders.
+#[test]
+fn anisotropy_by_blender_names_its_widths() {
+    let material =
+        json!({ "extensions": { "KHR_materials_anisotropy": { "anisotropyStrength": 0.5 } } });
+    let mut model = textured(quad(), material, &[]);
+    assert_eq!(loaded(&model).warnings, Vec::<String>::new());
+    model["asset"]["generator"] = json!("Khronos glTF Blender I/O v5.2.3");
+    let warnings = loaded(&model).warnings;
+    assert!(
+        warnings[0].contains("--anisotropy-widths disney"),
+        "{warnings:?}"
+    );
+}

@@ -157,7 +157,7 @@ fn materials_and_groups_keep_their_faces() {
     );
     let scene = load(&[
         ("scene.obj", text.as_bytes()),
-        ("two words.mtl", b"newmtl red one\nKd 1 0 0\nNs 30\n"),
+        ("two words.mtl", b"newmtl red one\nKd 1 0 0\nPr 0.5\n"),
         ("a.mtl", b"newmtl gold\nKd 1 2 0.5\nPr 0.5\nPm 1\nNi 1.5\n"),
         ("b.mtl", b"newmtl unused\nKd 0.5 0.5 0.5\n"),
     ])
@@ -251,15 +251,15 @@ fn a_map_too_large_for_memory_is_left_out_by_its_header() {
 fn material_parameters_become_alpha_and_f0() {
     let near = |a: f32, b: f64| (f64::from(a) - b).abs() < 1e-6;
     let cases = [
-        ("Ns 0", 1.0, 0.04, 0),
-        ("Ns 250", (2.0f64 / 252.0).sqrt(), 0.04, 0),
+        ("Ns 0", 1.0, 0.04, 1),
+        ("Ns 250", (2.0f64 / 252.0).sqrt(), 0.04, 1),
         ("Ns 250\nPr 0.3", 0.09, 0.04, 0),
         ("Pr 0\nKs 1 1 1", 1e-3, 0.04, 0),
         ("Pr 2", 1.0, 0.04, 1),
-        ("Ns -5", 1.0, 0.04, 1),
+        ("Ns -5", 1.0, 0.04, 2),
         ("Ni 1.0", 0.25, 0.04, 0),
         ("Ni 2", 0.25, 1.0 / 9.0, 0),
-        ("map_Pr r.png\nnorm n.png", 0.25, 0.04, 1),
+        ("map_Ps r.png\nbump n.png", 0.25, 0.04, 1),
         ("map_Kd missing.png", 0.25, 0.04, 1),
         (
             "map_Kd -s 1 1 -o 0.5 -clamp on missing one.png",
@@ -505,5 +505,214 @@ fn winding_follows_given_normals() {
     let back = loaded(&format!("{QUAD}vn 0 0 1\nf 4//1 3//1 2//1 1//1\n"));
     for scene in [front, back] {
         assert!(areas(&scene.meshes[0]).iter().all(|area| area.z > 0.0));
+    }
+}
+
+/// A cube of eight corners, whose faces are preceded by these lines.
+fn cube(lines: [&str; 6]) -> String {
+    let mut text = String::new();
+    for corner in 0..8 {
+        let side = |bit: u32| 2 * (corner >> bit & 1) - 1;
+        let _ = writeln!(text, "v {} {} {}", side(0), side(1), side(2));
+    }
+    let faces = [
+        "1 3 4 2", "5 6 8 7", "1 2 6 5", "3 7 8 4", "1 5 7 3", "2 4 8 6",
+    ];
+    for (line, face) in lines.into_iter().zip(faces) {
+        let _ = writeln!(text, "{line}\nf {face}");
+    }
+    text
+}
+
+/// The normals of the corners of each triangle, and the triangle's own.
+fn corner_normals(mesh: &Mesh) -> Vec<([DVec3; 3], DVec3)> {
+    let vector = |v: [f32; 3]| glam::Vec3::from_array(v).as_dvec3();
+    mesh.triangles()
+        .zip(areas(mesh))
+        .map(|(triangle, area)| {
+            let normals = triangle.map(|index| vector(mesh.normals[index as usize]));
+            (normals, area.normalize())
+        })
+        .collect()
+}
+
+/// Faces without a smoothing group have their own normals; groups are smooth each by itself.
+#[test]
+fn smoothing_groups_part_the_normals() {
+    let flat = ["s off", "s 0", "s OFF # none"];
+    for line in flat {
+        for lines in [[line, "", "", "", "", ""], ["", "", "", "", "", line]] {
+            let scene = loaded(&cube(lines));
+            assert_eq!(scene.meshes[0].positions.len(), 24, "{line}");
+            for (normals, own) in corner_normals(&scene.meshes[0]) {
+                let off = normals.map(|n| (n - own).length());
+                assert!(off.iter().all(|off| *off < F32_ROUNDING), "{line}: {off:?}");
+            }
+        }
+    }
+    // A ball: without any `s`, and in one group.
+    let ball = loaded(&cube([""; 6]));
+    assert_eq!(loaded(&cube(["s 1", "", "", "", "", ""])).hash, ball.hash);
+    let diagonal = 1.0 / 3f64.sqrt();
+    for (normals, own) in corner_normals(&ball.meshes[0]) {
+        assert!(
+            normals
+                .iter()
+                .all(|n| (n.dot(own) - diagonal).abs() < F32_ROUNDING)
+        );
+    }
+    // Two groups: the corners of the pair of faces in group 2 lean 45 degrees.
+    let pair = loaded(&cube(["s 2", "s off", "s 2", "s off", "", ""]));
+    let smooth = corner_normals(&pair.meshes[0])
+        .into_iter()
+        .filter(|(normals, own)| normals.iter().any(|n| n.dot(*own) < 0.99));
+    let smooth: Vec<_> = smooth.collect();
+    assert_eq!(smooth.len(), 4);
+    for (normals, own) in smooth {
+        for n in normals {
+            let cosine = n.dot(own);
+            let is_shared = (cosine - 0.5f64.sqrt()).abs() < F32_ROUNDING;
+            assert!(is_shared || (cosine - 1.0).abs() < F32_ROUNDING, "{cosine}");
+        }
+    }
+    // Given normals win.
+    let given = format!("{QUAD}vn 1 0 1\ns off\nf 1//1 2//1 3//1 4//1\n");
+    assert!(loaded(&given).meshes[0].normals[0][0] > 0.7);
+}
+
+/// Files that Blender wrote follow its writer's laws; the same lines of another writer don't.
+#[test]
+fn materials_by_blender_follow_its_laws() {
+    const HEAD: &str = "# Blender 5.2.3 LTS MTL File: 'a.blend'\n";
+    let of = |head: &str, lines: &str| {
+        let obj = format!("mtllib m.mtl\n{QUAD}usemtl m\nf 1 2 3 4\n");
+        let mtl = format!("{head}newmtl m\n{lines}\n");
+        let files = [("scene.obj", obj.as_bytes()), ("m.mtl", mtl.as_bytes())];
+        load(&files).expect("a readable file")
+    };
+    let plain =
+        "Ns 250\nKa 0.75 0.75 0.75\nKd 0.9 0.6 0.3\nKs 0.25 0.25 0.25\nNi 1.5\nd 1\nillum 3";
+    let metal = of(HEAD, plain);
+    let material = &metal.materials[0];
+    // 250 is 1000 (1 - 0.5)².
+    assert!((material.alpha - 0.25).abs() < 1e-6, "{}", material.alpha);
+    assert_eq!(material.metallic, 0.75);
+    assert!((material.f0[0] - 0.02).abs() < 1e-6, "{:?}", material.f0);
+    let [note] = &metal.warnings[..] else {
+        panic!("{:?}", metal.warnings)
+    };
+    for law in ["Blender", "Ns as 1000", "Ka", "Ks"] {
+        assert!(note.contains(law), "{note}");
+    }
+    let other = of("", plain);
+    let material = &other.materials[0];
+    assert!((f64::from(material.alpha) - (2.0f64 / 252.0).sqrt()).abs() < 1e-6);
+    assert_eq!((material.metallic, material.f0), (0.0, [0.04; 3]));
+    assert!(other.warnings[0].contains("Phong"), "{:?}", other.warnings);
+
+    let layered = "Pr 0.5\nPm 0\nPs 0.6\nPc 2\nPcr 0.1\naniso 0.7\nanisor 0.25\nKe 3 1.5 0.3\nd 0.4\nTf 1 1 1\nmap_Ks a.png";
+    for (head, weight) in [(HEAD, 0.5), ("", 1.0)] {
+        let scene = of(head, layered);
+        let material = &scene.materials[0];
+        assert_eq!(material.coat.weight, weight);
+        assert!((material.coat.alpha - 0.01).abs() < 1e-7);
+        assert_eq!(material.sheen.color, [0.6; 3]);
+        assert_eq!(material.anisotropy.strength, 0.7);
+        let turn = f64::from(material.anisotropy.turn);
+        assert!((turn - std::f64::consts::FRAC_PI_2).abs() < 1e-6, "{turn}");
+        assert_eq!(material.emission.color, [3.0, 1.5, 0.3]);
+        let unread = scene.warnings.last().expect("a warning");
+        assert!(unread.contains("not read: d, map_Ks"), "{unread}");
+    }
+}
+
+/// 3ds Max repeats the albedo map as the map of the ambient colour.
+#[test]
+fn an_albedo_map_is_not_occlusion() {
+    let scene = of_material("map_Kd a b.png\nmap_Ka a b.png").expect("a readable file");
+    assert!(!scene.has_occlusion());
+    let warnings = scene.warnings.join("; ");
+    assert!(warnings.contains("not read: map_Ka"), "{warnings}");
+    let empty = of_material("map_Ka").unwrap_err();
+    assert!(empty.contains("expected a file"), "{empty}");
+}
+
+/// Statements in the wrong file, and names that nobody knows, are named in a warning.
+#[test]
+fn statements_in_the_wrong_file_are_named() {
+    let obj = format!("mtllib m.mtl\n{QUAD}Kd 1 0 0\nusemtl m\nf 1 2 3 4\n");
+    let files = [
+        ("scene.obj", obj.as_bytes()),
+        (
+            "m.mtl",
+            b"newmtl m\nPr 0.5\nv 1 2 3\nRoughness 1\n".as_slice(),
+        ),
+    ];
+    let warnings = load(&files).expect("a readable file").warnings;
+    assert!(warnings[0].contains("1 x Kd"), "{warnings:?}");
+    assert!(
+        warnings[1].contains("not read: Roughness, v"),
+        "{warnings:?}"
+    );
+}
+
+/// Faces above the first `usemtl` have the only material there is.
+#[test]
+fn the_only_material_needs_no_usemtl() {
+    let of = |mtl: &str, last: &str| {
+        let obj = format!("mtllib m.mtl\n{QUAD}f 1 2 3\n{last}f 1 3 4\n");
+        let files = [("scene.obj", obj.as_bytes()), ("m.mtl", mtl.as_bytes())];
+        load(&files).expect("a readable file")
+    };
+    let one = "newmtl red\nKd 1 0 0\nPr 0.5\n";
+    for last in ["", "usemtl red\n"] {
+        let scene = of(one, last);
+        assert_eq!(scene.materials.len(), 1);
+        assert_eq!(scene.materials[0].albedo, [1.0, 0.0, 0.0]);
+        assert_eq!(scene.warnings, Vec::<String>::new());
+    }
+    let scene = of(&format!("{one}newmtl blue\n"), "usemtl red\n");
+    assert_eq!(scene.materials.len(), 2);
+    assert!(
+        scene.warnings[0].contains("1 faces are above the first usemtl"),
+        "{:?}",
+        scene.warnings
+    );
+}
+
+/// Grey maps of roughness and metallic, and a map of normals, which needs tangents.
+#[test]
+fn maps_of_the_pbr_fields_are_read() {
+    let folder = tempfile::tempdir().expect("a temporary folder");
+    let save = |name: &str, texel: [u8; 3]| {
+        image::RgbImage::from_pixel(1, 1, image::Rgb(texel))
+            .save(folder.path().join(name))
+            .expect("a texture");
+    };
+    save("grey.png", [102; 3]);
+    save("bent.png", [255, 128, 128]);
+    save("red.png", [51, 255, 255]);
+    let text = format!(
+        "mtllib m.mtl\n{QUAD}vt 0 0\nvt 1 0\nvt 1 1\nvt 0 1\nusemtl m\nf 1/1 2/2 3/3 4/4\n"
+    );
+    std::fs::write(folder.path().join("scene.obj"), text).expect("a mesh");
+    let lines =
+        "newmtl m\nKd 1 1 1\nmap_Pr grey.png\nmap_Pm grey.png\nmap_Ke grey.png\nmap_Ka red.png\n";
+    for normal in ["norm bent.png", "norm -bm 1.0 bent.png"] {
+        std::fs::write(folder.path().join("m.mtl"), format!("{lines}{normal}\n"))
+            .expect("a material");
+        let scene = Scene::load("scene.obj", folder.path()).expect("a readable file");
+        assert_eq!(scene.warnings, Vec::<String>::new());
+        let mut camera = Camera::for_scene(CameraKind::Ortho, &Scene::sphere(), [1, 1]);
+        camera.eye = DVec3::new(0.4, 0.3, 3.0);
+        let seen = gbuffer(&scene, &camera, [1, 1]);
+        let [x, .., alpha] = seen.normal_alpha.data[0];
+        assert!((alpha - 0.16).abs() < 1e-6 && x > 0.7, "{alpha} {x}");
+        assert!((seen.albedo_metallic.data[0][3] - 0.4).abs() < 1e-6);
+        let emission = gbuffer(&scene.emission(), &camera, [1, 1]);
+        let linear = f64::from(splitsum::base::color::srgb_decode(0.4));
+        assert!((emission.albedo_metallic.data[0][0] - linear).abs() < 1e-6);
+        let occlusion = gbuffer(&scene.occlusions(), &camera, [1, 1]);
+        assert!((occlusion.albedo_metallic.data[0][0] - 0.2).abs() < 1e-6);
     }
 }

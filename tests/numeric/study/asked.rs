@@ -252,7 +252,7 @@ fn incomplete_runs_answer_less_and_do_not_fail() {
     let frame = splitsum::study::frame::Frame::new(&broken, None);
     for question in splitsum::study::questions::QUESTIONS
         .iter()
-        .filter(|question| (question.lacks)(&frame.shape).is_none())
+        .filter(|question| question.lack(&frame.shape).is_none())
     {
         let said = (question.answer)(&frame)
             .map(|finding| finding.sentences.markdown())

@@ -204,7 +204,8 @@ fn curves_of_unequal_counts_answer_where_all_were_tried() {
 fn the_noise_of_the_reference_does_not_remove_cases() {
     let mut paper = Paper::new(&["alpha", "method", "samples"]);
     for (alpha, floor) in [("0.1", 0.5), ("0.5", 1e-9)] {
-        paper.add(&[alpha, "split-sum", ""], 0.5).noise_floors = MetricValues::of(|_| Some(floor));
+        paper.add(&[alpha, "split-sum", ""], 0.5).noise_floors =
+            MetricValues::from_fn(|_| Some(floor));
         for (samples, error) in [("1", 1.0), ("4", 0.6), ("16", 0.1)] {
             paper.add(&[alpha, "sampled", samples], error);
         }

@@ -121,6 +121,49 @@ fn lines_whiskers_and_bars_end_where_their_numbers_say() {
         &[found[0], found[1] + found[3] / 2.0, found[2]],
         &[left + wide / 4.0, top + 1.5 * step, wide / 2.0],
     );
+    // A bar fills about two thirds of its row.
+    let filled = found[3] / step;
+    assert!((0.6..0.75).contains(&filled), "{filled} of a row");
+}
+
+/// Two lines that cross: at their starts the names would be in the other order.
+#[test]
+fn a_series_is_named_at_the_end_of_its_line() {
+    let linear = ScaleKind::Linear { lo: 0.0, hi: 1.0 };
+    let mut figure = dots([linear.clone(), linear], &[]);
+    figure.series.truncate(2);
+    let line = |series: usize, [start, end]: [f64; 2]| {
+        Mark::new(Shape::Line(vec![[0.0, start], [1.0, end]]), series)
+    };
+    figure.panels[0].marks = vec![line(0, [0.1, 0.9]), line(1, [0.8, 0.3])];
+    let drawn = Drawn::new(&svg(&figure, WIDTHS[0]));
+    let [_, top, right, bottom] = drawn.panels()[0];
+    for (name, end) in [("a", 0.9), ("b", 0.3)] {
+        let [x, y] = drawn.text_position(name);
+        assert!(x > right && x < right + 20.0, "{name} at {x}");
+        // The baseline is a little below the middle of the letters.
+        let below = y - (bottom - end * (bottom - top));
+        assert!((0.0..8.0).contains(&below), "{name} is {below} px below");
+    }
+}
+
+#[test]
+fn a_legend_has_the_series_in_order_each_after_its_sample() {
+    let linear = ScaleKind::Linear { lo: 0.0, hi: 1.0 };
+    let figure = dots([linear.clone(), linear], &[[0.5, 0.5]]);
+    for width in WIDTHS {
+        let drawn = Drawn::new(&svg(&figure, width));
+        let mut before = 0.0;
+        for (index, series) in figure.series.iter().enumerate() {
+            let [sample_x, sample_y] = drawn.legend_sample(index);
+            let [x, y] = drawn.text_position(&series.name);
+            let name = &series.name;
+            assert!(sample_x > before, "{name}: its sample is left of another");
+            assert!((x - sample_x) > 0.0 && (x - sample_x) < 30.0, "{name}");
+            assert!((y - sample_y).abs() < 8.0, "{name}");
+            before = x;
+        }
+    }
 }
 
 #[test]

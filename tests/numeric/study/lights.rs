@@ -45,7 +45,7 @@ fn a_bin_has_the_median_over_its_environments() {
     });
     assert_eq!(
         (panel.title.as_str(), dots.collect::<Vec<_>>()),
-        ("split-sum", found)
+        ("Split sum (textbook)", found)
     );
     let counts = column(&only(&finding.table, &[("method", "sampled")]), "samples");
     assert!(
@@ -62,7 +62,7 @@ fn visible_differences_are_listed_by_exposure_and_contrast() {
             for (alpha, own) in [("0.1", 1.0), ("0.5", 1.0), ("1", 2.0)] {
                 let flip = own * if contrast == "5" { flip * 10.0 } else { flip };
                 let cell = paper.add(&[alpha, "sampled", "16", exposure, contrast], 0.1);
-                cell.scores = Some(MetricValues::of(|name| {
+                cell.scores = Some(MetricValues::from_fn(|name| {
                     Some(if name == "flip" { flip } else { 0.1 })
                 }));
             }

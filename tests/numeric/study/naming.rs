@@ -121,7 +121,7 @@ fn the_rows_of_an_answer_are_values_of_the_axis_it_names() {
             digest_axis: splitsum::experiment::axis::AxisId::find("f0"),
             ..frame
         };
-        let is_served = (question.lacks)(&by.shape).is_none();
+        let is_served = question.lack(&by.shape).is_none();
         if let Some(found) = is_served.then(|| (question.answer)(&by)).flatten() {
             let found = found.digest.unwrap();
             assert!(

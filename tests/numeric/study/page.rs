@@ -178,7 +178,7 @@ fn a_page_is_the_same_each_time_and_holds_every_cell_and_answer_once() {
                 .finding
                 .figure
                 .as_ref()
-                .map(|figure| splitsum::report::write::drawing(figure, width));
+                .map(|figure| splitsum::draw::figure::svg::svg(figure, width));
             assert!(
                 figure.is_none_or(|figure| page.contains(figure.trim_end())),
                 "{}",

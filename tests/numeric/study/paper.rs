@@ -29,6 +29,7 @@ fn empty(name: &str) -> Finished {
         cells: Vec::new(),
         lights: Vec::new(),
         timings: Vec::new(),
+        recovered: Vec::new(),
         failures: Vec::new(),
         weights: vec![Weight::Picture, Weight::Uniform],
         weight: Weight::Uniform,
@@ -36,11 +37,12 @@ fn empty(name: &str) -> Finished {
 }
 
 fn cell_of(id: String, point: Point) -> FinishedCell {
-    let none = MetricValues::of(|_| None);
+    let none = MetricValues::from_fn(|_| None);
     let (reference, bins) = (None, Vec::new());
     FinishedCell {
         id,
         point,
+        is_failed: false,
         scores: None,
         noise_floors: none,
         steadiness: None,
@@ -83,7 +85,7 @@ pub fn finished_of(text: &str, cell: impl Fn(&Point) -> Option<Made>) -> Finishe
     let of = |planned: &splitsum::experiment::Cell| {
         let made = cell(&planned.point);
         let scores = |made: Made| {
-            MetricValues::of(|name| {
+            MetricValues::from_fn(|name| {
                 Some(if name == "flip" {
                     made.flip
                 } else {
@@ -92,8 +94,9 @@ pub fn finished_of(text: &str, cell: impl Fn(&Point) -> Option<Made>) -> Finishe
             })
         };
         FinishedCell {
+            is_failed: made.is_none(),
             scores: made.map(scores),
-            noise_floors: MetricValues::of(|name| {
+            noise_floors: MetricValues::from_fn(|name| {
                 made.filter(|_| name != "flip").map(|made| made.floor)
             }),
             ..cell_of(planned.id.clone(), planned.point.clone())
@@ -119,7 +122,7 @@ pub fn scaled(run: &mut Finished, factor: impl Fn(&Point) -> f64) {
                     .get(name)
                     .is_none_or(|value| value >= 0.0 || name == "bias_rel")
             }));
-            MetricValues::of(|name| {
+            MetricValues::from_fn(|name| {
                 values.get(name).map(|value| {
                     if name == "flip" {
                         value
@@ -164,8 +167,10 @@ impl Paper {
             };
         }
         self.run.cells.push(FinishedCell {
-            scores: Some(MetricValues::of(|name| (name == HEADLINE).then_some(error))),
-            noise_floors: MetricValues::of(|name| (name == HEADLINE).then_some(1e-9)),
+            scores: Some(MetricValues::from_fn(|name| {
+                (name == HEADLINE).then_some(error)
+            })),
+            noise_floors: MetricValues::from_fn(|name| (name == HEADLINE).then_some(1e-9)),
             ..cell_of(format!("{:04x}", self.run.cells.len()), point)
         });
         self.run.cells.last_mut().unwrap()
@@ -173,7 +178,9 @@ impl Paper {
 
     /// The missing part of the run for a question.
     pub fn lacks(&self, name: &str) -> Option<&'static str> {
-        (question(name).unwrap().lacks)(&Frame::new(&self.run, None).shape)
+        question(name)
+            .unwrap()
+            .lack(&Frame::new(&self.run, None).shape)
     }
 
     pub fn finding(&self, name: &str) -> Finding {
@@ -186,7 +193,7 @@ pub fn finding(run: &Finished, name: &str) -> Finding {
         Frame::new(run, None),
         question(name).unwrap_or_else(|| panic!("no question {name}")),
     );
-    assert_eq!((question.lacks)(&frame.shape), None, "{name}");
+    assert_eq!(question.lack(&frame.shape), None, "{name}");
     (question.answer)(&frame).unwrap_or_else(|| panic!("{name} is not answered"))
 }
 
@@ -206,8 +213,8 @@ pub fn bin([lo, hi]: [f64; 2], scores: impl Fn(&'static str) -> Option<f64>) -> 
         hi,
         pixel_count: 100,
         reference_mean: None,
-        scores: MetricValues::of(scores),
-        noise_floors: MetricValues::of(|_| None),
+        scores: MetricValues::from_fn(scores),
+        noise_floors: MetricValues::from_fn(|_| None),
     }
 }
 
@@ -236,7 +243,9 @@ pub fn numbers(table: &Table, name: &str) -> Vec<f64> {
         Cell::Number(x) => *x,
         Cell::Integer(n) => *n as f64,
         Cell::Missing => f64::NAN,
-        Cell::Text(text) => panic!("{name}: {text} is not a number"),
+        Cell::Text(text) | Cell::Quantity(text) | Cell::Named { name: text, .. } => {
+            panic!("{name}: {text} is not a number")
+        }
     };
     cells(table, name).map(number).collect()
 }
@@ -254,7 +263,7 @@ pub fn only(table: &Table, wanted: &[(&str, &str)]) -> Table {
         .map(|i| table.rows[i].clone())
         .collect();
     Table {
-        columns: table.columns.clone(),
         rows,
+        ..table.clone()
     }
 }

@@ -36,7 +36,7 @@ fn six_maps() -> Paper {
                     &[scene, &format!("map{i}.hdr"), orientation, "0.1", method],
                     error,
                 );
-                cell.scores = Some(MetricValues::of(|name| {
+                cell.scores = Some(MetricValues::from_fn(|name| {
                     Some(if name == "bias_rel" {
                         sign * bias
                     } else {
@@ -142,7 +142,7 @@ fn pictures_within_the_noise_do_not_count() {
     // Both errors of one picture are below ten standard errors, of the next one only one.
     for place in [0, 1, 3] {
         paper.run.cells[place].noise_floors =
-            MetricValues::of(|name| (name == "relmse").then_some(0.1));
+            MetricValues::from_fn(|name| (name == "relmse").then_some(0.1));
     }
     let table = paper.finding("pictures").table;
     let images = |metric| number(&row(&table, "split-sum-one", metric), "images");

@@ -75,7 +75,9 @@ fn known(table: &Table, found: &mut HashSet<String>) {
         for row in &table.rows {
             match &row[column] {
                 Cell::Missing => continue,
-                Cell::Text(text) => add(text),
+                Cell::Text(text) | Cell::Quantity(text) | Cell::Named { name: text, .. } => {
+                    add(text)
+                }
                 Cell::Integer(n) => add(&n.to_string()),
                 Cell::Number(x) => {
                     add(&x.to_string());
@@ -87,7 +89,10 @@ fn known(table: &Table, found: &mut HashSet<String>) {
         // A row over all values does not count as a value.
         let over_all = usize::from(counts.contains_key("Text(\"all\")"));
         add(&(counts.len() - over_all).to_string());
-        let of_names = counts.iter().filter(|(value, _)| value.starts_with("Text"));
+        let of_names = counts.iter().filter(|(value, _)| {
+            let is_name = |kind: &&str| value.starts_with(kind);
+            ["Text", "Named"].iter().any(is_name)
+        });
         of_names.for_each(|(_, count)| add(&count.to_string()));
     }
 }

@@ -6,9 +6,9 @@ use splitsum::study::finished::{Bin, StepRow};
 use splitsum::study::questions::Finding;
 
 /// Shares of the steps `masking` and `view`, which together make the error.
-fn steps(seen: [f64; 2], masking: f64, noise: f64) -> Vec<StepRow> {
+fn steps(n_dot_v: [f64; 2], masking: f64, noise: f64) -> Vec<StepRow> {
     let row = |step: &str, share: f64, rung_error: f64| StepRow {
-        seen,
+        n_dot_v,
         step: step.to_owned(),
         share,
         share_error: 1e-3,
@@ -51,7 +51,7 @@ fn run(lights: &[(&str, f64, f64)]) -> Finding {
     let mut frame = splitsum::study::frame::Frame::new(&paper.run, None);
     (frame.shape.has_ladder, frame.shape.reference_method) = (true, "reference".to_owned());
     let question = splitsum::study::questions::question("ladder").unwrap();
-    assert_eq!((question.lacks)(&frame.shape), None);
+    assert_eq!(question.lack(&frame.shape), None);
     (question.answer)(&frame).unwrap()
 }
 

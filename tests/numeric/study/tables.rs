@@ -28,7 +28,7 @@ fn shown<const N: usize>(finding: &Finding, alpha: &str, names: [&str; N]) -> [S
 
 /// Two lights and two alphas. The split errs by 1 at alpha 0.1 and by 4 at 0.5; tables err by their
 /// own number, twice that under the sky.
-fn run() -> Paper {
+pub fn run() -> Paper {
     let mut paper = judged_by("ladder-view");
     for (light, of_light) in [("builtin:studio", 1.0), ("builtin:sky", 2.0)] {
         for (alpha, split) in [("0.1", 1.0), ("0.5", 4.0)] {
@@ -130,7 +130,7 @@ fn tables_are_enough_if_they_err_by_a_tenth_of_the_split() {
     let mut roots = run().run;
     for cell in &mut roots.cells {
         let error = cell.scores.as_ref().unwrap().get("relmse");
-        cell.scores = Some(MetricValues::of(|_| error));
+        cell.scores = Some(MetricValues::from_fn(|_| error));
     }
     let table = (question("tables").unwrap().answer)(&Frame::new(&roots, Some("rmse")))
         .unwrap()

@@ -99,16 +99,20 @@ fn a_way_without_samples_takes_as_long_as_the_count_at_which_the_ratio_passes_1(
     // 0.5 + 0.25 n ms beside 2.25 ms: equal at 7 samples. Beside 0.6 ms every count is slower.
     for (ms, wanted) in [(2.25, Some("7.0 samples")), (0.6, None)] {
         let axes = |method, samples| [("brdf", "ggx"), ("method", method), ("samples", samples)];
-        let fixed = record("frame", &axes("split-sum", ""), &[("shade", ms)]);
+        let fixed = record("frame", &axes("split-sum", ""), &[("shade-specular", ms)]);
         let counts = [("1", 0.75), ("4", 1.5), ("8", 2.5), ("16", 4.5)];
         let sampled = counts.map(|(n, ms)| {
             record(
                 "frame",
                 &axes("sampled", n),
-                &[("gbuffer", 9.0), ("shade", ms)],
+                &[("gbuffer", 9.0), ("shade-specular", ms)],
             )
         });
-        let two = record("frame", &axes("split-sum-two", ""), &[("shade", 1.5 * ms)]);
+        let two = record(
+            "frame",
+            &axes("split-sum-two", ""),
+            &[("shade-specular", 1.5 * ms)],
+        );
         let digest = beside(vec![fixed.clone(), two])
             .finding("times")
             .digest

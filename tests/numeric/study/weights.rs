@@ -54,7 +54,7 @@ fn run(test: &RgbImage, reference: &RgbImage, standard_error: &RgbImage) -> Fini
         Bin {
             pixel_count: row.pixel_count as u64,
             reference_mean: Some(row.reference_mean),
-            noise_floors: MetricValues::of(|name| Metric::listed(name).noise_floor(&noise)),
+            noise_floors: MetricValues::from_fn(|name| Metric::listed(name).noise_floor(&noise)),
             ..bin([row.lo, row.hi], score)
         }
     });
@@ -62,7 +62,7 @@ fn run(test: &RgbImage, reference: &RgbImage, standard_error: &RgbImage) -> Fini
     let scores = comparison.evaluate_all();
     let cell = paper.add(&["design", "split-sum"], 1.0);
     cell.bins = bins.collect::<Vec<_>>().into();
-    cell.scores = Some(MetricValues::of(|name| {
+    cell.scores = Some(MetricValues::from_fn(|name| {
         scores
             .iter()
             .find(|(own, _)| *own == name)

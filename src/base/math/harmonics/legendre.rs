@@ -45,7 +45,7 @@ impl Block {
     }
 
     /// Makes a block of at most [`LANES`] unit directions; padded with the last.
-    pub(super) fn at(directions: &[DVec3]) -> Self {
+    pub(super) fn from_directions(directions: &[DVec3]) -> Self {
         let lanes: [DVec3; LANES] =
             std::array::from_fn(|lane| directions[lane.min(directions.len() - 1)]);
         Self {

@@ -7,8 +7,9 @@
 use crate::base::color::{
     ACES_AP0, ACES_AP1, ADOBE_RGB, Chromaticities, DISPLAY_P3, REC709, REC2020, xyz_to_rec709,
 };
+use crate::base::pixels::Content;
 use crate::base::pixels::file::Fault;
-use ::exr::meta::attribute::AttributeValue;
+use ::exr::meta::attribute::{AttributeValue, Text};
 use ::exr::meta::header::Header;
 use ::exr::prelude::Vec2;
 use glam::{DMat3, DVec2};
@@ -27,9 +28,12 @@ const LINEAR: [(&str, LinearSpace); 7] = [
     ("lin_ciexyzd65", LinearSpace::XyzD65),
 ];
 
+/// Namespace of spaces that OpenColorIO has and the Forum's list lacks.
+const OCIO: &str = "ocio:";
+
 /// First words of IDs whose values are signals of a transfer function.
-const ENCODINGS: [&str; 9] = [
-    "srgb", "srgbe", "g18", "g22", "g24", "g26", "pq", "hlg", "acescct",
+const ENCODINGS: [&str; 10] = [
+    "srgb", "srgbe", "g18", "g22", "g24", "g26", "pq", "hlg", "acescc", "acescct",
 ];
 
 #[derive(Clone, Copy)]
@@ -58,8 +62,30 @@ impl LinearSpace {
     }
 }
 
+/// ID of values that are not colours.
+const DATA: &str = "data";
+/// ID of the colours that this program writes.
+const REC709_SCENE: &str = "lin_rec709_scene";
+
+/// Names the content of a file to write.
+pub(super) fn label(content: Content) -> (Text, AttributeValue) {
+    let id = match content {
+        Content::Radiance => REC709_SCENE,
+        Content::Data => DATA,
+    };
+    (Text::from(INTEROP_ID), AttributeValue::Text(Text::from(id)))
+}
+
+/// Whether a header says that the values are not colours.
+pub(super) fn content(header: &Header) -> Content {
+    match text(header, INTEROP_ID).as_deref() {
+        Some(DATA) => Content::Data,
+        _ => Content::Radiance,
+    }
+}
+
 /// Returns the matrix from the stated colour space to linear Rec.709, if one is needed. Refuses
-/// colours that are encoded, and values without colour.
+/// colours that are encoded.
 pub(super) fn conversion(
     header: &Header,
     warnings: &mut Vec<String>,
@@ -87,12 +113,7 @@ pub(super) fn conversion(
                      converts them",
                 ));
             }
-            InteropId::Data => {
-                return Err(Fault::new(
-                    format!("holds no colours ({INTEROP_ID} is \"data\")"),
-                    "linear colours",
-                ));
-            }
+            InteropId::Data => return Ok(None),
             InteropId::Unknown => {
                 let instead = if chromaticities.is_some() {
                     "its chromaticities were used"
@@ -142,17 +163,18 @@ enum InteropId {
 
 impl InteropId {
     fn parse(id: &str) -> Self {
-        let stem = id
+        let local = id.strip_prefix(OCIO).unwrap_or(id);
+        let stem = local
             .strip_suffix("_scene")
-            .or_else(|| id.strip_suffix("_display"))
-            .unwrap_or(id);
+            .or_else(|| local.strip_suffix("_display"))
+            .unwrap_or(local);
         if let Some((_, space)) = LINEAR.iter().find(|(name, _)| *name == stem) {
             return Self::Linear(*space);
         }
         let first_word = stem.split('_').next().unwrap_or_default();
         if ENCODINGS.contains(&first_word) {
             Self::Encoded
-        } else if stem == "data" {
+        } else if stem == DATA {
             Self::Data
         } else {
             Self::Unknown

@@ -72,7 +72,7 @@ impl Frame {
     }
 
     /// Moves stored values to their pixels; others keep `empty`.
-    pub fn place<T: Copy>(&self, stored: Vec<T>, empty: T) -> Result<Vec<T>, Fault> {
+    pub fn to_display_window<T: Copy>(&self, stored: Vec<T>, empty: T) -> Result<Vec<T>, Fault> {
         let placed = if self.is_whole() {
             stored
         } else {
@@ -81,8 +81,8 @@ impl Frame {
         Ok(self.orientation.apply(placed, self.width, self.height))
     }
 
-    /// Width and height as seen, which an orientation may swap.
-    pub fn seen_size(&self) -> [usize; 2] {
+    /// Width and height as displayed, which an orientation may swap.
+    pub fn display_size(&self) -> [usize; 2] {
         if self.orientation.is_transposed {
             [self.height, self.width]
         } else {
@@ -231,7 +231,11 @@ mod tests {
             stored_height: 2,
             orientation: Orientation::default(),
         };
-        let place = |left, top| frame(left, top).place(vec![1, 2, 3, 4], 0).expect("small");
+        let place = |left, top| {
+            frame(left, top)
+                .to_display_window(vec![1, 2, 3, 4], 0)
+                .expect("small")
+        };
         assert_eq!(place(1, 1), [0, 0, 0, 0, 0, 1, 2, 0, 0, 3, 4, 0]);
         // Overscan is cropped.
         assert_eq!(place(-1, -1), [4, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]);

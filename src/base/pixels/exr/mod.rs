@@ -1,6 +1,7 @@
 //! OpenEXR: linear f32 images with layers.
 
 mod color_label;
+mod envmap;
 mod frame;
 mod layers;
 mod read;

@@ -4,6 +4,7 @@
 //! and time, and repeated blocks, which would leave others at 0.
 
 use super::color_label;
+use super::envmap;
 use super::frame::Frame;
 use super::layers::{Choice, Layer, choose};
 use crate::base::color::out_of_gamut;
@@ -13,7 +14,6 @@ use ::exr::block::UncompressedBlock;
 use ::exr::block::chunk::{Chunk, CompressedBlock};
 use ::exr::block::lines::LineRef;
 use ::exr::block::reader::{FilteredChunksReader, Reader};
-use ::exr::meta::attribute::EnvironmentMap;
 use ::exr::meta::header::Header;
 use ::exr::meta::{BlockDescription, MetaData};
 use ::exr::prelude::{Compression, Error, SampleType, Vec2, f16};
@@ -72,7 +72,7 @@ fn guarded<T>(
     // The bytes are only borrowed.
     std::panic::catch_unwind(std::panic::AssertUnwindSafe(|| read(bytes)))
         .unwrap_or_else(|_| Err(Fault::new("is damaged", "a valid OpenEXR file")))
-        .map_err(|fault| fault.at(path))
+        .map_err(|fault| fault.in_file(path))
 }
 
 fn damaged(error: Error) -> Fault {
@@ -131,7 +131,10 @@ fn decode(bytes: &[u8], layer: Option<&str>, most_texels: u64) -> Result<Decoded
         convert(&mut planes.rgb, to_rec709, &mut warnings);
     }
     warnings.extend(white_luminance(header));
-    planes.decoded(&frame, warnings)
+    let mut decoded = planes.decoded(&frame, warnings)?;
+    decoded.content = color_label::content(header);
+    decoded.projection = envmap::projection(header, &mut decoded.rgb)?;
+    Ok(decoded)
 }
 
 /// The values of one layer, and where blocks of its part belong.
@@ -199,16 +202,15 @@ impl<'h> Planes<'h> {
     }
 
     fn decoded(self, frame: &Frame, warnings: Vec<String>) -> Result<Decoded, Fault> {
-        let [width, height] = frame.seen_size().map(|side| side as u32);
-        let rgb = frame.place(self.rgb, [0.0; 3])?;
+        let [width, height] = frame.display_size().map(|side| side as u32);
+        let rgb = frame.to_display_window(self.rgb, [0.0; 3])?;
         let alpha = self
             .alpha
-            .map(|alpha| frame.place(alpha, 0.0))
+            .map(|alpha| frame.to_display_window(alpha, 0.0))
             .transpose()?;
         Ok(Decoded {
-            rgb: RgbImage::new(width, height, rgb),
             alpha: alpha.map(|alpha| GrayImage::new(width, height, alpha)),
-            warnings,
+            ..Decoded::new(RgbImage::new(width, height, rgb), warnings)
         })
     }
 }
@@ -422,11 +424,6 @@ fn oddities(header: &Header) -> Vec<String> {
         warnings.push(format!(
             "The pixel aspect ratio {aspect} is ignored; pixels are taken as square."
         ));
-    }
-    if header.own_attributes.environment_map == Some(EnvironmentMap::Cube) {
-        warnings.push(
-            "The header calls the image a cube map; it is taken as equirectangular.".to_owned(),
-        );
     }
     warnings
 }

@@ -1,6 +1,8 @@
-//! Writes one part of f32 scan lines, RLE.
+//! Writes one part of f32 scan lines, RLE, whose `colorInteropID` says what the numbers are: programs
+//! take files without it for a space of their own (OpenImageIO 3.2 for ACEScg).
 
-use crate::base::pixels::{GrayImage, PixelsError, RgbImage, write_atomically};
+use super::color_label;
+use crate::base::pixels::{Content, GrayImage, PixelsError, RgbImage, write_atomically};
 use ::exr::prelude::{
     AnyChannel, AnyChannels, Compression, Encoding, FlatSamples, Image, LineOrder, SmallVec,
     WritableImage,
@@ -29,11 +31,15 @@ pub fn write_rgba(
     for (name, image) in layers {
         channels.extend(named(&format!("{name}."), image));
     }
-    write_channels(path, channels)
+    write_channels(path, Content::Radiance, channels)
 }
 
 /// Writes named f32 channels of one size, at least one.
-pub fn write_channels(path: &Path, channels: Vec<(String, GrayImage)>) -> Result<(), PixelsError> {
+pub fn write_channels(
+    path: &Path,
+    content: Content,
+    channels: Vec<(String, GrayImage)>,
+) -> Result<(), PixelsError> {
     let (width, height) = channels
         .first()
         .map(|(_, image)| (image.width, image.height))
@@ -55,11 +61,13 @@ pub fn write_channels(path: &Path, channels: Vec<(String, GrayImage)>) -> Result
         blocks: ::exr::image::Blocks::ScanLines,
         line_order: LineOrder::Increasing,
     };
-    let image = Image::from_encoded_channels(
+    let mut image = Image::from_encoded_channels(
         (width as usize, height as usize),
         encoding,
         AnyChannels::sort(list),
     );
+    let (name, value) = color_label::label(content);
+    image.layer_data.attributes.other.insert(name, value);
     write_atomically(path, |writer| {
         // A thread pool per file would cost more than it saves.
         image

@@ -15,7 +15,7 @@ pub const LAYOUT: MapLayout = MapLayout {
     prefilter_size: [128; 2],
     irradiance_size: [18; 2],
     finest_size: |[_, height]| [(height / 2).max(1).next_power_of_two(); 2],
-    place,
+    face_uv,
     direction,
     texel_solid_angle: |d, [width, height], omega_s| {
         4.0 / f64::from(width * height) * mean_major(d.abs(), omega_s).powi(3)
@@ -33,7 +33,7 @@ fn mean_major(a: DVec3, omega_s: f64) -> f64 {
     softened(softened(a.x, a.y), a.z).min(1.0)
 }
 
-fn place(d: DVec3) -> (u32, DVec2) {
+fn face_uv(d: DVec3) -> (u32, DVec2) {
     let a = d.abs();
     // The major axis chooses the face; the others are its coordinates.
     let face;
@@ -75,7 +75,7 @@ fn texel(face: u32, [x, y]: [i64; 2], [side, _]: [u32; 2]) -> Option<[u32; 3]> {
         (false, false) => None,
         _ => {
             let centre = (DVec2::new(x as f64, y as f64) + 0.5) / f64::from(side);
-            let (next, uv) = place(on_face(face, centre));
+            let (next, uv) = face_uv(on_face(face, centre));
             let last = f64::from(side - 1);
             let [x, y] =
                 [uv.x, uv.y].map(|u| (u * f64::from(side)).floor().clamp(0.0, last) as u32);

@@ -14,7 +14,7 @@ pub const LAYOUT: MapLayout = MapLayout {
     prefilter_size: [448, 224],
     irradiance_size: [64, 32],
     finest_size: |size| size,
-    place: |d| (0, uv_from_direction(d)),
+    face_uv: |d| (0, uv_from_direction(d)),
     direction: |_, uv| direction_from_uv(uv),
     texel_solid_angle: |d, [width, height], _| texel_solid_angle_at(d.x.hypot(d.z), width, height),
     texel: |_, [x, y], [width, height]| {

@@ -29,8 +29,8 @@ pub struct MapLayout {
     /// widest row has.
     pub finest_size: fn([u32; 2]) -> [u32; 2],
     /// Face and texture coordinates of a direction.
-    pub place: fn(DVec3) -> (u32, DVec2),
-    /// Unit direction of a face and texture coordinates; inverse of `place`.
+    pub face_uv: fn(DVec3) -> (u32, DVec2),
+    /// Unit direction of a face and texture coordinates; inverse of `face_uv`.
     pub direction: fn(u32, DVec2) -> DVec3,
     /// Mean solid angle (sr) of a texel at a unit direction, for a face size, over a sample of so
     /// many sr.
@@ -52,7 +52,7 @@ impl MapLayout {
     /// Returns the texels (face, column, row) and weights of a linear lookup across all edges, for
     /// a face size.
     pub fn stencil(&self, d: DVec3, size: [u32; 2]) -> [([u32; 3], f64); 4] {
-        let (face, uv) = (self.place)(d);
+        let (face, uv) = (self.face_uv)(d);
         let position = uv * DVec2::new(size[0].into(), size[1].into()) - 0.5;
         let low = position.floor();
         let part = position - position.floor();

@@ -15,13 +15,13 @@ pub const LAYOUT: MapLayout = MapLayout {
     prefilter_size: [320; 2],
     irradiance_size: [45; 2],
     finest_size: |[_, height]| [height.next_power_of_two(); 2],
-    place,
+    face_uv,
     direction,
     texel_solid_angle: |_, [width, height], _| 4.0 * PI / f64::from(width * height),
     texel,
 };
 
-fn place(d: DVec3) -> (u32, DVec2) {
+fn face_uv(d: DVec3) -> (u32, DVec2) {
     let x = d.x.abs();
     let z = d.z.abs();
     let r = ((x * x + z * z) / (1.0 + d.y.abs())).sqrt();

@@ -156,62 +156,111 @@ fn mean_over_facets(
         relative,
         max_part_count: 100_000,
     };
-    let v = DVec3::new(((1.0 - n_dot_v) * (1.0 + n_dot_v)).sqrt(), 0.0, n_dot_v);
-    let theta_v = v.x.atan2(v.z);
-    let t_full = (0.5 * (FRAC_PI_2 - theta_v)).tan().ln();
-    let t_none = (0.5 * (FRAC_PI_2 + theta_v)).tan().ln();
-    // At grazing views the first range may end within the core of the lobe.
-    let t_low = t_full.min(alpha.ln()) - LOG_WIDTH_BELOW;
-
-    // Half vectors at one angle to the normal, up to an azimuth on both sides; `step` is dt per
-    // unit of the square.
-    let arc = |t: f64, phi_limit: f64, step: f64| {
-        let (sin_theta, cos_theta) = t.exp().atan().sin_cos();
-        // dω = sin θ dθ dφ = sin² θ cos θ dt dφ, both signs of φ.
-        let measure = 2.0 * phi_limit * sin_theta * sin_theta * cos_theta;
-        let density = model.d(DVec3::new(sin_theta, 0.0, cos_theta), alpha) * cos_theta;
-        Arc {
-            sin_theta,
-            cos_theta,
-            phi_limit,
-            weight: step * density * measure,
-        }
-    };
+    let facets = Facets::new(model, n_dot_v, alpha);
+    let v = facets.v;
     let value = |arc: &Arc, fraction: f64| {
-        let (sin_phi, cos_phi) = (arc.phi_limit * fraction).sin_cos();
-        let h = DVec3::new(
-            arc.sin_theta * cos_phi,
-            arc.sin_theta * sin_phi,
-            arc.cos_theta,
-        );
+        let h = arc.half_vector(fraction);
         let v_dot_h = v.dot(h);
         arc.weight * f(h, v_dot_h, 2.0 * v_dot_h * h.z - v.z)
     };
-    // The whole circle while no l is below the horizon, and the part above it beyond.
-    let arcs = |x: f64| {
-        let full = arc(t_low + (t_full - t_low) * x, PI, t_full - t_low);
+    let unit = Rectangle {
+        low: DVec2::ZERO,
+        high: DVec2::ONE,
+    };
+    integrate_columns(
+        unit,
+        tolerance,
+        |x| facets.arcs(x),
+        |arcs, y| arcs.iter().flatten().map(|arc| value(arc, y)).sum(),
+    )
+}
+
+/// The half vectors of a view, by t = ln tan θ of their angle θ to the normal.
+struct Facets {
+    model: &'static dyn Brdf,
+    alpha: f64,
+    v: DVec3,
+    /// Where the integral begins.
+    t_low: f64,
+    /// Up to here no l is below the horizon.
+    t_full: f64,
+    /// From here on every l is below the horizon.
+    t_none: f64,
+}
+
+/// Half vectors at one angle to the normal, up to an azimuth on both sides.
+struct Arc {
+    sin_theta: f64,
+    cos_theta: f64,
+    phi_limit: f64,
+    weight: f64,
+}
+
+impl Facets {
+    fn new(model: &'static dyn Brdf, n_dot_v: f64, alpha: f64) -> Self {
+        let v = DVec3::new(((1.0 - n_dot_v) * (1.0 + n_dot_v)).sqrt(), 0.0, n_dot_v);
+        let theta_v = v.x.atan2(v.z);
+        let t_full = (0.5 * (FRAC_PI_2 - theta_v)).tan().ln();
+        let t_none = (0.5 * (FRAC_PI_2 + theta_v)).tan().ln();
+        Self {
+            model,
+            alpha,
+            v,
+            // At grazing views the first range may end within the core of the lobe.
+            t_low: t_full.min(alpha.ln()) - LOG_WIDTH_BELOW,
+            t_full,
+            t_none,
+        }
+    }
+
+    /// Returns the arcs of a column of the unit square: the whole circle while no l is below the
+    /// horizon, and the part above it beyond.
+    fn arcs(&self, x: f64) -> [Option<Arc>; 2] {
+        let Self {
+            v,
+            t_low,
+            t_full,
+            t_none,
+            ..
+        } = *self;
+        let full = self.arc(t_low + (t_full - t_low) * x, PI, t_full - t_low);
         let (sin, cos) = (FRAC_PI_2 * x).sin_cos();
         let t = t_full + (t_none - t_full) * sin * sin;
         let phi_limit = (-v.z / (v.x * (2.0 * t.exp().atan()).tan()))
             .clamp(-1.0, 1.0)
             .acos();
         // For v = n the limits coincide.
-        let cut = (t_none > t_full).then(|| arc(t, phi_limit, (t_none - t_full) * PI * sin * cos));
+        let cut =
+            (t_none > t_full).then(|| self.arc(t, phi_limit, (t_none - t_full) * PI * sin * cos));
         [Some(full), cut]
-    };
-    let unit = Rectangle {
-        low: DVec2::ZERO,
-        high: DVec2::ONE,
-    };
-    integrate_columns(unit, tolerance, arcs, |arcs, y| {
-        arcs.iter().flatten().map(|arc| value(arc, y)).sum()
-    })
+    }
+
+    /// Returns the arc at t; `step` is dt per unit of the square.
+    fn arc(&self, t: f64, phi_limit: f64, step: f64) -> Arc {
+        let (sin_theta, cos_theta) = t.exp().atan().sin_cos();
+        // dω = sin θ dθ dφ = sin² θ cos θ dt dφ, both signs of φ.
+        let measure = 2.0 * phi_limit * sin_theta * sin_theta * cos_theta;
+        let density = self
+            .model
+            .d(DVec3::new(sin_theta, 0.0, cos_theta), self.alpha)
+            * cos_theta;
+        Arc {
+            sin_theta,
+            cos_theta,
+            phi_limit,
+            weight: step * density * measure,
+        }
+    }
 }
 
-/// See [`mean_over_facets`].
-struct Arc {
-    sin_theta: f64,
-    cos_theta: f64,
-    phi_limit: f64,
-    weight: f64,
+impl Arc {
+    /// Returns the half vector at a fraction of the largest azimuth.
+    fn half_vector(&self, fraction: f64) -> DVec3 {
+        let (sin_phi, cos_phi) = (self.phi_limit * fraction).sin_cos();
+        DVec3::new(
+            self.sin_theta * cos_phi,
+            self.sin_theta * sin_phi,
+            self.cos_theta,
+        )
+    }
 }

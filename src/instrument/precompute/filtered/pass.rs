@@ -1,10 +1,10 @@
 //! The device passes: one dispatch per part of the finest level, then one per level.
 
 use crate::base::glsl::constants::RESAMPLE_SIDE;
-use crate::base::glsl::layout::{MipsParams, ResampleParams, SharedStruct};
+use crate::base::glsl::layout::{ResampleParams, SharedStruct};
 use crate::instrument::environment::layout::MapLayout;
 use crate::instrument::gpu::{Bind, Format, Gpu, GpuError, Image, Report, Sampler, face_groups};
-use crate::instrument::precompute::mips::level_count;
+use crate::instrument::precompute::mips::{self, level_count};
 
 const HALVE: &str = "precompute/halve.comp";
 
@@ -62,15 +62,8 @@ pub fn run(
     }
     total.add(gpu.submit_pass("mips", |recorder| {
         (1..map.mip_count()).try_for_each(|mip| {
-            let ([source_width, source_height], [width, height]) =
-                (map.mip_size(mip - 1), map.mip_size(mip));
-            let push = MipsParams {
-                source_width,
-                source_height,
-                width,
-                height,
-            }
-            .to_bytes();
+            let push = mips::pass::parameters(map, mip).to_bytes();
+            let [width, height] = map.mip_size(mip);
             let binds = [
                 Bind::SampleFaces(map, Sampler::TEXELS, mip - 1),
                 Bind::StoreFaces(map, mip),

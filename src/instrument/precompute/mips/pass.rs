@@ -9,15 +9,8 @@ pub const SHADER: &str = "precompute/mips.comp";
 pub fn run(gpu: &Gpu, image: &Image) -> Result<Report, GpuError> {
     gpu.submit_pass("mips", |recorder| {
         (1..image.mip_count()).try_for_each(|mip| {
-            let ([source_width, source_height], [width, height]) =
-                (image.mip_size(mip - 1), image.mip_size(mip));
-            let push = MipsParams {
-                source_width,
-                source_height,
-                width,
-                height,
-            }
-            .to_bytes();
+            let push = parameters(image, mip).to_bytes();
+            let [width, height] = image.mip_size(mip);
             let binds = [
                 Bind::SampleMip(image, Sampler::TEXELS, mip - 1),
                 Bind::StoreMip(image, mip),
@@ -25,4 +18,16 @@ pub fn run(gpu: &Gpu, image: &Image) -> Result<Report, GpuError> {
             recorder.dispatch(SHADER, &[], &binds, &push, image_groups(width, height))
         })
     })
+}
+
+/// The sizes of a level and of the level above, whose texels it averages.
+pub fn parameters(image: &Image, mip: u32) -> MipsParams {
+    let [source_width, source_height] = image.mip_size(mip - 1);
+    let [width, height] = image.mip_size(mip);
+    MipsParams {
+        source_width,
+        source_height,
+        width,
+        height,
+    }
 }

@@ -77,3 +77,70 @@ fn last_mip(level_count: u32) -> f64 {
     );
     f64::from(level_count - 1)
 }
+
+/// Perceptual roughness of the levels of one map.
+#[derive(Clone, Debug, PartialEq)]
+pub enum LevelSpacing {
+    Mapped {
+        mapping: &'static LevelMapping,
+        level_count: u32,
+    },
+    /// The perceptual roughness of each level; a lookup between two levels is linear in it.
+    Listed(Vec<f64>),
+}
+
+impl LevelSpacing {
+    /// Takes at least 2 values of perceptual roughness that ascend from 0 to 1.
+    pub fn listed(roughnesses: Vec<f64>) -> Result<Self, String> {
+        let ascends = roughnesses.is_sorted_by(|smooth, rough| smooth < rough);
+        let are_inside = roughnesses.iter().all(|r| (0.0..=1.0).contains(r));
+        if roughnesses.len() < 2 || !ascends || !are_inside {
+            return Err(format!(
+                "level_mapping: {roughnesses:?}; expected the roughness of two or more levels, \
+                 ascending, each from 0 to 1"
+            ));
+        }
+        Ok(Self::Listed(roughnesses))
+    }
+
+    pub fn level_count(&self) -> u32 {
+        match self {
+            Self::Mapped { level_count, .. } => *level_count,
+            Self::Listed(roughnesses) => roughnesses.len() as u32,
+        }
+    }
+
+    /// Returns the microfacet width of a level, which may be fractional. Inverse:
+    /// [`Self::level_from_alpha`].
+    pub fn alpha_from_level(&self, level: f64) -> f64 {
+        match self {
+            Self::Mapped {
+                mapping,
+                level_count,
+            } => mapping.alpha_from_mip(level, *level_count),
+            Self::Listed(roughnesses) => {
+                let fine = (level as usize).min(roughnesses.len() - 2);
+                let step = roughnesses[fine + 1] - roughnesses[fine];
+                alpha_from_perceptual_roughness(roughnesses[fine] + (level - fine as f64) * step)
+            }
+        }
+    }
+
+    /// Returns the fractional level that a lookup for `alpha` reads. Outside a list it is the first
+    /// or the last.
+    pub fn level_from_alpha(&self, alpha: f64) -> f64 {
+        match self {
+            Self::Mapped {
+                mapping,
+                level_count,
+            } => mapping.mip_from_alpha(alpha, *level_count),
+            Self::Listed(roughnesses) => {
+                let r = perceptual_roughness_from_alpha(alpha);
+                let rougher = roughnesses.partition_point(|level| *level <= r);
+                let fine = rougher.clamp(1, roughnesses.len() - 1) - 1;
+                let step = roughnesses[fine + 1] - roughnesses[fine];
+                fine as f64 + ((r - roughnesses[fine]) / step).clamp(0.0, 1.0)
+            }
+        }
+    }
+}

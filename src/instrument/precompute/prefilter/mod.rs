@@ -17,5 +17,5 @@ pub mod pass;
 pub mod reference;
 mod weight;
 
-pub use level_mapping::{LEVEL_MAPPINGS, LevelMapping};
+pub use level_mapping::{LEVEL_MAPPINGS, LevelMapping, LevelSpacing};
 pub use weight::{Kernel, WEIGHTS, Weight};

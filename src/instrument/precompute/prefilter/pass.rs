@@ -14,8 +14,10 @@ use crate::instrument::precompute::PrecomputeSettings;
 use crate::instrument::precompute::points::Points;
 use std::time::Instant;
 
+/// The table that all [`PASSES`] fill.
+pub const TABLE: &str = "prefilter";
 /// Pass names of the levels. Levels halve a side of at most 4096 texels, so there are no more.
-const PASSES: [&str; 12] = [
+pub const PASSES: [&str; 12] = [
     "prefilter mip 0",
     "prefilter mip 1",
     "prefilter mip 2",
@@ -64,7 +66,7 @@ pub struct Recipe {
 }
 
 impl Recipe {
-    pub fn of(
+    pub fn new(
         brdf: &'static dyn Brdf,
         masking: MaskingShadowing,
         settings: &PrecomputeSettings,

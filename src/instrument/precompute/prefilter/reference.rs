@@ -31,7 +31,7 @@ pub fn prefilter(
             Some(Focus {
                 direction: r,
                 radius: alpha,
-                place: None,
+                in_widths: None,
             }),
             tolerance,
         )

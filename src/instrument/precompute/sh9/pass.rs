@@ -1,5 +1,6 @@
 //! The device pass: partial sums over strided texels, then one group that adds them.
 
+use super::Projection;
 use crate::base::glsl::constants::SH9_COUNT;
 use crate::base::glsl::layout::{Sh9Params, SharedStruct};
 use crate::instrument::gpu::{Bind, Buffer, Gpu, GpuError, Image, Report, Sampler};
@@ -16,12 +17,18 @@ pub fn coefficients(gpu: &Gpu) -> Result<Buffer, GpuError> {
 }
 
 /// Projects level 0 of `environment` into `coefficients`.
-pub fn run(gpu: &Gpu, environment: &Image, coefficients: &Buffer) -> Result<Report, GpuError> {
+pub fn run(
+    gpu: &Gpu,
+    environment: &Image,
+    projection: Projection,
+    coefficients: &Buffer,
+) -> Result<Report, GpuError> {
     let [width, height] = environment.mip_size(0);
     let push = Sh9Params {
         width,
         height,
         group_count: GROUP_COUNT,
+        projection: projection as u32,
     }
     .to_bytes();
     let partials = gpu.buffer("SH9 partial sums", u64::from(16 * SH9_COUNT * GROUP_COUNT))?;

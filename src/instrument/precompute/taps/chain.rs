@@ -2,7 +2,7 @@
 
 use crate::base::glsl::constants::ALPHA_MIN;
 use crate::base::math::quadrature::GaussLegendre;
-use crate::instrument::precompute::prefilter::{Kernel, LevelMapping};
+use crate::instrument::precompute::prefilter::{Kernel, LevelMapping, LevelSpacing};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -10,9 +10,9 @@ use std::f64::consts::TAU;
 /// is smooth there.
 const INTERVALS: usize = 512;
 
-/// Below level 1 the kernel has the width in between, tabulated at this many levels. The device
-/// blends level 1 with the mirror there. Taken as such, it would never be used, because light is
-/// smooth over texels.
+/// If level 0 is a mirror, the kernel below level 1 has the width in between, tabulated at this many
+/// levels. The device blends level 1 with the mirror there. Taken as such, it would never be used,
+/// because light is smooth over texels.
 const PARTS_OF_LEVEL_1: u32 = 8;
 
 /// Smallest level that has a kernel.
@@ -20,8 +20,7 @@ pub const LEVEL_MIN: f64 = 1.0 / PARTS_OF_LEVEL_1 as f64;
 
 pub struct Chain {
     kernels: Vec<LevelKernel>,
-    mapping: &'static LevelMapping,
-    level_count: u32,
+    spacing: LevelSpacing,
 }
 
 struct LevelKernel {
@@ -33,11 +32,28 @@ struct LevelKernel {
 impl Chain {
     /// `level_count`: at least 2.
     pub fn new(kernel: Kernel, mapping: &'static LevelMapping, level_count: u32) -> Self {
-        let parts = (1..PARTS_OF_LEVEL_1).map(|part| f64::from(part) * LEVEL_MIN);
+        Self::spaced(
+            kernel,
+            LevelSpacing::Mapped {
+                mapping,
+                level_count,
+            },
+        )
+    }
+
+    /// Takes levels of any roughness.
+    pub fn spaced(kernel: Kernel, spacing: LevelSpacing) -> Self {
+        let level_count = spacing.level_count();
+        let has_mirror = spacing.alpha_from_level(0.0) < ALPHA_MIN.into();
+        let first: Vec<f64> = if has_mirror {
+            (1..PARTS_OF_LEVEL_1)
+                .map(|part| f64::from(part) * LEVEL_MIN)
+                .collect()
+        } else {
+            vec![0.0]
+        };
         let of_level = |level: f64| {
-            let alpha = mapping
-                .alpha_from_mip(level, level_count)
-                .max(ALPHA_MIN.into());
+            let alpha = spacing.alpha_from_level(level).max(ALPHA_MIN.into());
             let alpha2 = alpha * alpha;
             let scale = 1.0 / integral(kernel, alpha);
             // Beyond the horizon the table goes on with its last value: `density` is 0 there.
@@ -55,23 +71,23 @@ impl Chain {
             }
         };
         Self {
-            kernels: parts
+            kernels: first
+                .into_iter()
                 .chain((1..level_count).map(f64::from))
                 .map(of_level)
                 .collect(),
-            mapping,
-            level_count,
+            spacing,
         }
     }
 
     /// Returns the index of the roughest level.
     pub fn last(&self) -> f64 {
-        f64::from(self.level_count - 1)
+        f64::from(self.spacing.level_count() - 1)
     }
 
     /// Returns the real level of a width.
     pub fn level(&self, alpha: f64) -> f64 {
-        self.mapping.mip_from_alpha(alpha, self.level_count)
+        self.spacing.level_from_alpha(alpha)
     }
 
     /// Returns the density of a lookup at a real level from `LEVEL_MIN` on, by the cosine to its

@@ -32,6 +32,61 @@ fn periodic_node(i: u32, count: u32) -> (f64, f64) {
     )
 }
 
+/// Half vectors at one angle to the normal, up to an azimuth.
+struct Ring {
+    sin_h: f64,
+    cos_h: f64,
+    phi_end: f64,
+    weight: f64,
+}
+
+impl Ring {
+    /// Returns the half vector at a fraction of the largest azimuth.
+    fn half_vector(&self, fraction: f64) -> DVec3 {
+        let (sin_phi, cos_phi) = (fraction * self.phi_end).sin_cos();
+        DVec3::new(self.sin_h * cos_phi, self.sin_h * sin_phi, self.cos_h)
+    }
+}
+
+/// Returns the rings of a view in both ranges of the polar angle: up to the last whole circle above
+/// the horizon, and beyond it.
+fn rings(model: &'static dyn Brdf, alpha: f64, v: DVec3) -> impl Iterator<Item = Ring> {
+    let alpha2 = alpha * alpha;
+    let low2 = 0.5 * v.z * v.z / (1.0 + v.x);
+    let high2 = 0.5 * (1.0 + v.x);
+    let ggx_r = |sin2: f64, cos2: f64| (alpha2 * cos2 / (sin2 + alpha2 * cos2)).sqrt();
+    let r_ends = [1.0, ggx_r(low2, high2), ggx_r(high2, low2)];
+    let ring = move |range: usize, i: u32| {
+        let (position, weight) = periodic_node(i, R_COUNT);
+        let r = r_ends[range] + (r_ends[range + 1] - r_ends[range]) * position;
+        let u = (1.0 - r) * (1.0 + r);
+        let k = 1.0 / (1.0 + (alpha2 - 1.0) * u);
+        let cos_h = r * k.sqrt();
+        let sin_h = alpha * (u * k).sqrt();
+        let phi_end = if range == 0 {
+            PI
+        } else {
+            (v.z * (0.5 / cos_h - cos_h) / (v.x * sin_h).max(1e-30))
+                .clamp(-1.0, 1.0)
+                .acos()
+        };
+        let k_ggx = sin_h * sin_h + alpha2 * cos_h * cos_h;
+        let d_ratio = model.d(DVec3::new(sin_h, 0.0, cos_h), alpha) * PI * k_ggx * k_ggx / alpha2;
+        Ring {
+            sin_h,
+            cos_h,
+            phi_end,
+            weight: weight
+                * (r_ends[range] - r_ends[range + 1])
+                * 2.0
+                * r
+                * (phi_end / PI)
+                * d_ratio,
+        }
+    };
+    (0..2).flat_map(move |range| (0..R_COUNT).map(move |i| ring(range, i)))
+}
+
 impl Lobe {
     pub fn new(
         model: &'static dyn Brdf,
@@ -39,37 +94,14 @@ impl Lobe {
         n_dot_v: f64,
         alpha: f64,
     ) -> Self {
-        let alpha2 = alpha * alpha;
         let v = DVec3::new(((1.0 - n_dot_v) * (1.0 + n_dot_v)).sqrt(), 0.0, n_dot_v);
         let g1_v = g1(model, n_dot_v, alpha, masking);
-        let low2 = 0.5 * n_dot_v * n_dot_v / (1.0 + v.x);
-        let high2 = 0.5 * (1.0 + v.x);
-        let ggx_r = |sin2: f64, cos2: f64| (alpha2 * cos2 / (sin2 + alpha2 * cos2)).sqrt();
-        let r_ends = [1.0, ggx_r(low2, high2), ggx_r(high2, low2)];
         let mut nodes = Vec::with_capacity((2 * R_COUNT * PHI_COUNT) as usize);
         let mut albedos = DVec2::ZERO;
-        for (range, i) in (0..2).flat_map(|range| (0..R_COUNT).map(move |i| (range, i))) {
-            let (position, weight) = periodic_node(i, R_COUNT);
-            let r = r_ends[range] + (r_ends[range + 1] - r_ends[range]) * position;
-            let u = (1.0 - r) * (1.0 + r);
-            let k = 1.0 / (1.0 + (alpha2 - 1.0) * u);
-            let cos_h = r * k.sqrt();
-            let sin_h = alpha * (u * k).sqrt();
-            let phi_end = match range {
-                0 => PI,
-                _ => (v.z * (0.5 / cos_h - cos_h) / (v.x * sin_h).max(1e-30))
-                    .clamp(-1.0, 1.0)
-                    .acos(),
-            };
-            let k_ggx = sin_h * sin_h + alpha2 * cos_h * cos_h;
-            let d_ratio =
-                model.d(DVec3::new(sin_h, 0.0, cos_h), alpha) * PI * k_ggx * k_ggx / alpha2;
-            let of_r =
-                weight * (r_ends[range] - r_ends[range + 1]) * 2.0 * r * (phi_end / PI) * d_ratio;
+        for ring in rings(model, alpha, v) {
             for j in 0..PHI_COUNT {
                 let (position, weight) = periodic_node(j, PHI_COUNT);
-                let (sin_phi, cos_phi) = (position * phi_end).sin_cos();
-                let h = DVec3::new(sin_h * cos_phi, sin_h * sin_phi, cos_h);
+                let h = ring.half_vector(position);
                 let v_dot_h = v.dot(h);
                 // The sine form keeps l a unit vector at small alpha.
                 let l = 2.0 * v_dot_h * h - v;
@@ -77,9 +109,9 @@ impl Lobe {
                     continue;
                 }
                 let gv = g2_from_g1(g1_v, g1(model, l.z, alpha, masking), masking) * v_dot_h
-                    / (n_dot_v * cos_h);
+                    / (n_dot_v * ring.cos_h);
                 let fc = schlick_weight(v_dot_h);
-                let part = of_r * weight * gv * DVec2::new(1.0 - fc, fc);
+                let part = ring.weight * weight * gv * DVec2::new(1.0 - fc, fc);
                 albedos += part;
                 nodes.push((l, part));
             }

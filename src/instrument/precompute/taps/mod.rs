@@ -66,7 +66,7 @@ pub struct Tap {
 impl Tap {
     /// Returns s such that the direction is along `(1 - s) n + s r`, for a view at the angle
     /// `theta` in (0, π/2).
-    pub fn place(&self, theta: f64) -> f64 {
+    pub fn mirror_share(&self, theta: f64) -> f64 {
         let of_n = (theta - self.angle).sin();
         let of_r = self.angle.sin();
         of_r / (of_n + of_r)

@@ -49,7 +49,7 @@ pub struct Nodes<'a> {
 }
 
 /// Indices of a node: f0, row, column.
-type Place = [usize; 3];
+type NodeIndex = [usize; 3];
 
 impl<'a> Nodes<'a> {
     pub fn new(
@@ -62,7 +62,7 @@ impl<'a> Nodes<'a> {
         let first_row = (0..SIDE)
             .find(is_filtered)
             .expect("the last row is the last level");
-        let fit = |[f0, y, x]: Place| {
+        let fit = |[f0, y, x]: NodeIndex| {
             let DVec2 {
                 x: n_dot_v,
                 y: alpha,
@@ -78,10 +78,10 @@ impl<'a> Nodes<'a> {
                 densities,
             )
         };
-        let places: Vec<Place> = (0..F0.len() * (SIDE - first_row) * SIDE)
-            .map(|i| place(first_row, i))
+        let nodes: Vec<NodeIndex> = (0..F0.len() * (SIDE - first_row) * SIDE)
+            .map(|i| node_index(first_row, i))
             .collect();
-        let fits: Vec<Fit> = places.par_iter().map(|place| fit(*place)).collect();
+        let fits: Vec<Fit> = nodes.par_iter().map(|node| fit(*node)).collect();
         let mut nodes = Self {
             chain,
             first_row,
@@ -93,13 +93,13 @@ impl<'a> Nodes<'a> {
         nodes
     }
 
-    fn index(&self, [f0, y, x]: Place) -> usize {
+    fn index(&self, [f0, y, x]: NodeIndex) -> usize {
         (f0 * (SIDE - self.first_row) + y - self.first_row) * SIDE + x
     }
 
     /// Fits nodes, each from another's parameters.
-    fn solve_from(&mut self, pairs: &[(Place, Place)]) {
-        let solve = |(to, from): &(Place, Place)| {
+    fn solve_from(&mut self, pairs: &[(NodeIndex, NodeIndex)]) {
+        let solve = |(to, from): &(NodeIndex, NodeIndex)| {
             let fit = &self.fits[self.index(*to)];
             let start = &self.parameters[self.index(*from)];
             fit.solve(start, start, FIRST_SMOOTH)
@@ -133,23 +133,23 @@ impl<'a> Nodes<'a> {
     /// Fits every other node again, pulled towards the mean of its neighbours, then the rest.
     fn sweep(&mut self) {
         for parity in 0..2 {
-            let places = (0..self.fits.len()).map(|i| place(self.first_row, i));
-            let chosen: Vec<Place> = places
-                .filter(|place| place.iter().sum::<usize>() % 2 == parity)
+            let nodes = (0..self.fits.len()).map(|i| node_index(self.first_row, i));
+            let chosen: Vec<NodeIndex> = nodes
+                .filter(|node| node.iter().sum::<usize>() % 2 == parity)
                 .collect();
-            let solve = |place: &Place| {
-                let index = self.index(*place);
-                self.fits[index].solve(&self.parameters[index], &self.mean_around(*place), SMOOTH)
+            let solve = |node: &NodeIndex| {
+                let index = self.index(*node);
+                self.fits[index].solve(&self.parameters[index], &self.mean_around(*node), SMOOTH)
             };
             let found: Vec<Parameters> = chosen.par_iter().map(solve).collect();
-            for (place, parameters) in chosen.into_iter().zip(found) {
-                let index = self.index(place);
+            for (node, parameters) in chosen.into_iter().zip(found) {
+                let index = self.index(node);
                 self.parameters[index] = parameters;
             }
         }
     }
 
-    fn mean_around(&self, [f0, y, x]: Place) -> Parameters {
+    fn mean_around(&self, [f0, y, x]: NodeIndex) -> Parameters {
         let mut around = vec![[1 - f0, y, x]];
         around.extend((x > 0).then(|| [f0, y, x - 1]));
         around.extend((x + 1 < SIDE).then_some([f0, y, x + 1]));
@@ -157,7 +157,7 @@ impl<'a> Nodes<'a> {
         around.extend((y + 1 < SIDE).then_some([f0, y + 1, x]));
         let parameters: Vec<&Parameters> = around
             .iter()
-            .map(|place| &self.parameters[self.index(*place)])
+            .map(|node| &self.parameters[self.index(*node)])
             .collect();
         let mean =
             |p: usize| parameters.iter().map(|of| of[p]).sum::<f64>() / parameters.len() as f64;
@@ -187,7 +187,7 @@ impl<'a> Nodes<'a> {
 }
 
 /// Returns f0, row and column of a node by its index.
-fn place(first_row: usize, index: usize) -> Place {
+fn node_index(first_row: usize, index: usize) -> NodeIndex {
     let rows = SIDE - first_row;
     [
         index / SIDE / rows,
@@ -196,7 +196,7 @@ fn place(first_row: usize, index: usize) -> Place {
     ]
 }
 
-/// Lists the places from `low` to the last, from `middle` outwards, each with the one before.
+/// Lists the nodes from `low` to the last, from `middle` outwards, each with the one before.
 fn outwards(middle: usize, low: usize) -> impl Iterator<Item = [usize; 2]> {
     (low..middle)
         .rev()

@@ -48,7 +48,7 @@ impl TapTable {
                 let pairs = taps.chunks(2).map(|pair| {
                     let channel = |k: usize| {
                         pair.get(k / 2)
-                            .map_or(0.0, |tap| [tap.place(theta), tap.level][k % 2])
+                            .map_or(0.0, |tap| [tap.mirror_share(theta), tap.level][k % 2])
                     };
                     [0, 1, 2, 3].map(channel)
                 });

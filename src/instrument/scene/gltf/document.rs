@@ -4,7 +4,8 @@ use super::extensions;
 use ::gltf::json::{Root, validation::Checked};
 use ::gltf::{Document, Glb, Gltf};
 use serde::Deserialize;
-use std::borrow::Cow::Borrowed;
+use serde_json::Value;
+use std::borrow::Cow;
 
 /// Largest weight of the text, 16 per object and 1 per quotation mark: below 1 GiB, since an object
 /// takes up to 1 KiB.
@@ -18,18 +19,30 @@ struct Head {
     required: Vec<String>,
     #[serde(default, rename = "extensionsUsed")]
     used: Vec<String>,
+    #[serde(default)]
+    materials: Vec<Value>,
 }
 
 #[derive(Deserialize)]
 struct Asset {
     version: String,
+    generator: Option<String>,
 }
+
+/// Chunk types of a `.glb`.
+const JSON_CHUNK: &[u8] = b"JSON";
+const BINARY_CHUNK: &[u8] = b"BIN\0";
+
+/// The extension whose source replaces a texture's.
+const WEBP: &str = "EXT_texture_webp";
 
 /// A file's two parts.
 struct Container<'b> {
     json: &'b [u8],
     /// The binary part of a `.glb`.
     blob: Option<&'b [u8]>,
+    /// Types of the chunks that are not read.
+    unread_chunks: Vec<String>,
 }
 
 /// A checked document.
@@ -37,16 +50,27 @@ pub struct Parsed<'b> {
     pub document: Document,
     /// The binary part of a `.glb`.
     pub blob: Option<&'b [u8]>,
+    /// One sentence each.
+    pub warnings: Vec<String>,
+    /// The program that wrote the file; may be empty.
+    pub generator: String,
+    /// Members of each core material that are not read.
+    pub unread_members: Vec<Vec<String>>,
 }
 
 /// Parses and checks a file.
 pub fn parse(bytes: &[u8]) -> Result<Parsed<'_>, String> {
-    let Container { json: text, blob } = if bytes.starts_with(b"glTF") {
+    let Container {
+        json: text,
+        blob,
+        unread_chunks,
+    } = if bytes.starts_with(b"glTF") {
         binary_container(bytes)?
     } else {
         Container {
             json: bytes,
             blob: None,
+            unread_chunks: Vec::new(),
         }
     };
     check_weight(text)?;
@@ -65,7 +89,8 @@ pub fn parse(bytes: &[u8]) -> Result<Parsed<'_>, String> {
             )
         }
     };
-    let mut json = Gltf::from_slice_without_validation(text)
+    let text = with_webp_sources(text, &head)?;
+    let mut json = Gltf::from_slice_without_validation(&text)
         .map_err(fault)?
         .document
         .into_json();
@@ -73,7 +98,45 @@ pub fn parse(bytes: &[u8]) -> Result<Parsed<'_>, String> {
     check_accessors(&json)?;
     check_images(&json)?;
     let document = Document::from_json(json).map_err(fault)?;
-    Ok(Parsed { document, blob })
+    let chunk_warning = |kind: String| format!("its chunk of type {kind:?} is not read");
+    Ok(Parsed {
+        document,
+        blob,
+        warnings: unread_chunks.into_iter().map(chunk_warning).collect(),
+        generator: head.asset.generator.unwrap_or_default(),
+        unread_members: head.materials.iter().map(unread_members).collect(),
+    })
+}
+
+/// Names the members of a core material that are not read.
+fn unread_members(material: &Value) -> Vec<String> {
+    let mut unread = Vec::new();
+    let _: Result<::gltf::json::Material, _> = serde_ignored::deserialize(material, |path| {
+        unread.extend(extensions::unknown_member(&path));
+    });
+    unread
+}
+
+/// Replaces the sources of textures by their WebP sources. A texture may have no other.
+fn with_webp_sources<'t>(text: &'t [u8], head: &Head) -> Result<Cow<'t, [u8]>, String> {
+    if !head
+        .used
+        .iter()
+        .chain(&head.required)
+        .any(|name| name == WEBP)
+    {
+        return Ok(Cow::Borrowed(text));
+    }
+    let mut json: Value =
+        serde_json::from_slice(text).map_err(|error| format!("not glTF: {error}"))?;
+    let textures = json.get_mut("textures").and_then(Value::as_array_mut);
+    for texture in textures.into_iter().flatten() {
+        let source = texture.pointer("/extensions/EXT_texture_webp/source");
+        if let Some(source) = source.cloned() {
+            texture["source"] = source;
+        }
+    }
+    Ok(Cow::Owned(json.to_string().into_bytes()))
 }
 
 fn binary_container(bytes: &[u8]) -> Result<Container<'_>, String> {
@@ -89,15 +152,50 @@ fn binary_container(bytes: &[u8]) -> Result<Container<'_>, String> {
             bytes.len()
         ));
     }
-    let glb = Glb::from_slice(bytes).map_err(|error| format!("not binary glTF 2.0: {error}"))?;
-    let Borrowed(json) = glb.json else {
+    let glb = match Glb::from_slice(bytes) {
+        Ok(glb) => glb,
+        Err(error) => {
+            return container_of_chunks(&bytes[..stated_length.unwrap_or(0)])
+                .ok_or_else(|| format!("not binary glTF 2.0: {error}"));
+        }
+    };
+    let Cow::Borrowed(json) = glb.json else {
         return Err("the binary file has no JSON part".to_owned());
     };
     let blob = match glb.bin {
-        Some(Borrowed(blob)) => Some(blob),
+        Some(Cow::Borrowed(blob)) => Some(blob),
         _ => None,
     };
-    Ok(Container { json, blob })
+    Ok(Container {
+        json,
+        blob,
+        unread_chunks: Vec::new(),
+    })
+}
+
+/// Reads a container with chunks of other types, which readers must ignore (section 4.4.3), wherever
+/// the binary chunk is; the crate expects it as the second. `None` without JSON or if a chunk is cut.
+fn container_of_chunks(bytes: &[u8]) -> Option<Container<'_>> {
+    let mut rest = bytes.get(12..)?;
+    let mut container = Container {
+        json: &[],
+        blob: None,
+        unread_chunks: Vec::new(),
+    };
+    while !rest.is_empty() {
+        let (head, after) = rest.split_at_checked(8)?;
+        let length = u32::from_le_bytes(head[..4].try_into().ok()?) as usize;
+        let (data, after) = after.split_at_checked(length)?;
+        match &head[4..] {
+            JSON_CHUNK if container.json.is_empty() => container.json = data,
+            BINARY_CHUNK if container.blob.is_none() => container.blob = Some(data),
+            kind => container
+                .unread_chunks
+                .push(String::from_utf8_lossy(kind).into_owned()),
+        }
+        rest = after;
+    }
+    (!container.json.is_empty() && !container.unread_chunks.is_empty()).then_some(container)
 }
 
 /// Bounds the memory that the document will take.

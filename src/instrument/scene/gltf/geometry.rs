@@ -1,7 +1,8 @@
 //! The triangles of a primitive: its attributes, moved to world space.
 
-use super::tangents;
+use crate::base::glsl::constants::TILT_MIN;
 use crate::instrument::scene::mesh::{Mesh, is_degenerate, position};
+use crate::instrument::scene::tangents;
 use ::gltf::mesh::Mode;
 use glam::{DAffine2, DMat3, DMat4, DVec3, Vec2, Vec3};
 
@@ -73,8 +74,14 @@ impl Placement {
         unit(self.cofactors * Vec3::from_array(*normal).as_dvec3())
     }
 
-    fn tangent(&self, [x, y, z, w]: [f32; 4]) -> [f32; 4] {
-        let [x, y, z] = unit(self.linear * DVec3::new(x.into(), y.into(), z.into()));
+    /// Returns a unit tangent with its handedness, or zeros for an unusable one.
+    fn tangent(&self, [x, y, z, w]: [f32; 4], normal: &[f32; 3]) -> [f32; 4] {
+        let direction = unit(self.linear * DVec3::new(x.into(), y.into(), z.into()));
+        let across = Vec3::from_array(*normal).cross(Vec3::from_array(direction));
+        if w.is_nan() || across.length() <= TILT_MIN {
+            return [0.0; 4];
+        }
+        let [x, y, z] = direction;
         [x, y, z, w.signum() * self.handedness as f32]
     }
 }
@@ -88,6 +95,8 @@ pub struct Placed {
     pub mesh: Mesh,
     /// Skipped triangles without area.
     pub degenerate_count: usize,
+    /// Corners whose tangent in the file is zero, not finite or along the normal.
+    pub replaced_tangent_count: usize,
 }
 
 impl Attributes {
@@ -120,7 +129,8 @@ impl Attributes {
         mesh.tangents = self.tangents.map_or(vec![[0.0; 4]; count], |tangents| {
             tangents
                 .into_iter()
-                .map(|tangent| placement.tangent(tangent))
+                .zip(&mesh.normals)
+                .map(|(tangent, normal)| placement.tangent(tangent, normal))
                 .collect()
         });
         let triangles = triangles(mode, &self.indices);
@@ -132,16 +142,24 @@ impl Attributes {
                 .is_some_and(|normal| *normal != [0.0; 3])
         };
         let is_flat = !mesh.indices.iter().all(has_normal);
-        let lacks_tangents = needs_tangents && (is_flat || !has_tangents);
+        let is_unusable = |index: &&u32| mesh.tangents[**index as usize] == [0.0; 4];
+        let unusable_count = mesh.indices.iter().filter(is_unusable).count();
+        let lacks_tangents = needs_tangents && (is_flat || unusable_count > 0);
         if is_flat || lacks_tangents {
             mesh = tangents::corners(&mesh, is_flat);
         }
         if lacks_tangents {
-            tangents::fill(&mut mesh);
+            tangents::fill_missing(&mut mesh);
         }
+        let replaced_tangent_count = if lacks_tangents && has_tangents && !is_flat {
+            unusable_count
+        } else {
+            0
+        };
         Ok(Placed {
             mesh,
             degenerate_count,
+            replaced_tangent_count,
         })
     }
 }

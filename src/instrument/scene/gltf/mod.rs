@@ -8,7 +8,7 @@
 //! determines the front; a mirroring transform flips it.
 //!
 //! Refused: morph targets, skins, and required extensions that [`extensions`] does not accept.
-//! Other features (emission, occlusion, transparency, vertex colours, animations, lights) only
+//! Other features (transparency, vertex colours, animations, lights) only
 //! cause a warning.
 
 mod buffers;
@@ -16,7 +16,6 @@ mod document;
 mod extensions;
 mod geometry;
 mod material;
-mod tangents;
 mod textures;
 
 use super::maps::ReadMaps;
@@ -34,6 +33,11 @@ use std::collections::BTreeSet;
 use std::path::Path;
 use textures::TextureReader;
 
+/// In the name of Blender's exporter.
+const BLENDER: &str = "Blender";
+const BLENDER_ANISOTROPY: &str = "Blender wrote the strength of its anisotropy unconverted: \
+     --anisotropy-widths disney has the widths of its own renders";
+
 /// Most vertices after placement, and most corners / 3: below 1.5 GiB.
 const MAX_VERTICES: usize = 1 << 23;
 
@@ -43,13 +47,20 @@ pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Sc
     let bytes = files
         .read(path)
         .map_err(|error| fault(format!("cannot read the scene: {error}")))?;
-    let Parsed { document, blob } = document::parse(&bytes).map_err(fault)?;
+    let Parsed {
+        document,
+        blob,
+        warnings,
+        generator,
+        unread_members,
+    } = document::parse(&bytes).map_err(fault)?;
     let mut reader = Reader {
         buffers: Buffers::read(&document, blob, path, files).map_err(fault)?,
         materials: Materials::default(),
         meshes: Vec::new(),
         vertices_left: MAX_VERTICES,
         degenerate_count: 0,
+        replaced_tangent_count: 0,
         unread: BTreeSet::new(),
     };
     reader.nodes(&document).map_err(fault)?;
@@ -64,24 +75,54 @@ pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Sc
         ));
     }
     reader.add_unread(&document);
+    let left = Left {
+        unread: reader.unread,
+        degenerate_count: reader.degenerate_count,
+        replaced_tangent_count: reader.replaced_tangent_count,
+    };
     let mut scene = Scene::assemble(spec, Vec::new(), reader.meshes, materials);
     let ReadMaps { textures, warning } = maps.finish();
     scene.textures = textures;
     scene.toward_viewer = toward_viewer_of_files();
+    scene.warnings.extend(warnings);
     scene.warnings.extend(warning);
-    if !reader.unread.is_empty() {
-        let unread: Vec<String> = reader.unread.into_iter().collect();
-        scene
-            .warnings
-            .push(format!("not read: {}", unread.join(", ")));
+    scene
+        .warnings
+        .extend(reader.materials.unread_members(&unread_members));
+    if generator.contains(BLENDER) && scene.has_anisotropy() {
+        scene.warnings.push(BLENDER_ANISOTROPY.to_owned());
     }
-    if reader.degenerate_count > 0 {
-        scene.warnings.push(format!(
-            "skipped {} triangles without area",
-            reader.degenerate_count
-        ));
-    }
+    scene.warnings.extend(left.into_warnings());
     Ok(scene.hashed())
+}
+
+/// What a file has and the scene has not.
+struct Left {
+    /// Names of the skipped features.
+    unread: BTreeSet<String>,
+    degenerate_count: usize,
+    replaced_tangent_count: usize,
+}
+
+impl Left {
+    fn into_warnings(self) -> Vec<String> {
+        let mut warnings = Vec::new();
+        if !self.unread.is_empty() {
+            let unread: Vec<String> = self.unread.into_iter().collect();
+            warnings.push(format!("not read: {}", unread.join(", ")));
+        }
+        if self.degenerate_count > 0 {
+            let count = self.degenerate_count;
+            warnings.push(format!("skipped {count} triangles without area"));
+        }
+        if self.replaced_tangent_count > 0 {
+            warnings.push(format!(
+                "computed {} tangents that are zero, not finite or along their normal in the file",
+                self.replaced_tangent_count
+            ));
+        }
+        warnings
+    }
 }
 
 struct Reader<'a> {
@@ -91,6 +132,7 @@ struct Reader<'a> {
     meshes: Vec<Mesh>,
     vertices_left: usize,
     degenerate_count: usize,
+    replaced_tangent_count: usize,
     /// Names of the skipped features.
     unread: BTreeSet<String>,
 }
@@ -164,6 +206,7 @@ impl<'a> Reader<'a> {
         let Placed {
             mesh,
             degenerate_count,
+            replaced_tangent_count,
         } = attributes.placed(
             primitive.mode(),
             to_world,
@@ -172,6 +215,7 @@ impl<'a> Reader<'a> {
             needs_tangents,
         )?;
         self.degenerate_count += degenerate_count;
+        self.replaced_tangent_count += replaced_tangent_count;
         let size = mesh.positions.len().max(mesh.indices.len().div_ceil(3));
         self.vertices_left = self
             .vertices_left

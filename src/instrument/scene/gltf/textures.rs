@@ -8,11 +8,15 @@ use crate::instrument::scene::source::SceneFiles;
 use ::gltf::Document;
 use ::gltf::image::{Image, Source};
 use ::gltf::json::extensions::texture::TextureTransform;
+use ::gltf::material::{NormalTexture, OcclusionTexture};
 use ::gltf::texture::{Info, MagFilter, Texture, WrappingMode};
 use glam::{DAffine2, DVec2, Vec2};
 use serde::Deserialize;
+use serde_json::Value;
 use std::collections::BTreeSet;
 use std::path::Path;
+
+const TEXTURE_TRANSFORM: &str = "KHR_texture_transform";
 
 /// A texture in the members of an extension.
 #[derive(Deserialize)]
@@ -62,13 +66,23 @@ impl Mapping {
     }
 
     /// Reads the mapping of a normal map, whose transform the crate `gltf` leaves unread.
-    pub fn of_normal_map(map: &::gltf::material::NormalTexture) -> Result<Self, String> {
-        let transform = map
-            .extension_value("KHR_texture_transform")
+    pub fn of_normal_map(map: &NormalTexture) -> Result<Self, String> {
+        let transform = map.extension_value(TEXTURE_TRANSFORM);
+        Self::with_transform("normal", map.tex_coord(), transform)
+    }
+
+    /// As [`Mapping::of_normal_map`], for a map of occlusion.
+    pub fn of_occlusion_map(map: &OcclusionTexture) -> Result<Self, String> {
+        let transform = map.extension_value(TEXTURE_TRANSFORM);
+        Self::with_transform("occlusion", map.tex_coord(), transform)
+    }
+
+    fn with_transform(kind: &str, set: u32, transform: Option<&Value>) -> Result<Self, String> {
+        let transform = transform
             .map(TextureTransform::deserialize)
             .transpose()
-            .map_err(|error| format!("KHR_texture_transform of its normal map: {error}"))?;
-        Ok(Self::new(map.tex_coord(), transform.as_ref()))
+            .map_err(|error| format!("{TEXTURE_TRANSFORM} of its {kind} map: {error}"))?;
+        Ok(Self::new(set, transform.as_ref()))
     }
 
     pub fn of_reference(reference: &TextureReference) -> Self {

@@ -1,23 +1,31 @@
 //! Wavefront OBJ files: polygons with materials ([`mtl`]), read by the crate `tobj`.
 //!
-//! Read: `v`, `vt`, `vn`, `f` (any corner form), `usemtl`, `mtllib`. Skipped: points, lines,
+//! Read: `v`, `vt`, `vn`, `f` (any corner form), `s`, `usemtl`, `mtllib`. Skipped: points, lines,
 //! curves, vertex colours. Indices, also negative ones, refer to elements above the face. Polygons
 //! may be concave ([`triangulate`]). Normals or texture coordinates that only some faces of a
-//! material have are ignored in its group of faces. Missing normals are smooth ([`normals`]),
-//! missing texture coordinates (0, 0).
+//! material have are ignored in its group of faces. Missing texture coordinates are (0, 0).
+//!
+//! Missing normals are smooth ([`normals`]) within each smoothing group. Faces under `s off` or `s
+//! 0`, and faces above the first `s` of a file, have their own normals. A file without any `s` is
+//! smooth everywhere.
+//!
+//! Faces above the first `usemtl` have the only material, if the libraries define one.
 
+mod map_files;
+mod map_text;
 mod mtl;
 mod normals;
 mod statements;
 mod triangulate;
 
-use super::maps::{Maps, Meaning, ReadMaps};
+use super::maps::ReadMaps;
 use super::mesh::{Mesh, is_degenerate, position};
 use super::source::{SceneFiles, existing};
+use super::tangents;
 use super::{Material, Scene, SceneError, toward_viewer_of_files};
-use crate::base::pixels::lookup::Wrap;
 use glam::{DVec3, Vec3};
-use statements::{Statements, check_numbers};
+use map_files::MapFiles;
+use statements::{FLAT, Role, Statements, check_numbers};
 use std::cell::RefCell;
 use std::collections::{BTreeSet, HashMap};
 use std::io::Read;
@@ -33,7 +41,7 @@ pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Sc
     let bytes = files
         .read(path)
         .map_err(|error| file_error(format!("cannot read the scene: {error}")))?;
-    let statements = Statements::new(&bytes);
+    let statements = Statements::new(&bytes, role);
     check_statements(&statements, path)?;
 
     let mut warnings: Vec<String> = skipped_statements(&statements).into_iter().collect();
@@ -45,34 +53,57 @@ pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Sc
         .collect();
     add_first(&mut warnings, undefined_materials(&statements, &slots));
 
-    let models = read_models(&statements, path, slots)?;
+    let first_material = first_material(&statements, &libraries, &mut warnings);
+    let models = read_models(&statements, path, slots, first_material)?;
     let mut assembly = Assembly::default();
     for model in models {
-        assembly.add(model.mesh);
+        assembly.add(model.mesh, &model.name);
     }
-    let Assembled { meshes, materials } = assembly.finish(&mut warnings);
+    let Assembled {
+        mut meshes,
+        materials,
+    } = assembly.finish(&mut warnings);
+    for mesh in &mut meshes {
+        if materials[mesh.material].is_some_and(|index| libraries[index].needs_tangents()) {
+            *mesh = tangents::corners(mesh, false);
+            tangents::fill_missing(mesh);
+        }
+    }
     if meshes.is_empty() {
         return Err(file_error(
             "no face has an area; expected at least one".to_owned(),
         ));
     }
-    let mut albedo_maps = AlbedoMaps::new(files);
+    let mut map_files = MapFiles::new(files);
     let materials = materials
         .iter()
         .map(|library_index| {
             library_index.map_or_else(Material::default, |index| {
-                libraries[index].material(|path| albedo_maps.index(path))
+                libraries[index].material(|map| map_files.index(map))
             })
         })
         .collect();
-    add_first(&mut warnings, albedo_maps.unreadable);
+    add_first(&mut warnings, map_files.unreadable);
     let mut scene = Scene::assemble(spec, Vec::new(), meshes, materials);
-    let ReadMaps { textures, warning } = albedo_maps.maps.finish();
+    let ReadMaps { textures, warning } = map_files.maps.finish();
     warnings.extend(warning);
     scene.textures = textures;
     scene.warnings = warnings;
     scene.toward_viewer = toward_viewer_of_files();
     Ok(scene.hashed())
+}
+
+fn role(keyword: &str) -> Role {
+    match keyword {
+        // Names have no effect.
+        "o" | "g" => Role::Ignored,
+        "s" => Role::Smoothing,
+        "mtllib" | "usemtl" => Role::Text,
+        // Weights and colours follow.
+        "v" => Role::Numbers(3),
+        "vt" | "vn" | "f" => Role::Numbers(usize::MAX),
+        _ => Role::Unread,
+    }
 }
 
 /// Checks the numbers and corners of every statement.
@@ -161,16 +192,54 @@ fn undefined_materials(statements: &Statements, defined: &HashMap<String, usize>
         .collect()
 }
 
-/// Reads the faces, by material; `slots` has the index of each material's name.
+/// Returns the material of faces above the first `usemtl`: the only one, if the libraries define
+/// one. Warns if such faces have the default.
+fn first_material(
+    statements: &Statements,
+    libraries: &[mtl::Source],
+    warnings: &mut Vec<String>,
+) -> Option<String> {
+    let is_face = |(keyword, _): &(&str, &str)| *keyword == "f";
+    let above = statements
+        .all()
+        .take_while(|(keyword, _)| *keyword != "usemtl");
+    let face_count = above.filter(is_face).count();
+    if face_count == 0 {
+        return None;
+    }
+    match libraries {
+        [] => None,
+        [only] => Some(only.name().to_owned()),
+        several => {
+            warnings.push(format!(
+                "{face_count} faces are above the first usemtl and have the default material; the \
+                 libraries define {}",
+                several.len()
+            ));
+            None
+        }
+    }
+}
+
+/// Reads the faces, by material and smoothing group, which is the model's name; `slots` has the
+/// index of each material's name.
 fn read_models(
     statements: &Statements,
     path: &Path,
     slots: HashMap<String, usize>,
+    first_material: Option<String>,
 ) -> Result<Vec<tobj::Model>, SceneError> {
     let slots = RefCell::new(slots);
     let (models, _) = statements.read(path, |text| {
         // All libraries are known from the first line.
-        let mut text = "mtllib\n".as_bytes().chain(text);
+        let mut head = "mtllib\n".to_owned();
+        if let Some(name) = first_material {
+            head.extend(["usemtl ", &name, "\n"]);
+        }
+        if statements.values("g").next().is_some() {
+            head.extend(["g ", FLAT, "\n"]);
+        }
+        let mut text = head.as_bytes().chain(text);
         let options = tobj::LoadOptions {
             single_index: true,
             ..tobj::LoadOptions::default()
@@ -178,45 +247,6 @@ fn read_models(
         tobj::load_obj_buf(&mut text, &options, |_| Ok((Vec::new(), slots.take())))
     })?;
     Ok(models)
-}
-
-/// Reads albedo maps, each file once.
-struct AlbedoMaps<'f> {
-    files: &'f dyn SceneFiles,
-    maps: Maps,
-    /// Index of each read texture; `None` for an unreadable one.
-    known: HashMap<PathBuf, Option<usize>>,
-    /// One warning each.
-    unreadable: Vec<String>,
-}
-
-impl<'f> AlbedoMaps<'f> {
-    fn new(files: &'f dyn SceneFiles) -> Self {
-        Self {
-            files,
-            maps: Maps::default(),
-            known: HashMap::new(),
-            unreadable: Vec::new(),
-        }
-    }
-
-    fn index(&mut self, path: &Path) -> Option<usize> {
-        if let Some(index) = self.known.get(path) {
-            return *index;
-        }
-        let bytes = self.files.read(path).map_err(|error| error.to_string());
-        let index = bytes.and_then(|bytes| self.maps.add(&bytes, Meaning::Color, Wrap::REPEAT));
-        let index = index
-            .map_err(|error| {
-                self.unreadable.push(format!(
-                    "{}: cannot read the albedo map: {error}; skipped",
-                    path.display()
-                ));
-            })
-            .ok();
-        self.known.insert(path.to_owned(), index);
-        index
-    }
 }
 
 /// Printed warnings of one cause; a broken exporter can cause one per line.
@@ -266,6 +296,9 @@ struct Assembly {
     meshes: Vec<Mesh>,
     /// Index of each mesh's material among the libraries'; `None`: the default.
     materials: Vec<Option<usize>>,
+    /// Smoothing group of each vertex, by mesh: an index of `group_names`.
+    groups: Vec<Vec<u32>>,
+    group_names: Vec<String>,
     degenerate_count: usize,
     crossing_count: usize,
     incomplete_count: usize,
@@ -280,12 +313,34 @@ struct Assembled {
 }
 
 impl Assembly {
-    /// Adds a group of faces with one material.
-    fn add(&mut self, part: tobj::Mesh) {
+    /// Adds a group of faces with one material and smoothing group.
+    fn add(&mut self, mut part: tobj::Mesh, group: &str) {
+        let position_count = part.positions.len() / 3;
+        for (values, width) in [(&mut part.texcoords, 2), (&mut part.normals, 3)] {
+            if !values.is_empty() && values.len() != width * position_count {
+                self.incomplete_count += 1;
+                values.clear();
+            }
+        }
+        let is_flat = group == FLAT;
+        if is_flat && part.normals.is_empty() {
+            part = unshared(part);
+        }
         let slot = self.slot(part.material_id);
         let first = self.meshes[slot].positions.len() as u32;
         self.add_vertices(slot, &part);
-        self.add_faces(slot, first, &part);
+        let group = self.group(group);
+        let vertex_count = self.meshes[slot].positions.len();
+        self.groups[slot].resize(vertex_count, group);
+        self.add_faces(slot, first, &part, is_flat);
+    }
+
+    fn group(&mut self, name: &str) -> u32 {
+        let known = self.group_names.iter().position(|known| known == name);
+        known.unwrap_or_else(|| {
+            self.group_names.push(name.to_owned());
+            self.group_names.len() - 1
+        }) as u32
     }
 
     fn slot(&mut self, material: Option<usize>) -> usize {
@@ -295,6 +350,7 @@ impl Assembly {
         let slot = self.meshes.len();
         self.materials.push(material);
         self.meshes.push(Mesh::empty(slot));
+        self.groups.push(Vec::new());
         slot
     }
 
@@ -313,17 +369,15 @@ impl Assembly {
             mesh.normals
                 .extend(normals.iter().map(|n| unit(n).as_vec3().to_array()));
         }
-        let is_incomplete = |count: usize| count != 0 && count != positions.len();
-        self.incomplete_count += usize::from(is_incomplete(uvs.len()));
-        self.incomplete_count += usize::from(is_incomplete(normals.len()));
         let vertex_count = mesh.positions.len();
         mesh.uvs.resize(vertex_count, [0.0; 2]);
         mesh.normals.resize(vertex_count, [0.0; 3]);
         mesh.tangents.resize(vertex_count, [0.0; 4]);
     }
 
-    /// Splits the faces of a part, whose vertices begin at `first`.
-    fn add_faces(&mut self, slot: usize, first: u32, part: &tobj::Mesh) {
+    /// Splits the faces of a part, whose vertices begin at `first`. Flat faces share no vertices and
+    /// get their own normals, where the file has none.
+    fn add_faces(&mut self, slot: usize, first: u32, part: &tobj::Mesh, is_flat: bool) {
         let mesh = &mut self.meshes[slot];
         let triangles = vec![3; part.indices.len() / 3];
         let corner_counts = if part.face_arities.is_empty() {
@@ -340,6 +394,11 @@ impl Assembly {
                 .collect();
             let split = triangulate::triangulate(&polygon);
             self.crossing_count += usize::from(!split.is_simple);
+            if is_flat && part.normals.is_empty() {
+                let normal = face_normal(&polygon, &split.triangles);
+                face.iter()
+                    .for_each(|index| mesh.normals[*index as usize] = normal);
+            }
             for triangle in split.triangles {
                 if is_degenerate(triangle.map(|k| polygon[k])) {
                     self.degenerate_count += 1;
@@ -352,6 +411,9 @@ impl Assembly {
 
     /// Fills in missing normals and winds the triangles by them.
     fn finish(mut self, warnings: &mut Vec<String>) -> Assembled {
+        let mut is_kept = self.meshes.iter().map(|mesh| !mesh.indices.is_empty());
+        self.groups
+            .retain(|_| is_kept.next().is_some_and(|is_kept| is_kept));
         self.meshes.retain(|mesh| !mesh.indices.is_empty());
         let mut warn = |count: usize, what: &str| {
             if count > 0 {
@@ -367,11 +429,42 @@ impl Assembly {
             self.incomplete_count,
             "groups of faces lack some normals or texture coordinates; the others are ignored",
         );
-        normals::fill_missing(&mut self.meshes);
+        normals::fill_missing(&mut self.meshes, &self.groups);
         self.meshes.iter_mut().for_each(Mesh::wind_by_normals);
         Assembled {
             meshes: self.meshes,
             materials: self.materials,
         }
     }
+}
+
+/// Gives every corner its own vertex.
+fn unshared(part: tobj::Mesh) -> tobj::Mesh {
+    let by_corner = |values: &[f32], width: usize| -> Vec<f32> {
+        if values.is_empty() {
+            return Vec::new();
+        }
+        part.indices
+            .iter()
+            .flat_map(|index| &values[*index as usize * width..][..width])
+            .copied()
+            .collect()
+    };
+    tobj::Mesh {
+        positions: by_corner(&part.positions, 3),
+        texcoords: by_corner(&part.texcoords, 2),
+        normals: by_corner(&part.normals, 3),
+        indices: (0..part.indices.len() as u32).collect(),
+        face_arities: part.face_arities,
+        material_id: part.material_id,
+        ..tobj::Mesh::default()
+    }
+}
+
+/// Returns the unit normal of a polygon, the mean over its triangles by area; zeros without area.
+fn face_normal(polygon: &[DVec3], triangles: &[[usize; 3]]) -> [f32; 3] {
+    let area =
+        |[a, b, c]: &[usize; 3]| (polygon[*b] - polygon[*a]).cross(polygon[*c] - polygon[*a]);
+    let sum: DVec3 = triangles.iter().map(area).sum();
+    sum.normalize_or_zero().as_vec3().to_array()
 }

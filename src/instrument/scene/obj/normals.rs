@@ -9,22 +9,22 @@ use std::collections::HashMap;
 const MIN_SUM: f64 = 1e-6;
 
 /// Replaces normals (0, 0, 0) by the mean of the adjacent triangles' normals, weighted by angle, so
-/// that triangulation does not matter. Corners at equal positions are one point: there are no
-/// creases. No triangle may be degenerate.
-pub fn fill_missing(meshes: &mut [Mesh]) {
+/// that triangulation does not matter. Corners at equal positions are one point if their smoothing
+/// groups are equal; `groups` has the group of each vertex, by mesh. No triangle may be degenerate.
+pub fn fill_missing(meshes: &mut [Mesh], groups: &[Vec<u32>]) {
     let is_missing = |mesh: &Mesh| mesh.normals.contains(&[0.0; 3]);
     if !meshes.iter().any(is_missing) {
         return;
     }
-    let mut sums: HashMap<[u32; 3], Sum> = HashMap::new();
-    for mesh in meshes.iter() {
+    let mut sums: HashMap<Point, Sum> = HashMap::new();
+    for (mesh, groups) in meshes.iter().zip(groups) {
         for triangle in mesh.triangles() {
             let corners @ [a, b, c] = triangle.map(|index| position(&mesh.positions, index));
             let face = (b - a).cross(c - a).normalize();
             for k in 0..3 {
                 let [p, next, last] = [corners[k], corners[(k + 1) % 3], corners[(k + 2) % 3]];
                 let sum = sums
-                    .entry(key(mesh.positions[triangle[k] as usize]))
+                    .entry(Point::of(mesh, groups, triangle[k] as usize))
                     .or_insert(Sum {
                         weighted: DVec3::ZERO,
                         any: face,
@@ -33,12 +33,30 @@ pub fn fill_missing(meshes: &mut [Mesh]) {
             }
         }
     }
-    for mesh in meshes {
-        for (normal, &p) in mesh.normals.iter_mut().zip(&mesh.positions) {
-            if *normal == [0.0; 3] {
+    for (mesh, groups) in meshes.iter_mut().zip(groups) {
+        for vertex in 0..mesh.normals.len() {
+            if mesh.normals[vertex] == [0.0; 3] {
                 // Positions without a sum belong to dropped triangles.
-                *normal = sums.get(&key(p)).map_or(Vec3::Z, Sum::normal).to_array();
+                let sum = sums.get(&Point::of(mesh, groups, vertex));
+                mesh.normals[vertex] = sum.map_or(Vec3::Z, Sum::normal).to_array();
             }
+        }
+    }
+}
+
+/// A point of a smoothing group.
+#[derive(PartialEq, Eq, Hash)]
+struct Point {
+    /// The bits of the position; -0 equals 0.
+    position: [u32; 3],
+    group: u32,
+}
+
+impl Point {
+    fn of(mesh: &Mesh, groups: &[u32], vertex: usize) -> Self {
+        Self {
+            position: mesh.positions[vertex].map(|x| (x + 0.0).to_bits()),
+            group: groups[vertex],
         }
     }
 }
@@ -58,9 +76,4 @@ impl Sum {
         };
         n.as_vec3()
     }
-}
-
-/// Returns the bits of a position; -0 equals 0.
-fn key(p: [f32; 3]) -> [u32; 3] {
-    p.map(|x| (x + 0.0).to_bits())
 }

@@ -1,7 +1,8 @@
-//! The statements of OBJ and MTL files, checked and in the form that the crate `tobj` reads.
+//! The statements of OBJ and MTL files, checked; OBJ files in the form that the crate `tobj` reads.
 //!
-//! `tobj` accepts NaN, panics for a colour of two numbers, finds wrong indices only after the last
-//! face of a material, takes polylines for faces, and does not join continued lines.
+//! `tobj` accepts NaN, finds wrong indices only after the last face of a material, takes polylines
+//! for faces, and does not join continued lines. It splits faces at `g`, which therefore carries the
+//! smoothing group.
 
 use crate::instrument::scene::SceneError;
 use std::collections::BTreeMap;
@@ -11,8 +12,31 @@ use tobj::LoadError;
 /// Longest part of a statement in a message.
 const SHOWN_LENGTH: usize = 60;
 
+/// What becomes of the values of a keyword.
+#[derive(Clone, Copy)]
+pub enum Role {
+    /// Has no effect here, on purpose.
+    Ignored,
+    /// Numbers, of which the first ones are kept; a number sign ends them.
+    Numbers(usize),
+    /// Names, which may contain a number sign.
+    Text,
+    /// A smoothing group.
+    Smoothing,
+    /// Counted in [`Statements::skipped`].
+    Unread,
+}
+
+/// The roles of the keywords of a kind of file.
+pub type Roles = fn(&str) -> Role;
+
+/// The name of `g` for faces without a smoothing group, which are flat.
+pub const FLAT: &str = "off";
+
 #[derive(Debug, Default)]
 pub struct Statements {
+    /// The comment in the first line, which names the writer.
+    pub first_comment: String,
     /// One statement in the line where it begins.
     text: String,
     /// Number of skipped statements of each keyword.
@@ -20,11 +44,20 @@ pub struct Statements {
 }
 
 impl Statements {
-    pub fn new(bytes: &[u8]) -> Self {
+    pub fn new(bytes: &[u8], roles: Roles) -> Self {
         // Only comments and names contain other text; Latin-1 there must not stop the geometry.
         let text = String::from_utf8_lossy(bytes);
-        let mut lines = text.trim_start_matches('\u{feff}').lines().map(str::trim);
-        let mut found = Self::default();
+        let text = text.trim_start_matches('\u{feff}');
+        let mut lines = text.lines().map(str::trim);
+        let first = text.lines().next().unwrap_or_default();
+        let mut found = Self {
+            first_comment: first
+                .trim()
+                .strip_prefix('#')
+                .unwrap_or_default()
+                .to_owned(),
+            ..Self::default()
+        };
         while let Some(line) = lines.next() {
             let mut statement = line.to_owned();
             let mut ends = "\n".to_owned();
@@ -35,47 +68,48 @@ impl Statements {
                 statement.push_str(lines.next().unwrap_or_default());
                 ends.push('\n');
             }
-            found.add(&statement);
+            found.add(&statement, roles);
             found.text.push_str(&ends);
         }
         found
     }
 
-    fn add(&mut self, statement: &str) {
+    fn add(&mut self, statement: &str, roles: Roles) {
         let (keyword, rest) = split_keyword(statement);
-        let number_count = match keyword {
-            // Names and smoothing groups have no effect: missing normals are smooth everywhere.
-            "" | "o" | "g" | "s" => return,
-            _ if keyword.starts_with('#') => return,
-            // Names may contain a number sign, numbers may not.
-            "mtllib" | "usemtl" | "newmtl" | "map_Kd" => {
-                self.text.extend([keyword, " ", rest]);
-                return;
+        if keyword.is_empty() || keyword.starts_with('#') {
+            return;
+        }
+        let numbers = rest.split('#').next().unwrap_or_default();
+        match roles(keyword) {
+            Role::Ignored => {}
+            Role::Text => self.text.extend([keyword, " ", rest]),
+            Role::Numbers(count) => {
+                self.text.push_str(keyword);
+                let numbers = numbers.split_whitespace().take(count);
+                numbers.for_each(|number| self.text.extend([" ", number]));
             }
-            // Weights and colours follow.
-            "v" => 3,
-            "vt" | "vn" | "f" | "Kd" | "Ns" | "Ni" | "Pr" | "Pm" => usize::MAX,
-            other => {
+            Role::Smoothing => {
+                let group = numbers.trim();
+                let is_flat = group.parse() == Ok(0) || group.eq_ignore_ascii_case("off");
+                self.text.extend(["g ", if is_flat { FLAT } else { group }]);
+            }
+            Role::Unread => {
                 *self
                     .skipped
-                    .entry(other.chars().take(SHOWN_LENGTH).collect())
+                    .entry(keyword.chars().take(SHOWN_LENGTH).collect())
                     .or_default() += 1;
-                return;
             }
-        };
-        self.text.push_str(keyword);
-        let numbers = rest.split('#').next().unwrap_or_default();
-        numbers
-            .split_whitespace()
-            .take(number_count)
-            .for_each(|number| self.text.extend([" ", number]));
+        }
+    }
+
+    /// Returns keyword and values of each statement.
+    pub fn all(&self) -> impl Iterator<Item = (&str, &str)> {
+        self.text.lines().map(split_keyword)
     }
 
     /// Returns the values of each statement with this keyword.
     pub fn values<'a>(&'a self, keyword: &'a str) -> impl Iterator<Item = &'a str> {
-        self.text
-            .lines()
-            .map(split_keyword)
+        self.all()
             .filter(move |(found, _)| *found == keyword)
             .map(|(_, values)| values)
     }

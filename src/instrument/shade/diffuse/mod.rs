@@ -8,6 +8,7 @@ use super::reference::integrate;
 use super::twin::{DiffuseTwin, Twin};
 use super::{NONE, REFERENCE};
 use crate::base::names::listed;
+use crate::instrument::precompute::sh9::Projection;
 use glam::DVec3;
 
 /// A way to compute the diffuse irradiance. Names are the stems of shader files (with `-` for `_`).
@@ -19,7 +20,8 @@ pub struct Diffuse {
     pub twin: DiffuseTwin,
     /// Whether the size and sample count of the irradiance map change its result.
     pub uses_irradiance_map: bool,
-    pub uses_sh9: bool,
+    /// How texels count in the coefficients, if it reads them.
+    pub sh9: Option<Projection>,
     /// The integrand if the passes of the reference estimate the term without bias: a file of
     /// `shaders/shade/lobe/`.
     pub lobe: Option<&'static str>,
@@ -29,6 +31,7 @@ pub struct Diffuse {
 /// twin, and a line here.
 pub static DIFFUSE: &[Diffuse] = &[
     sh9::DIFFUSE,
+    sh9::AT_CENTRES,
     irradiance_map::DIFFUSE,
     INTEGRATED,
     fresnel_inside::DIFFUSE,
@@ -55,7 +58,7 @@ impl Diffuse {
             about,
             twin,
             uses_irradiance_map: false,
-            uses_sh9: false,
+            sh9: None,
             lobe: None,
         }
     }

@@ -3,15 +3,29 @@
 
 use super::Diffuse;
 use crate::base::math::spherical_harmonics::irradiance;
-use crate::instrument::shade::twin::Twin;
+use crate::instrument::precompute::sh9::Projection;
+use crate::instrument::shade::twin::{DiffuseTwin, Twin};
 use glam::DVec3;
 use std::f64::consts::PI;
 
 pub const DIFFUSE: Diffuse = Diffuse {
-    uses_sh9: true,
+    sh9: Some(Projection::OverTexels),
     ..Diffuse::plain(
         "sh9",
         "nine spherical-harmonic coefficients evaluated per pixel",
-        Twin::Estimator(|n, light| (irradiance(&light.sh9, n) / PI).max(DVec3::ZERO)),
+        TWIN,
     )
 };
+
+/// Source document 0's sum.
+pub const AT_CENTRES: Diffuse = Diffuse {
+    sh9: Some(Projection::AtCentres),
+    ..Diffuse::plain(
+        "sh9-centres",
+        "as sh9, with coefficients summed at texel centres: wrong under maps of few rows",
+        TWIN,
+    )
+};
+
+const TWIN: DiffuseTwin =
+    Twin::Estimator(|n, light| (irradiance(&light.sh9, n) / PI).max(DVec3::ZERO));

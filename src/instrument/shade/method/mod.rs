@@ -2,6 +2,7 @@
 
 pub mod from_file;
 pub mod ladder;
+mod printed_document_0;
 mod sampled;
 mod sampled_unfiltered;
 mod sampled_vndf;
@@ -13,6 +14,8 @@ mod split_sum_engines;
 mod split_sum_major;
 mod split_sum_strips;
 mod split_sum_taps;
+
+pub use printed_document_0::printed_lobe_alpha;
 
 use super::diffuse::Diffuse;
 use super::reference::integrate;
@@ -57,6 +60,8 @@ pub struct Method {
     pub has_ladder: bool,
     /// Whether it is a split sum to prefer to the textbook's.
     pub is_corrected: bool,
+    /// Whether it repeats the slips of a printed formula, to show what they do.
+    pub is_as_printed: bool,
     /// Replaces its name in the name of its shader: for methods in files.
     pub shader: Option<&'static str>,
     /// The text of its shader, for methods in files.
@@ -87,6 +92,7 @@ pub static METHODS: &[Method] = &[
     split_sum_major::FOUR,
     split_sum_strips::TWO,
     split_sum_strips::FOUR,
+    printed_document_0::METHOD,
     Method::plain(
         NONE,
         "No specular term",
@@ -144,6 +150,7 @@ impl Method {
             storage: None,
             has_ladder: false,
             is_corrected: false,
+            is_as_printed: false,
             shader: None,
             text: None,
             lobe: None,
@@ -159,10 +166,11 @@ impl Method {
         }
     }
 
-    /// Its role; `None` for references and their ladder.
+    /// Its role; `None` for references, their ladder, and formulas with printed slips, which no
+    /// page recommends.
     pub fn role(&self) -> Option<Role> {
         let is_in_file = self.shader.is_some();
-        if self.is_integrated() || self.is_none() {
+        if self.is_integrated() || self.is_none() || self.is_as_printed {
             None
         } else if self.uses_samples {
             Some(Role::Sampling)
@@ -178,9 +186,9 @@ impl Method {
     }
 
     /// Its name with a sample count: "Sampling, 16 samples".
-    pub fn words(&self, samples: Option<&str>) -> String {
-        match samples.filter(|count| !count.is_empty()) {
-            Some("1") => format!("{}, 1 sample", self.title),
+    pub fn words(&self, samples: Option<u32>) -> String {
+        match samples {
+            Some(1) => format!("{}, 1 sample", self.title),
             Some(count) => format!("{}, {count} samples", self.title),
             None => self.title.to_owned(),
         }

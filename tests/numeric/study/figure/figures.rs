@@ -299,6 +299,27 @@ impl Drawn {
             .collect()
     }
 
+    /// Where a text begins.
+    pub fn text_position(&self, text: &str) -> [f64; 2] {
+        let node = self
+            .all()
+            .find(|node| node.tag_name().name() == "text" && node.text() == Some(text))
+            .unwrap_or_else(|| panic!("no text {text:?}"));
+        ["x", "y"].map(|key| node.attribute(key).unwrap().parse().unwrap())
+    }
+
+    /// Where the sample of a series in the legend begins.
+    pub fn legend_sample(&self, series: usize) -> [f64; 2] {
+        let series = series.to_string();
+        let is_sample = |node: &Node| {
+            node.attribute("data-series") == Some(&series) && !node.has_attribute("data-tip")
+        };
+        let sample = self.all().find(is_sample).unwrap();
+        let path = sample.first_element_child().unwrap();
+        let start = numbers(path.attribute("d").unwrap());
+        [start[0], start[1]]
+    }
+
     pub fn dots(&self) -> Vec<[f64; 2]> {
         self.starts("fig-d")
     }

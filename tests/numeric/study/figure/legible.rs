@@ -8,7 +8,6 @@ use splitsum::draw::figure::ink::{INKS, SERIES, method_ink};
 use splitsum::draw::figure::svg::{WIDTHS, svg};
 use splitsum::draw::figure::text::{ASCENT, AXIS, DESCENT, Font, LABEL, NAME, NOTE, TITLE};
 use splitsum::draw::figure::{Mark, ScaleKind, Series, Shape};
-use splitsum::report::write::drawing;
 
 /// Contrast of words, and of series with their names, with their ground (WCAG 2.2, 1.4.3).
 const WORDS_LEAST: f64 = 4.5;
@@ -158,7 +157,7 @@ fn a_method_has_one_colour_in_every_figure() {
             .collect();
         let mark = |(i, _)| Mark::new(Shape::Line(vec![[0.0, 0.5], [1.0, i as f64 / 8.0]]), i);
         figure.panels[0].marks = shown.iter().enumerate().map(mark).collect();
-        let drawn = Drawn::new(&drawing(&figure, WIDTHS[0]));
+        let drawn = Drawn::new(&svg(&figure, WIDTHS[0]));
         let labels = drawn.document().descendants().filter(|node| {
             node.attribute("class")
                 .is_some_and(|class| class.starts_with("fig-n fig-s"))

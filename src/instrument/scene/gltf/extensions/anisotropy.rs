@@ -30,6 +30,12 @@ impl MaterialExtension for Anisotropy {
         self.anisotropy_strength > 0.0
     }
 
+    fn drop_maps_without_effect(&mut self) {
+        if self.anisotropy_strength <= 0.0 {
+            self.anisotropy_texture = None;
+        }
+    }
+
     fn apply(&self, material: &mut Material, textures: &mut TextureReader) -> Result<(), String> {
         material.anisotropy = material::Anisotropy {
             strength: self.anisotropy_strength.clamp(0.0, 1.0),

@@ -38,6 +38,16 @@ impl MaterialExtension for Clearcoat {
         self.clearcoat_normal_texture.is_some()
     }
 
+    fn drop_maps_without_effect(&mut self) {
+        if self.clearcoat_factor <= 0.0 {
+            self.clearcoat_texture = None;
+            self.clearcoat_normal_texture = None;
+        }
+        if self.clearcoat_factor <= 0.0 || self.clearcoat_roughness_factor <= 0.0 {
+            self.clearcoat_roughness_texture = None;
+        }
+    }
+
     fn apply(&self, material: &mut Material, textures: &mut TextureReader) -> Result<(), String> {
         let roughness = f64::from(self.clearcoat_roughness_factor.clamp(0.0, 1.0));
         let normal_scale = self

@@ -4,19 +4,14 @@ use super::MaterialExtension;
 use crate::instrument::brdf;
 use crate::instrument::scene::gltf::textures::TextureReader;
 use crate::instrument::scene::material::Material;
+use serde::Deserialize;
 
 pub const NAME: &str = "KHR_materials_ior";
 
+#[derive(Default, Deserialize)]
+#[serde(default, expecting = "an object")]
 pub struct Ior {
     ior: Option<f32>,
-}
-
-impl Ior {
-    pub fn new(material: &::gltf::Material) -> Self {
-        Self {
-            ior: material.ior(),
-        }
-    }
 }
 
 impl MaterialExtension for Ior {

@@ -3,15 +3,22 @@
 
 mod anisotropy;
 mod clearcoat;
+mod emissive_strength;
 mod ior;
 mod sheen;
+mod specular;
 
 use super::textures::{TextureReader, TextureReference};
 use crate::instrument::scene::material::Material;
 use serde::de::DeserializeOwned;
+use serde_json::{Value, json};
 
 /// Extensions that are read, besides [`MATERIAL_EXTENSIONS`].
-const OTHER_EXTENSIONS: [&str; 2] = ["KHR_mesh_quantization", "KHR_texture_transform"];
+const OTHER_EXTENSIONS: [&str; 3] = [
+    "EXT_texture_webp",
+    "KHR_mesh_quantization",
+    "KHR_texture_transform",
+];
 
 /// What an extension states about one material. A material without the extension has its defaults.
 pub trait MaterialExtension {
@@ -30,19 +37,29 @@ pub trait MaterialExtension {
         false
     }
 
-    /// Sets its part of `material`.
+    /// Drops maps that a factor of 0 multiplies: their files and texture coordinates do not matter.
+    fn drop_maps_without_effect(&mut self) {}
+
+    /// Sets its part of `material`, after the core material and the extensions above it in the
+    /// list.
     fn apply(&self, material: &mut Material, textures: &mut TextureReader) -> Result<(), String>;
 }
 
-/// Reads the members of an extension of a material; the text names the material in messages.
-type ExtensionReader = fn(&::gltf::Material, &str) -> Result<Box<dyn MaterialExtension>, String>;
+/// An extension of a material, and its members that are not read.
+struct Found {
+    extension: Box<dyn MaterialExtension>,
+    unread: Vec<String>,
+}
+
+/// Reads the members of an extension of a material, by its name.
+type ExtensionReader = fn(&::gltf::Material, &str) -> Result<Found, String>;
 
 struct MaterialExtensionEntry {
     name: &'static str,
     read: ExtensionReader,
 }
 
-/// In the order in which their textures are read.
+/// In the order in which their textures are read and their parts are set.
 static MATERIAL_EXTENSIONS: &[MaterialExtensionEntry] = &[
     MaterialExtensionEntry {
         name: anisotropy::NAME,
@@ -58,29 +75,80 @@ static MATERIAL_EXTENSIONS: &[MaterialExtensionEntry] = &[
     },
     MaterialExtensionEntry {
         name: ior::NAME,
-        read: |material, _| Ok(Box::new(ior::Ior::new(material))),
+        read: members::<ior::Ior>,
+    },
+    MaterialExtensionEntry {
+        name: specular::NAME,
+        read: members::<specular::Specular>,
+    },
+    MaterialExtensionEntry {
+        name: emissive_strength::NAME,
+        read: members::<emissive_strength::EmissiveStrength>,
     },
 ];
 
-/// Reads the members of an extension that the crate `gltf` does not know.
-fn members<T>(material: &::gltf::Material, name: &str) -> Result<Box<dyn MaterialExtension>, String>
+fn members<T>(material: &::gltf::Material, name: &str) -> Result<Found, String>
 where
     T: MaterialExtension + Default + DeserializeOwned + 'static,
 {
-    let members = material
-        .extension_value(name)
-        .map(T::deserialize)
-        .transpose()
-        .map_err(|error| format!("{name} of its material: {error}"))?;
-    Ok(Box::new(members.unwrap_or_default()))
+    let Some(value) = material.extension_value(name) else {
+        return Ok(Found {
+            extension: Box::new(T::default()),
+            unread: Vec::new(),
+        });
+    };
+    let mut unread = Vec::new();
+    let members: Result<T, _> = serde_ignored::deserialize(value, |path| {
+        unread.extend(unknown_member(&path).map(|path| format!("{name}.{path}")));
+    });
+    let mut members = members.map_err(|error| {
+        let member = wrong_member::<T>(value).map_or(String::new(), |member| format!(".{member}"));
+        format!("{name}{member}: {error}")
+    })?;
+    members.drop_maps_without_effect();
+    Ok(Found {
+        extension: Box::new(members),
+        unread,
+    })
+}
+
+/// Returns a member that nothing reads; `None` for data of applications and extensions, which the
+/// file may have anywhere.
+pub fn unknown_member(path: &serde_ignored::Path) -> Option<String> {
+    let path = path.to_string();
+    let is_extra = path
+        .split('.')
+        .any(|part| matches!(part, "extras" | "extensions"));
+    (!is_extra).then_some(path)
+}
+
+/// Finds the member that does not deserialize, not even alone: all members have defaults.
+fn wrong_member<T: DeserializeOwned>(value: &Value) -> Option<&str> {
+    let members = value.as_object()?;
+    let is_wrong = |name: &&String| {
+        let alone = json!({ name.as_str(): members[name.as_str()] });
+        T::deserialize(alone).is_err()
+    };
+    members.keys().find(is_wrong).map(String::as_str)
+}
+
+/// The extensions of a material, and their members that are not read.
+#[derive(Default)]
+pub struct MaterialExtensions {
+    pub read: Vec<Box<dyn MaterialExtension>>,
+    /// As `KHR_materials_sheen.sheenColor`.
+    pub unread_members: Vec<String>,
 }
 
 /// Reads every extension of a material.
-pub fn of_material(material: &::gltf::Material) -> Result<Vec<Box<dyn MaterialExtension>>, String> {
-    MATERIAL_EXTENSIONS
-        .iter()
-        .map(|entry| (entry.read)(material, entry.name))
-        .collect()
+pub fn of_material(material: &::gltf::Material) -> Result<MaterialExtensions, String> {
+    let mut extensions = MaterialExtensions::default();
+    for entry in MATERIAL_EXTENSIONS {
+        let Found { extension, unread } = (entry.read)(material, entry.name)?;
+        extensions.read.push(extension);
+        extensions.unread_members.extend(unread);
+    }
+    Ok(extensions)
 }
 
 /// Whether the effects of an extension are read.

@@ -32,6 +32,16 @@ impl MaterialExtension for Sheen {
         vec![red, green, blue, self.sheen_roughness_factor]
     }
 
+    fn drop_maps_without_effect(&mut self) {
+        let is_black = self.sheen_color_factor == [0.0; 3];
+        if is_black {
+            self.sheen_color_texture = None;
+        }
+        if is_black || self.sheen_roughness_factor <= 0.0 {
+            self.sheen_roughness_texture = None;
+        }
+    }
+
     fn apply(&self, material: &mut Material, textures: &mut TextureReader) -> Result<(), String> {
         let roughness = f64::from(self.sheen_roughness_factor.clamp(0.0, 1.0));
         material.sheen = material::Sheen {

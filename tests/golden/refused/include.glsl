@@ -1,1 +1,0 @@
-#include "lib/no_such.glsl"

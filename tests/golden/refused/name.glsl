@@ -1,1 +1,0 @@
-vec3 reflected(Surface s) { return s.f0; }

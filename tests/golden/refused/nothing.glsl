@@ -1,3 +1,0 @@
-vec3 specular_radiance(Surface s) {
-    return nothing;
-}

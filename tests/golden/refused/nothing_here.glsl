@@ -1,3 +1,0 @@
-vec3 f(vec3 n, vec3 v, float r, vec3 f0) {
-    return nothing;
-}

@@ -1,1 +1,0 @@
-fn f(n: vec3f) -> vec3f { return n; }

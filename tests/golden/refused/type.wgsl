@@ -1,3 +1,0 @@
-fn f(n: vec3f) -> vec3f {
-    return 1.0;
-}
