@@ -213,7 +213,7 @@ impl Plan {
     pub fn columns_of<'c>(&self, cell: &'c Cell) -> Vec<(&'static str, &'c Value)> {
         self.columns
             .iter()
-            .map(|&axis| (AXES[axis].name, &cell.point.0[axis]))
+            .map(|&axis| (AXES[axis].name, &cell.point[axis]))
             .collect()
     }
 
@@ -284,7 +284,7 @@ impl Plan {
         let key = |point: &Point| {
             let sizes = AXES
                 .iter()
-                .zip(&point.0)
+                .zip(point.values())
                 .filter(|(axis, _)| axis.needs_memory);
             sizes.map(|(_, value)| value.clone()).collect::<Vec<_>>()
         };
@@ -512,7 +512,7 @@ fn cell_id(radiance: &str, reference: &str, point: &Point, ladder: Option<u32>) 
     lines.extend(ladder.map(|samples| format!("ladder={samples}")));
     let display = AXES
         .iter()
-        .zip(&point.0)
+        .zip(point.values())
         .filter(|(axis, _)| !axis.changes_radiance());
     lines.extend(display.map(|(axis, value)| format!("{}={value}", axis.name)));
     hash_lines(&lines)

@@ -346,7 +346,7 @@ fn tables(plan: &Plan, point: &Point) -> Vec<TableWork> {
 /// the mips of the images.
 fn table_key(point: &Point, table: PrecomputedTable) -> String {
     let mut key = table.name().to_owned();
-    for (axis, value) in AXES.iter().zip(&point.0) {
+    for (axis, value) in AXES.iter().zip(point.values()) {
         if axis.feeds.contains(&table) {
             let value = match value {
                 Value::Unset => (axis.default)(),

@@ -109,7 +109,7 @@ pub fn reference_picture_name(plan: &Plan, cell: &Cell) -> Option<String> {
     let id = cell.reference.as_ref()?;
     let display = AXES
         .iter()
-        .zip(&point.0)
+        .zip(point.values())
         .filter(|(axis, _)| !axis.changes_radiance());
     let display: Vec<String> = display
         .map(|(axis, value)| format!("{}{value}", axis.name))

@@ -144,7 +144,7 @@ fn timed_cells(plan: &Plan) -> Vec<&Cell> {
 /// the table has one header; values that do not matter are empty.
 fn timed_axes(cell: &Cell, phase: &str) -> Key {
     let mut values = Key::new();
-    for (axis, value) in AXES.iter().zip(&cell.point.0) {
+    for (axis, value) in AXES.iter().zip(cell.point.values()) {
         if !axis.tables_cost && !axis.frames_cost {
             continue;
         }

@@ -183,7 +183,7 @@ impl State {
         }
         let is_drawn = point.method().is_integrated() || point.diffuse().is_integrated();
         let mut point = point.collapsed();
-        for (axis, value) in AXES.iter().zip(&mut point.0) {
+        for (axis, value) in AXES.iter().zip(point.values_mut()) {
             if axis.part == Part::Display {
                 *value = Value::Unset;
             }

@@ -122,7 +122,7 @@ impl Snapshot<'_> {
     fn state(&self) -> Json {
         let axes: BTreeMap<&str, String> = AXES
             .iter()
-            .zip(&self.state.point.0)
+            .zip(self.state.point.values())
             .map(|(axis, value)| (axis.name, value.to_string()))
             .collect();
         json!({

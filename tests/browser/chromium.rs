@@ -164,6 +164,12 @@ impl Drop for Page {
 
 impl Page {
     fn call(&mut self, method: &str, parameters: Value) -> Value {
+        self.request(method, parameters)
+            .unwrap_or_else(|error| panic!("{method}: {error}"))
+    }
+
+    /// Calls a method of the protocol; its error is the browser's.
+    fn request(&mut self, method: &str, parameters: Value) -> Result<Value, Value> {
         let browser = self.browser.as_mut().unwrap();
         browser.last_id += 1;
         let mut message = json!({ "id": browser.last_id, "method": method, "params": parameters });
@@ -183,8 +189,10 @@ impl Page {
                 .recv_timeout(left)
                 .unwrap_or_else(|_| panic!("no answer to {method}"));
             if answer["id"] == browser.last_id {
-                assert!(answer["error"].is_null(), "{method}: {}", answer["error"]);
-                return answer["result"].clone();
+                return match &answer["error"] {
+                    Value::Null => Ok(answer["result"].clone()),
+                    error => Err(error.clone()),
+                };
             }
             // Messages of another test's page may still arrive.
             if answer["sessionId"].as_str() == self.session.as_deref() {
@@ -259,20 +267,27 @@ impl Page {
     }
 
     pub fn eval(&mut self, expression: &str) -> Value {
+        self.evaluate(expression)
+            .unwrap_or_else(|error| panic!("{expression}: {error}"))
+    }
+
+    /// The value of an expression, or the error of a page that navigates meanwhile.
+    fn evaluate(&mut self, expression: &str) -> Result<Value, Value> {
         let parameters =
             json!({ "expression": expression, "awaitPromise": true, "returnByValue": true });
-        let answer = self.call("Runtime.evaluate", parameters);
+        let answer = self.request("Runtime.evaluate", parameters)?;
         assert!(
             answer["exceptionDetails"].is_null(),
             "{expression}: {}",
             answer["exceptionDetails"]
         );
-        answer["result"]["value"].clone()
+        Ok(answer["result"]["value"].clone())
     }
 
+    /// Waits until an expression is true, in the open page or in the one that follows it.
     pub fn wait(&mut self, expression: &str) {
         let started = Instant::now();
-        while self.eval(expression) != json!(true) {
+        while self.evaluate(expression) != Ok(json!(true)) {
             assert!(
                 started.elapsed() < PATIENCE,
                 "never true: {expression}; errors: {:?}",

@@ -29,6 +29,7 @@ use crate::instrument::shade::frames::Frames;
 use crate::instrument::shade::{DIFFUSE, Diffuse, METHODS, Method, Shading};
 use crate::instrument::tonemap::ToneCurve;
 use std::ops::{Index, IndexMut};
+use std::sync::Arc;
 
 /// The role of an axis: which things its values distinguish.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -225,9 +226,10 @@ pub fn is_precompute(axis: &Axis) -> bool {
     axis.part == Part::Table
 }
 
-/// One value for every axis, in the order of [`AXES`].
-#[derive(Clone, Debug, PartialEq)]
-pub struct Point(pub PerAxis<Value>);
+/// One value for every axis, in the order of [`AXES`]. Copies share their values until one of them
+/// is changed, because a plan, its records and its answers each keep the point of a cell.
+#[derive(Clone, Debug, PartialEq, Eq, Hash)]
+pub struct Point(Arc<PerAxis<Value>>);
 
 impl Index<AxisId> for Point {
     type Output = Value;
@@ -239,17 +241,32 @@ impl Index<AxisId> for Point {
 
 impl IndexMut<AxisId> for Point {
     fn index_mut(&mut self, axis: AxisId) -> &mut Value {
-        &mut self.0[axis]
+        &mut self.values_mut()[axis]
     }
 }
 
 impl Default for Point {
     fn default() -> Self {
-        Self(AXES.iter().map(|axis| (axis.default)()).collect())
+        AXES.iter().map(|axis| (axis.default)()).collect()
+    }
+}
+
+impl FromIterator<Value> for Point {
+    /// The values in the order of [`AXES`].
+    fn from_iter<I: IntoIterator<Item = Value>>(values: I) -> Self {
+        Self(Arc::new(values.into_iter().collect()))
     }
 }
 
 impl Point {
+    pub fn values(&self) -> &PerAxis<Value> {
+        &self.0
+    }
+
+    pub fn values_mut(&mut self) -> &mut PerAxis<Value> {
+        Arc::make_mut(&mut self.0)
+    }
+
     pub fn get(&self, name: &str) -> &Value {
         &self[AxisId::find(name).unwrap_or_else(|| panic!("{name} is not an axis"))]
     }
@@ -300,7 +317,12 @@ impl Point {
                 _ => value.clone(),
             }
         };
-        Self(AXES.iter().zip(&self.0).map(value).collect())
+        let values: PerAxis<Value> = AXES.iter().zip(self.values()).map(value).collect();
+        if values == *self.0 {
+            self.clone()
+        } else {
+            Self(Arc::new(values))
+        }
     }
 
     fn used(&self, has_diffuse_surface: bool, has_dielectric: bool) -> Used {

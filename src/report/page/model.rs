@@ -103,7 +103,7 @@ fn page_axis(runs: &[PageRun], names: &Names, axis: AxisId) -> Option<PageAxis> 
     // Distinct by text, by which a cell's value is looked up.
     let mut distinct: IndexMap<String, &Value> = IndexMap::new();
     for cell in runs.iter().flat_map(|run| &run.finished.cells) {
-        let value = &cell.point.0[axis];
+        let value = &cell.point[axis];
         if *value == Value::Unset {
             is_everywhere = false;
             continue;

@@ -195,13 +195,11 @@ impl Finished {
 
 /// The point with these texts by axis; an invalid text leaves its axis unset.
 fn point_of(text: impl Fn(&'static str) -> Option<String>) -> Point {
-    Point(
-        AXES.iter()
-            .map(|axis| {
-                let text = text(axis.name).filter(|text| !text.is_empty());
-                text.and_then(|text| axis.kind.parse_text(&text).ok())
-                    .unwrap_or(Value::Unset)
-            })
-            .collect(),
-    )
+    AXES.iter()
+        .map(|axis| {
+            let text = text(axis.name).filter(|text| !text.is_empty());
+            text.and_then(|text| axis.kind.parse_text(&text).ok())
+                .unwrap_or(Value::Unset)
+        })
+        .collect()
 }

@@ -127,7 +127,7 @@ fn cells(
         let is_failed = row.text("verdict") == Some(FAILED);
         let is_scored = !is_failed && row.text("verdict") != Some(UNSCORED);
         let mut point = point_of(|name| Some(row.text(name)?.to_owned()));
-        for value in &mut point.0 {
+        for value in point.values_mut() {
             if let Value::Text(text) = value {
                 *value = texts
                     .entry(text.to_string())

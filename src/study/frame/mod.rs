@@ -250,7 +250,7 @@ impl Row<'_> {
     /// The values that change its linear image.
     fn radiance_key(&self) -> Key {
         AXES.iter()
-            .zip(&self.point.0)
+            .zip(self.point.values())
             .filter(|(axis, _)| axis.changes_radiance())
             .map(|(_, value)| value.clone())
             .collect()
@@ -277,7 +277,7 @@ impl Row<'_> {
 
     /// Whether the tone curve is the default.
     pub fn has_plain_curve(&self) -> bool {
-        let values = AXES.iter().zip(&self.point.0);
+        let values = AXES.iter().zip(self.point.values());
         values
             .filter(|(axis, _)| axis.part == Part::Display)
             .all(|(axis, value)| *value == (axis.default)())
@@ -378,7 +378,7 @@ impl Matching {
 
 fn set_values(rows: &[&Row], axis: AxisId) -> Vec<Value> {
     rows.iter()
-        .map(|row| row.point.0[axis].clone())
+        .map(|row| row.point[axis].clone())
         .filter(|value| *value != Value::Unset)
         .collect()
 }
@@ -436,7 +436,7 @@ fn by_size(a: &Value, b: &Value) -> std::cmp::Ordering {
 
 /// Each distinct image once; of equal images the first with a score.
 fn distinct(run: &Finished) -> Vec<Row<'_>> {
-    let mut rows: IndexMap<PerAxis<Value>, Row> = IndexMap::new();
+    let mut rows: IndexMap<Point, Row> = IndexMap::new();
     for cell in &run.cells {
         // Without methods, any parameter may change the pixels.
         let is_whole = [METHOD, DIFFUSE_METHOD]
@@ -447,7 +447,7 @@ fn distinct(run: &Finished) -> Vec<Row<'_>> {
         } else {
             cell.point.clone()
         };
-        if let Some(known) = rows.get_mut(&point.0) {
+        if let Some(known) = rows.get_mut(&point) {
             let is_better = known.cell.scores.is_none() && cell.scores.is_some();
             let other = if is_better {
                 std::mem::replace(&mut known.cell, cell)
@@ -457,7 +457,7 @@ fn distinct(run: &Finished) -> Vec<Row<'_>> {
             known.copies.push(&other.id);
         } else {
             rows.insert(
-                point.0.clone(),
+                point.clone(),
                 Row {
                     cell,
                     copies: Vec::new(),

@@ -33,7 +33,7 @@ impl Shape {
     }
 
     pub fn of_rows(run: &Finished, rows: &[Row]) -> Self {
-        let of_axis = |axis: AxisId| rows.iter().map(move |row: &Row| row.point.0[axis].clone());
+        let of_axis = |axis: AxisId| rows.iter().map(move |row: &Row| row.point[axis].clone());
         let values = AXES
             .ids()
             .map(|axis| super::distinct_in_order(of_axis(axis)))

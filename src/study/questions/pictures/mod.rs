@@ -212,12 +212,16 @@ impl<'r, 'f> Group<'r, 'f> {
     }
 }
 
-/// The picture with the largest ratio; of equal ones the one whose id comes first.
+/// The picture with the largest ratio; of equal ones the one whose values come first, as texts. An id
+/// would decide by the shaders that were compiled.
 fn worst<'r, 'f>(pictures: impl Iterator<Item = Worst<'r, 'f>>) -> Option<Worst<'r, 'f>> {
+    fn texts(picture: &Worst) -> impl Iterator<Item = String> {
+        picture.row.point.values().iter().map(Value::to_string)
+    }
     pictures.max_by(|a, b| {
         a.ratio
             .total_cmp(&b.ratio)
-            .then_with(|| b.row.cell.id.cmp(&a.row.cell.id))
+            .then_with(|| texts(b).cmp(texts(a)))
     })
 }
 
