@@ -335,7 +335,7 @@ fn values_of(config: &Config, axis: AxisId) -> Vec<&Value> {
     if config.set_aside.iter().all(|sweep| sweep.axis != axis)
         && located().all(|located| matches!(located.location, Location::Set(_)))
     {
-        known.insert(&config.base.0[axis]);
+        known.insert(&config.base[axis]);
     }
     known.into_iter().collect()
 }

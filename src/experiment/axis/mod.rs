@@ -365,12 +365,12 @@ impl Point {
     pub fn reference(&self, reference: &Reference) -> Self {
         let values = AXES
             .iter()
-            .zip(&self.0)
+            .zip(self.values())
             .map(|(axis, value)| match axis.part {
                 Part::Table => (axis.default)(),
                 _ => (axis.reference)(reference, value),
             });
-        Self(values.collect()).collapsed()
+        values.collect::<Self>().collapsed()
     }
 
     pub fn settings(&self) -> Settings {
@@ -389,7 +389,7 @@ impl Point {
             dfg: OWN.to_owned(),
             curve: ToneCurve::default(),
         };
-        for (axis, value) in AXES.iter().zip(&self.0) {
+        for (axis, value) in AXES.iter().zip(self.values()) {
             axis.set.apply(&mut settings, value);
         }
         settings

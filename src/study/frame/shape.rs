@@ -27,7 +27,7 @@ impl Shape {
             Some(sweep) => {
                 super::distinct_in_order(sweep.values.iter().map(|placed| placed.value.clone()))
             }
-            None => vec![config.base.0[axis].clone()],
+            None => vec![config.base[axis].clone()],
         };
         Self::with(config, AXES.ids().map(values).collect())
     }
