@@ -3,7 +3,7 @@
 #
 #     sh scripts/check-files.sh [FOLDER]     # keeps the files in FOLDER
 #
-# OpenImageIO, OpenEXR, ffmpeg, Radiance, libultrahdr, trimesh and pygltflib come from PyPI, Babylon.js, PlayCanvas, gainmap-js and ktx-parse
+# OpenImageIO, OpenEXR, ffmpeg, Radiance, libultrahdr, trimesh, pygltflib and VTK come from PyPI, Babylon.js, PlayCanvas, gainmap-js and ktx-parse
 # from npm, at pinned versions, in a temporary folder; the cases of exrenvmap (Debian's openexr), pfstools, node and Chromium are skipped
 # without them, and with CI set they are installed. SPLITSUM names another program than target/release/splitsum. Without Python or a
 # network the check is skipped: one line, exit status 77.
@@ -29,7 +29,7 @@ files=${1:-$work/files}
 mkdir -p "$files"
 python3 -m venv "$work/venv"
 "$work/venv/bin/pip" install -q --disable-pip-version-check OpenImageIO==3.2.2.0 OpenEXR==3.5.3 imageio-ffmpeg==0.8.1 pyradiance==1.3.1 \
-    imagecodecs==2026.3.6 trimesh==5.2.0 pygltflib==1.16.5 pillow==13.0.0 ||
+    imagecodecs==2026.3.6 trimesh==5.2.0 pygltflib==1.16.5 pillow==13.0.0 vtk==9.7.1 PyOpenGL==3.1.10 ||
     skip "pip cannot install the programs (no network?)"
 set -- "$program" "$files"
 if has_command npm; then

@@ -13,7 +13,6 @@
 #     docs/bakes.md          Checked in other programs  pictures of other programs, by scripts/check-clients.sh
 #     docs/bibliography.md                          titles
 #     docs/bringing-maps.md                         files and programs by hand and by scripts/check-files.sh
-#     docs/coat.md           Filament as it runs    spheres of scripts/engines
 #     docs/columns.md                               definitions
 #     docs/conventions.md                           definitions
 #     docs/estimators.md                            algebra and constants of sources

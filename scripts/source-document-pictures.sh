@@ -1,11 +1,12 @@
 #!/bin/sh
-# Renders the figures of source document 0, with labels. Needs ImageMagick.
+# Renders the figures of the source documents, with labels. Needs ImageMagick.
 #
 #     sh scripts/source-document-pictures.sh [PROGRAM [FOLDER]]     # default: target/release/splitsum docs
 #
 # docs/document-samples.png: a metallic model without a specular term, by 5, 30 and 100 samples, without and with the mip filter.
 # docs/document-display.png: a model that reflects all light, by exposure and by contrast.
 # docs/document-models.png: the grid of spheres by roughness and metallic, by the three BRDF models.
+# docs/document-lights.png: direct lights alone, the environment alone, and both, by the three BRDF models.
 set -eu
 cd "$(dirname "$0")/.."
 program=${1:-target/release/splitsum}
@@ -71,3 +72,20 @@ for brdf in ggx beckmann phong; do
     render $brdf.png $brdf --scene spheres --size 320x192 --brdf $brdf --method reference --samples 1024
 done
 column document-models ggx beckmann phong
+
+# Lights alone are in an environment a millionth as bright.
+dark="--scale 0.000001"
+sun="--light directional:direction=-1,-1,-1.5:intensity=4"
+point="--light point:position=1.6,1,1.6:color=1,0.6,0.3:intensity=8"
+spot="--light spot:position=-1.5,2.5,3:direction=1.5,-2.4,-3:color=0.5,0.7,1:intensity=90:inner_deg=9:outer_deg=13"
+body="--scene shader-ball --camera perspective --rotate 120 --size 176x176 --albedo 0.8,0.3,0.2 --metallic 0 --perceptual-roughness 0.4"
+# shellcheck disable=SC2086 # options
+for brdf in ggx beckmann phong; do
+    render $brdf-sun.png "$brdf, directional" $body --brdf $brdf --method split-sum $dark $sun
+    render $brdf-point.png "$brdf, point" $body --brdf $brdf --method split-sum $dark $point
+    render $brdf-spot.png "$brdf, spot" $body --brdf $brdf --method split-sum $dark $spot
+    render $brdf-image.png "$brdf, environment" $body --brdf $brdf --method split-sum
+    render $brdf-both.png "$brdf, all" $body --brdf $brdf --method split-sum $sun $point $spot
+    row $brdf-lights $brdf-sun $brdf-point $brdf-spot $brdf-image $brdf-both
+done
+column document-lights ggx-lights beckmann-lights phong-lights

@@ -14,7 +14,7 @@ cd "$(dirname "$0")/.."
 . scripts/setup.sh
 . scripts/lights.sh
 
-set_names="quick front break-even source-document-0 printed-document-0 level-bias diffuse tables ladder split-sums pictures coat anisotropy anisotropy-albedo anisotropy-laws sheen lobes temporal ghosts exposure-and-contrast better-method timing"
+set_names="quick front break-even source-document-0 printed-document-0 level-bias diffuse tables ladder split-sums pictures coat anisotropy anisotropy-albedo anisotropy-laws sheen lobes temporal ghosts exposure-and-contrast direct-and-image better-method timing"
 runs=runs/standard
 results=results
 while [ $# -gt 0 ]; do

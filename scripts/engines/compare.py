@@ -1,6 +1,8 @@
 """Compares the pictures of run.sh with `reference` and with our model of each engine; writes results/engines.
 
 Arguments: FOLDER of run.sh, --splitsum PROGRAM, --out DIR. Pictures of splitsum are kept in FOLDER/ours and reused.
+With --check PERCENT in place of --out it fails if the mean of a picture is further from its model, or a pixel in the mean
+by eight times as much.
 """
 import argparse
 import csv
@@ -38,17 +40,17 @@ ENGINES = {
     "babylon": {
         "title": "Babylon.js 9.35.0", "brdf": "--masking correlated --compensation turquin", "widths": "gltf",
         "model": f"--method file:{HERE}/babylon/model.glsl {CUBE.replace('irradiance-map', 'sh9')}",
-        "coat": "--coat-renderer three", "lowers_f0": True, "lacks": ["anisotropic"],
+        "coat": "--coat-renderer babylon", "lacks": ["anisotropic"],
     },
     "playcanvas": {
         "title": "PlayCanvas 2.23.3", "brdf": "--masking correlated", "widths": "gltf",
         "model": f"--method file:{HERE}/playcanvas/model.glsl {CUBE}",
-        "bend": "--bend playcanvas", "coat": "--coat-renderer filament", "lacks": ["anisotropic"],
+        "bend": "--bend playcanvas", "coat": "--coat-renderer khronos", "lacks": ["anisotropic"],
     },
     "filament": {
         "title": "Filament (Open3D 0.20.0)", "brdf": "--masking correlated --compensation turquin", "widths": "kulla",
         "model": f"--method split-sum-filament {CUBE.replace('irradiance-map', 'sh9').replace('count 6', 'count 5')} --level-mapping quadratic --dfg centres --dfg-size 128",
-        "coat": "--coat-renderer filament", "lowers_f0": True, "roughens_base": True,
+        "coat": "--coat-renderer filament",
     },
     "vtk": {
         "title": "VTK 9.7.1", "brdf": "--masking schlick --compensation fdez-aguera", "widths": "kulla",
@@ -61,6 +63,14 @@ PAGE = """# Spheres in real engines
 Written by `scripts/engines/compare.py` from pictures of `scripts/engines/run.sh` ([how each engine runs](../../scripts/engines/README.md)).
 
 {remark}
+## How far from the truth, and why
+
+Percent rms, medians over roughness. Metal, plastic and coated: pictures under the marker and the studio. *Lookup*: our model of the engine, with
+exact maps, to the truth. *Bake*: the picture to our model, where the engine's maps alone differ. Both of metals. *Factors*: metals and black
+dielectrics in constant light, where no lookup errs: the table of A and B, and the formula around it.
+
+{answer}
+
 ## By engine
 
 Medians over the maps but `constant`, and over roughness; rms is the root of relMSE. *Truth*: `reference` with the masking, compensation and
@@ -122,11 +132,6 @@ def reference(ours, sphere, engine):
     return ours.picture(sphere, f"{flags} {surface(sphere, engine)}")
 
 
-def under_coat(f0):
-    """F0 of a metal below a coat of index 1.5: f0ClearCoatToSurface of Filament, getR0RemappedForClearCoat of Babylon.js."""
-    return min(max(f0 * (f0 * (0.941892 - 0.263008 * f0) + 0.346479) - 0.0285998, 0), 1)
-
-
 def model(ours, sphere, engine):
     """Our picture of the engine's, or None if we have no model."""
     if "model" not in engine or sphere["material"] in engine.get("lacks", []):
@@ -137,10 +142,6 @@ def model(ours, sphere, engine):
         flags = f"{flags.replace(method, 'split-sum-bent')} {engine['bend']}"
     if "coat" in sphere:
         flags += f" {engine['coat']}"
-        if engine.get("lowers_f0"):
-            sphere = sphere | {"base_color": [under_coat(f0) for f0 in sphere["base_color"]]}
-        if engine.get("roughens_base"):
-            sphere = sphere | {"roughness": max(sphere["roughness"], sphere["coat_roughness"])}
     return ours.picture(sphere, f"{flags} {surface(sphere, engine)}")
 
 
@@ -160,7 +161,7 @@ def scores(found, truth, mean):
     return found.mean() / truth.mean(), np.mean((found - truth) ** 2 / (truth**2 + 0.01 * mean**2))
 
 
-def compare(folder, program, names):
+def compare(folder, program, names, with_reference):
     listed = json.loads((folder / "spheres.json").read_text())
     ours, mask = Ours(program, folder, listed["size"]), inner(listed["size"])
     means = {name: mean_luminance(folder / "maps" / f"{name}.exr") for name in listed["maps"]}
@@ -171,11 +172,16 @@ def compare(folder, program, names):
             if not path.exists():
                 continue
             found, mean = read(path)[mask], means[sphere["map"]]
-            truth, modelled = reference(ours, sphere, engine)[mask], model(ours, sphere, engine)
+            modelled = model(ours, sphere, engine)
             row = {"engine": name, "version": engine["title"], **{key: sphere[key] for key in ("material", "map", "roughness")}}
-            pairs = {"": (found, truth)}
+            pairs = {}
             if modelled is not None:
-                pairs |= {"_to_model": (found, modelled[mask]), "_of_model": (modelled[mask], truth)}
+                pairs["_to_model"] = (found, modelled[mask])
+            if with_reference:
+                truth = reference(ours, sphere, engine)[mask]
+                pairs[""] = (found, truth)
+                if modelled is not None:
+                    pairs["_of_model"] = (modelled[mask], truth)
             for suffix in ("", "_to_model", "_of_model"):
                 ratio, relmse = scores(*pairs[suffix], mean) if suffix in pairs else (None, None)
                 row |= {f"mean_ratio{suffix}": ratio, f"relmse{suffix}": relmse}
@@ -184,12 +190,58 @@ def compare(folder, program, names):
     return rows
 
 
+def check(rows, percent):
+    """Prints a line a picture that has a model; returns whether all are close to it. A turned or mirrored map, another scale
+    or another SH moves a picture by far more."""
+    passed = True
+    for row in [row for row in rows if row["mean_ratio_to_model"] is not None]:
+        off, rms = 100 * abs(row["mean_ratio_to_model"] - 1), 100 * row["relmse_to_model"] ** 0.5
+        is_close = off <= percent and rms <= 8 * percent
+        passed &= is_close
+        what = f"{row['version']}: {row['map']}, {row['material']}, roughness {row['roughness']:g}"
+        print(f"{'PASSED' if is_close else 'FAILED'} {what}: mean {off:.2f} % off, {rms:.1f} % rms")
+    return passed
+
+
 def text(value):
     return "" if value is None else f"{value:.5g}" if isinstance(value, float) else str(value)
 
 
 def percent(values):
     return f"{100 * statistics.median(values):.2g}" if values else ""
+
+
+# The columns of answer.csv after engine and version: rms in percent, medians over roughness. `lookup` is of our model to the truth,
+# `bake` of the picture to our model, both of metals under lit maps; `factors` of the picture to the truth in constant light, where every
+# lookup is right: the table of A and B and the formula around it.
+ANSWER = EXPLAINED + ["lookup", "bake", "factors"]
+
+
+def answer(rows):
+    """What answer.csv says of each engine."""
+    found = []
+    for name, engine in ENGINES.items():
+        own = [row for row in rows if row["engine"] == name]
+        if not own:
+            continue
+        lit = [row for row in own if row["map"] != "constant"]
+        metals = [row for row in lit if row["material"] == "metal"]
+        chosen = {material: ("relmse", [row for row in lit if row["material"] == material]) for material in EXPLAINED}
+        chosen |= {"lookup": ("relmse_of_model", metals), "bake": ("relmse_to_model", metals)}
+        plain = [row for row in own if row["map"] == "constant" and row["material"] in ("metal", "dielectric")]
+        chosen["factors"] = ("relmse", plain)
+        shares = {
+            column: percent([row[key] ** 0.5 for row in part if row[key] is not None]) for column, (key, part) in chosen.items()
+        }
+        found.append({"engine": name, "version": engine["title"], **shares})
+    return found
+
+
+def answer_table(rows):
+    """Markdown of answer.csv."""
+    lines = [f"| engine | {' | '.join(ANSWER)} |", "|---|" + "---:|" * len(ANSWER)]
+    lines += [f"| {line['version']} | {' | '.join(line[column] for column in ANSWER)} |" for line in answer(rows)]
+    return "\n".join(lines)
 
 
 def table(rows):
@@ -239,20 +291,28 @@ def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("folder", type=pathlib.Path)
     parser.add_argument("--splitsum", required=True)
-    parser.add_argument("--out", type=pathlib.Path, required=True)
+    wanted = parser.add_mutually_exclusive_group(required=True)
+    wanted.add_argument("--out", type=pathlib.Path)
+    wanted.add_argument("--check", type=float, metavar="PERCENT")
     parser.add_argument("--engine", action="append", choices=ENGINES, help="these alone")
     arguments = parser.parse_args()
-    rows = compare(arguments.folder, arguments.splitsum, arguments.engine or list(ENGINES))
+    rows = compare(arguments.folder, arguments.splitsum, arguments.engine or list(ENGINES), arguments.check is None)
     if not rows:
         parser.error(f"{arguments.folder} has no pictures: run scripts/engines/run.sh first")
+    if arguments.check is not None:
+        raise SystemExit(not check(rows, arguments.check))
     arguments.out.mkdir(parents=True, exist_ok=True)
     with open(arguments.out / "spheres.csv", "w", newline="") as file:
         writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
         writer.writeheader()
         writer.writerows({key: text(value) for key, value in row.items()} for row in rows)
+    with open(arguments.out / "answer.csv", "w", newline="") as file:
+        writer = csv.DictWriter(file, ["engine", "version", *ANSWER], lineterminator="\n")
+        writer.writeheader()
+        writer.writerows(answer(rows))
     listed = json.loads((arguments.folder / "spheres.json").read_text())
     remark = arguments.out / "remark.md"
-    page = PAGE.format(remark=remark.read_text() if remark.exists() else "", table=table(rows), error=f"{100 * REFERENCE_ERROR:g}", size=listed["size"], map=listed["maps"][-1])
+    page = PAGE.format(remark=remark.read_text() if remark.exists() else "", answer=answer_table(rows), table=table(rows), error=f"{100 * REFERENCE_ERROR:g}", size=listed["size"], map=listed["maps"][-1])
     (arguments.out / "README.md").write_text(page)
     picture(arguments.folder, Ours(arguments.splitsum, arguments.folder, listed["size"]), arguments.out / "spheres.png")
 

@@ -3,6 +3,7 @@
 import json
 import shutil
 import subprocess
+import sys
 import threading
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
@@ -89,8 +90,9 @@ class Browser:
         browser = next((name for name in BROWSERS if shutil.which(name)), None)
         if self.packages is None or browser is None:
             return
-        marked = np.concatenate([marker.marker(), np.ones((marker.HEIGHT, marker.WIDTH, 1), np.float32)], -1)
-        Path("g.raw").write_bytes(marked.tobytes())
+        for name, image in (("g.raw", marker.marker()), ("lamps.raw", marker.lamps())):
+            with_alpha = np.concatenate([image, np.ones((marker.HEIGHT, marker.WIDTH, 1), np.float32)], -1)
+            Path(name).write_bytes(with_alpha.tobytes())
         shutil.copy(Path(__file__).with_name("writers.js"), self.packages)
         self.node(BUNDLE, str(Path("writers.js").resolve()))
         Path("writers.html").write_text("<!doctype html><meta charset=utf-8><body><script type=module src=writers.js></script>")
@@ -115,9 +117,9 @@ class Browser:
         return name
 
 
-def judged(reader, file, *flags):
+def judged(reader, file, *flags, environment="g.exr"):
     """What check-bake says of a file."""
-    done = reader.run("check-bake", *flags, f"specular={file}", "--environment", "g.exr", "--json")
+    done = reader.run("check-bake", *flags, f"specular={file}", "--environment", environment, "--json")
     if not done.stdout:
         raise Wrong(done.stderr)
     return json.loads(done.stdout)
@@ -125,6 +127,11 @@ def judged(reader, file, *flags):
 
 def rms(judgement, level):
     return 100 * judgement["levels"][level]["relmse"] ** 0.5
+
+
+def causes(judgement):
+    """What the verdict names, one sentence."""
+    return "; ".join(cause["words"] for cause in judgement["causes"])
 
 
 def expect(is_right, found):
@@ -151,6 +158,23 @@ def cases(reader, packages):
         first, wide = rms(found, 0), rms(found, 3)
         return expect(first < 2 and wide < 5, f"{first:.2g} %, {wide:.2g} %")
 
+    def widths():
+        """Levels of roughness 2k/11 that are read at k/5."""
+        texels = np.frombuffer(Path(browser.file("playcanvas-lamps.rgba")).read_bytes(), np.uint8).reshape(ATLAS_SIDE, ATLAS_SIDE, 4)
+        Image.fromarray(texels, "RGBA").save("playcanvas-lamps.png")
+        found = causes(judged(reader, "playcanvas-lamps.png", environment="lamps.exr"))
+        return expect("roughness k/(n - 1/2)" in found, found)
+
+    def vtk():
+        """Widths k/5 of levels that are read at k/4, by samples that read a lat-long map's mips 1.79 levels too blurred."""
+        script = Path(__file__).with_name("vtk_levels.py")
+        done = subprocess.run([sys.executable, script, "small-lamps.hdr", "vtk"], capture_output=True, text=True, timeout=300)
+        if done.returncode != 0:
+            raise Skipped(f"VTK has no driver: {done.stderr[-200:]}")
+        found = judged(reader, "vtk", "--preset", "vtk", environment="small-lamps.hdr")
+        named = ["roughness k/n, and read at k/(n - 1)", "mips of the lat-long map"]
+        return expect(all(words in causes(found) for words in named), causes(found))
+
     def cube():
         browser.node(KTX, str(Path("ktx-parse.ktx2").resolve()))
         return "ktx-parse.ktx2"
@@ -160,6 +184,8 @@ def cases(reader, packages):
         Check("Babylon.js .env by check-bake", lambda: env("babylon-png.env"), "levels 0 and 3 within 2 %, SH within 1 %"),
         Check("Babylon.js .env of WebP by check-bake", lambda: env("babylon-webp.env"), "levels 0 and 3 within 2 %, SH within 1 %"),
         Check("PlayCanvas atlas by check-bake", atlas, "level 0 within 2 %, level 3 within 5 %"),
+        Check("PlayCanvas' widths by check-bake", widths, "k/(n - 1/2)"),
         Case("gainmap-js JPEG", lambda: browser.file("gainmap.jpg"), tolerance=0.05),
+        Check("VTK's levels by check-bake", vtk, "k/n, and coarse mips of the lat-long map"),
         Case("ktx-parse cube", cube, says="+x+y+z"),
     ]

@@ -63,7 +63,7 @@ class Reader:
     program: Path
 
     def run(self, *arguments):
-        return subprocess.run([self.program, *arguments], capture_output=True, text=True, timeout=100)
+        return subprocess.run([self.program, *arguments], capture_output=True, text=True, timeout=300)
 
     def numbers(self, environment, flags=()):
         """Mean and slopes of an environment, and the messages."""

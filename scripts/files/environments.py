@@ -20,6 +20,9 @@ def sources():
     """Writes the maps that the programs start from."""
     openexr("g.exr", {"RGB": marker.marker()})
     openexr("sun.exr", {"RGB": marker.sun()})
+    openexr("lamps.exr", {"RGB": marker.lamps()})
+    openexr("small-lamps.exr", {"RGB": marker.lamps(128, 64)})
+    oiiotool("small-lamps.exr", "-o", "small-lamps.hdr")
     openexr("low-sun.exr", {"RGB": marker.sun(radiance=1000.0, sky=0.0)})
     dome = marker.marker()
     dome[marker.HEIGHT // 2:] = 0

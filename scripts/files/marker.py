@@ -54,6 +54,16 @@ def marker(width=WIDTH, height=HEIGHT):
     return (MEAN + directions(width, height) @ SLOPES.T).astype(np.float32)
 
 
+def lamps(width=WIDTH, height=HEIGHT):
+    """Ten lamps of some degrees, one near each pole, on a dim sky: what mips that are too coarse blur."""
+    k = np.arange(10)
+    towards = np.stack([np.cos(2.4 * k), 0.9 - 0.2 * k, np.sin(2.4 * k)], -1)
+    towards /= np.linalg.norm(towards, axis=-1, keepdims=True)
+    to_sky = directions(width, height)
+    glow = np.exp(200 * (to_sky @ towards.T - 1)).sum(-1)
+    return (glow[..., None] * [40.0, 35.0, 30.0] + 1.8 + 1.2 * to_sky[..., 1:2]).astype(np.float32)
+
+
 def sun(radiance=100000.0, sky=SKY, degrees=12.0):
     is_sun = directions() @ [1.0, 0.0, 0.0] > math.cos(math.radians(degrees))
     return np.where(is_sun[..., None], radiance, sky).astype(np.float32) * np.ones(3, np.float32)

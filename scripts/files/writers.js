@@ -14,6 +14,7 @@ import * as THREE from 'three';
 const fetched = async (name) => new Uint8Array(await (await fetch(name)).arrayBuffer());
 const [width, height] = [256, 128];
 const floats = new Float32Array((await fetched('g.raw')).buffer);
+const lamps = new Float32Array((await fetched('lamps.raw')).buffer);
 const canvas = () => document.createElement('canvas');
 
 // A map prefiltered by Babylon.js; the type names the pictures in the file.
@@ -26,12 +27,12 @@ const babylon = async (imageType) => {
 };
 
 // The texels of an atlas, four bytes each.
-const playCanvas = async () => {
+const playCanvas = async (radiance) => {
     const { graphicsDevice: device } = new pc.Application(canvas(), {});
     const source = new pc.Texture(device, {
         width, height, format: pc.PIXELFORMAT_RGBA32F, projection: pc.TEXTUREPROJECTION_EQUIRECT,
         mipmaps: false, addressU: pc.ADDRESS_REPEAT, addressV: pc.ADDRESS_CLAMP_TO_EDGE,
-        minFilter: pc.FILTER_NEAREST, magFilter: pc.FILTER_NEAREST, levels: [floats],
+        minFilter: pc.FILTER_NEAREST, magFilter: pc.FILTER_NEAREST, levels: [radiance],
     });
     const atlas = pc.EnvLighting.generateAtlas(pc.EnvLighting.generateLightingSource(source));
     return new Uint8Array(await atlas.read(0, 0, atlas.width, atlas.height));
@@ -56,7 +57,8 @@ const within = (seconds, promise) => Promise.race([
 const writers = {
     'babylon-png.env': () => babylon('image/png'),
     'babylon-webp.env': () => babylon('image/webp'),
-    'playcanvas.rgba': playCanvas,
+    'playcanvas.rgba': () => playCanvas(floats),
+    'playcanvas-lamps.rgba': () => playCanvas(lamps),
     'gainmap.jpg': gainMap,
 };
 for (const [name, write] of Object.entries(writers)) {
