@@ -44,7 +44,7 @@ turns = np.array([[[np.cos(t), 0, -np.sin(t)], [0, 1, 0], [np.sin(t), 0, np.cos(
 n, v = normals @ turns, np.array([[0, 0, 1.0]]) @ turns
 exact = splitsum.integrate(light.numpy(), n=n, v=v, alpha=truth**2, f0=F0, masking="correlated", tolerance=1e-3)
 n, v, photos = (torch.from_numpy(values).float() for values in (n, v, exact["specular"]))
-_, rows = plt.subplots(2, 4, figsize=(12, 6.6), layout="constrained")
+_, rows = plt.subplots(2, 4, figsize=(12, 7), layout="compressed")
 for axes, known in zip(rows, (True, False)):
     answers = {name: fit(method, known) for method, name in METHODS.items()}
     for panel, (name, (roughness, f0, error)) in zip(axes, {"truth": (truth, F0, 0), **answers}.items()):

@@ -59,12 +59,14 @@ fn spacing(mapping: Mapping, levels: i64) -> PyResult<LevelSpacing> {
     match mapping {
         Mapping::Name(name) => {
             let (mapping, level_count) = mapped(&name, levels)?;
-            Ok(LevelSpacing::Mapped {
+            Ok(LevelSpacing {
                 mapping,
                 level_count,
             })
         }
-        Mapping::Roughnesses(roughnesses) => LevelSpacing::listed(roughnesses).map_err(value_error),
+        Mapping::Roughnesses(roughnesses) => {
+            LevelSpacing::listed(&roughnesses).map_err(value_error)
+        }
     }
 }
 
@@ -86,7 +88,7 @@ fn mapped(mapping: &str, levels: i64) -> PyResult<(&'static LevelMapping, u32)> 
 #[pyfunction]
 pub fn level_alphas(mapping: Mapping, levels: i64) -> PyResult<Vec<f64>> {
     let spacing = spacing(mapping, levels)?;
-    Ok((0..spacing.level_count())
+    Ok((0..spacing.level_count)
         .map(|level| spacing.alpha_from_level(level.into()))
         .collect())
 }
@@ -94,7 +96,7 @@ pub fn level_alphas(mapping: Mapping, levels: i64) -> PyResult<Vec<f64>> {
 /// Returns the bend of a named mapping, whose level is `r (1 + bend (1 - r)) (levels - 1)`.
 #[pyfunction]
 pub fn level_bend(mapping: String) -> PyResult<f64> {
-    Ok(parse::<LevelMapping>(&mapping)?.bend)
+    Ok(parse::<LevelMapping>(&mapping)?.bend())
 }
 
 /// Returns the factor of each degree by which a level of a width is made, to the degree that matters

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 import splitsum
-from conftest import MAP
+from conftest import MAP, directions
 
 torch = pytest.importorskip("torch")
 import splitsum.torch as st
@@ -56,6 +56,27 @@ def test_levels_of_a_cube():
         assert (of_cube - of_map).abs().max() < 2e-3 * of_map.max()
 
 
+def test_spherical_harmonics():
+    """The addition theorem for every degree, and the first harmonics. The prefilter only scales each."""
+    found = st.spherical_harmonics(5, (16, 8)).flatten(1)
+    d = torch.from_numpy(directions(8, 16).reshape(-1, 3))
+    cos = d @ d.T
+    before, legendre = torch.zeros_like(cos), torch.ones_like(cos)
+    for l in range(6):
+        one = found[l * l : (l + 1) ** 2]
+        torch.testing.assert_close(one.T @ one, (2 * l + 1) / (4 * np.pi) * legendre)
+        before, legendre = legendre, ((2 * l + 1) * cos * legendre - l * before) / (l + 1)
+    x, y, z = (3 / (4 * np.pi)) ** 0.5 * d.T
+    torch.testing.assert_close(found[1:4], torch.stack([x, y, -z]))
+    wide = st.spherical_harmonics(3, (512, 256))
+    for k in (2, 6, 11, 13):
+        (level,) = st.prefilter(1 + 0.3 * wide[k][..., None].expand(-1, -1, 3), 0.2, layout="equirect", size=(16, 8))
+        expected = found[k]
+        factor = (level[..., 0].flatten() - 1) @ expected / (0.3 * expected @ expected)
+        assert 0.5 < factor < 1
+        torch.testing.assert_close(level[..., 0].flatten(), 1 + 0.3 * factor * expected, atol=1e-3, rtol=0)
+
+
 @pytest.mark.parametrize("layout", ["cube", "equirect"])
 @pytest.mark.parametrize("shape", [(8, 16, 3), (6, 4, 4, 3)])
 def test_gradients_of_levels(layout, shape):
@@ -90,17 +111,26 @@ def test_gradients_of_pixels(method, mapping, layout):
     assert torch.autograd.gradcheck(lambda *levels: st.shade(levels, *pixels, method, tables), levels, fast_mode=True)
 
 
-@pytest.mark.parametrize(("layout", "masking"), [("cube", "correlated"), ("equirect", "separable")])
-def test_pixels_of_the_program(program, tmp_path, layout, masking):
-    """The same maps in the renderer, whose levels from 1 on are these; its mirror is another filter."""
+@pytest.mark.parametrize(
+    ("layout", "masking", "mapping", "roughnesses"),
+    [
+        ("cube", "correlated", "linear", (0.5, 0.8)),
+        ("equirect", "separable", "linear", (0.5, 0.8)),
+        # The first level of the list has a width, so its filter is the same.
+        ("cube", "correlated", [0.1, 0.4, 0.6, 1.0], (0.12, 0.2, 0.7)),
+    ],
+)
+def test_pixels_of_the_program(program, tmp_path, layout, masking, mapping, roughnesses):
+    """The same maps in the renderer, whose levels are these; its mirror is another filter."""
     side, size = 48, (64, 64) if layout == "cube" else (128, 64)
     n, mask = sphere(side)
-    levels = st.prefilter(golden_map(), levels=4, layout=layout, size=size)
-    tables = st.Tables(4, masking=masking)
+    levels = st.prefilter(golden_map(), levels=4, mapping=mapping, layout=layout, size=size)
+    tables = st.Tables(4, mapping, masking=masking)
     flags = ["--environment", MAP, "--layout", layout, "--masking", masking, "--size", f"{side}x{side}"]
     flags += ["--prefilter-size", f"{size[0]}x{size[1]}", "--prefilter-level-count", "4", "--diffuse", "none"]
+    flags += ["--level-mapping", mapping if isinstance(mapping, str) else ":".join(map(str, mapping))]
     for method in st.METHODS:
-        for roughness, f0 in ((0.5, 1.0), (0.8, 0.04)):
+        for roughness, f0 in zip(roughnesses, (1.0, 0.04, 0.5)):
             shading = [
                 "--method",
                 method,
@@ -273,6 +303,12 @@ NAN_MAP[2, 5, 0] = float("nan")
             lambda: st.EnvironmentLight(torch.ones(6, 32, 32, 3)),
             r"base: its shape is \(6, 32, 32, 3\); expected a cube",
         ),
+        (
+            lambda: st.EnvironmentLight(torch.full((6, 64, 64, 3), float("nan"))),
+            r"base: 73728 NaN or infinite values, the first at \[0, 0, 0, 0\]",
+        ),
+        (lambda: st.EnvironmentLight(torch.ones(6, 64, 64, 3), "reference"), 'method: "reference" has no gradients here'),
+        (lambda: st.spherical_harmonics(-1, (8, 4)), "degree -1, size 8x4: expected a degree from 0 on"),
     ],
 )
 def test_bad_input(call, words):

@@ -12,10 +12,11 @@ try:
 except ImportError as error:
     raise ImportError("splitsum.torch needs PyTorch: install torch") from error
 
+from .harmonics import spherical_harmonics
 from .light import EnvironmentLight
 from .prefiltering import prefilter
 from .shading import LOOKUPS, Tables, prepare, shade
 
 METHODS = tuple(LOOKUPS)
 
-__all__ = ["METHODS", "EnvironmentLight", "Tables", "prefilter", "prepare", "shade"]
+__all__ = ["METHODS", "EnvironmentLight", "Tables", "prefilter", "prepare", "shade", "spherical_harmonics"]

@@ -102,6 +102,28 @@ def _apply(values: Tensor, itself: Callable, transpose: Callable) -> Tensor:
     return torch.view_as_complex(found.reshape(*found.shape[:2], 3, 2))
 
 
+def spherical_harmonics(degree: int, size: tuple[int, int]) -> Tensor:
+    """Evaluates the real, orthonormal spherical harmonics up to a degree at the texels of an equirectangular map of this size.
+
+    Returns float64, ((degree + 1)², h, w): Y_lm has the index l (l + 1) + m, and y, up, is the polar axis. With φ = 2π u
+    and θ = π v, orders m > 0 are √2 P_lm(cos θ) cos(m φ), orders m < 0 have the sine of |m| φ in place of the cosine. A
+    light of coefficients c, one a channel, is `torch.einsum("kc,khw->hwc", c, found)`.
+    """
+    width, height = size
+    if degree < 0 or min(size) < 1:
+        raise ValueError(f"degree {degree}, size {width}x{height}: expected a degree from 0 on and one texel or more")
+    orders = torch.arange(degree + 1, dtype=torch.float64)
+    legendre = LegendreTransform(degree, height, orders.device).block(0, degree + 1)
+    phi = orders[:, None] * ((torch.arange(width, dtype=torch.float64) + 0.5) * (2 * math.pi / width))
+    found = torch.empty((degree + 1) ** 2, height, width, dtype=torch.float64)
+    for m in range(degree + 1):
+        middle = torch.arange(m, degree + 1).square() + torch.arange(m, degree + 1)
+        rows = (2**0.5 if m else 1.0) * legendre[m, m:, :, None]
+        found[middle - m] = rows * phi[m].sin()
+        found[middle + m] = rows * phi[m].cos()
+    return found
+
+
 def analyse(image: Tensor, degree: int) -> Tensor:
     """Computes the coefficients of a map (h, w, 3) up to a degree."""
     rows = _weighted_rows(_row_spectra(image, degree), degree)

@@ -9,7 +9,7 @@ from torch import Tensor
 
 from . import checks
 from .prefiltering import prefilter
-from .shading import Tables, normalise, prepare, shade
+from .shading import Tables, check_method, normalise, prepare, shade
 
 ROUGHNESS_MIN = 0.08
 ROUGHNESS_MAX = 0.5
@@ -29,6 +29,7 @@ class EnvironmentLight(torch.nn.Module):
 
     def __init__(self, base: Tensor, method: str = "split-sum-two"):
         super().__init__()
+        check_method(method)
         base = checks.map_level("base", base)
         side = base.shape[1]
         if base.ndim != 4 or side < 4 * SIDE_MIN or side & (side - 1):

@@ -146,8 +146,7 @@ def shade(
     "split-sum-one", "split-sum-two" or "split-sum-four". `tables` are for the map's levels; the default is
     `Tables(len(levels))`.
     """
-    if method not in LOOKUPS:
-        raise ValueError(f'method: "{method}" has no gradients here; expected one of {", ".join(LOOKUPS)}')
+    check_method(method)
     levels = prepare(levels)
     tables = tables or _default_tables(len(levels.shapes))
     if tables.level_count != len(levels.shapes):
@@ -170,6 +169,11 @@ def shade(
             mean = mean + weight * levels.lookup(torch.lerp(n, r, place), level[:, 0])
         mean = mean.clamp(min=0)
     return (mean * (f0 * a + b)).reshape(shape)
+
+
+def check_method(method: str) -> None:
+    if method not in LOOKUPS:
+        raise ValueError(f'method: "{method}" has no gradients here; expected one of {", ".join(LOOKUPS)}')
 
 
 def prepare(levels: Sequence[Tensor] | Levels) -> Levels:
