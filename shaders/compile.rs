@@ -33,13 +33,14 @@ mod specialization;
 const HOST_FOLDERS: [&str; 2] = ["base", "instrument"];
 
 /// The parts of these folders that work on finished images, and the f64 twins.
-const HOST_EXCLUDED: [&str; 10] = [
+const HOST_EXCLUDED: [&str; 11] = [
     "instrument/ladder",
     "instrument/metrics",
     "instrument/pipeline/frames.rs",
     "instrument/pipeline/ladder.rs",
     "instrument/pipeline/reprojection.rs",
     "instrument/shade/diffuse",
+    "instrument/shade/lights.rs",
     "instrument/shade/method",
     "instrument/shade/reference.rs",
     "instrument/shade/twin.rs",
@@ -188,26 +189,51 @@ fn layout_text() -> String {
 
 /// Returns the path and the text of the declaration of each specialization constant.
 fn specialization_texts() -> impl Iterator<Item = (String, String)> {
-    specialization::ALL
-        .iter()
-        .enumerate()
-        .map(|(id, constant)| {
-            let path = format!("generated/specialization/{}.glsl", constant.name);
-            let name = constant.name.to_uppercase();
-            let (ty, default) = match constant.default {
-                constants::Value::Float(x) => ("float", format!("{x:e}")),
-                constants::Value::Uint(x) => ("uint", format!("{x}u")),
-            };
-            let text = format!(
-                "// Written by shaders/compile.rs from src/base/glsl/specialization.rs.\n\
-             #ifdef GL_ES\n\
-             uniform {ty} {name};\n\
-             #else\n\
-             layout(constant_id = {id}) const {ty} {name} = {default};\n\
-             #endif\n"
-            );
-            (path, text)
-        })
+    let mut next_id = 0;
+    specialization::ALL.iter().map(move |constant| {
+        let path = format!("generated/specialization/{}.glsl", constant.name);
+        let text = specialization_text(constant, next_id);
+        next_id += constant.word_count;
+        (path, text)
+    })
+}
+
+/// Declares a specialization constant whose first word has the id `first_id`. Vulkan has none of an
+/// array: each element is a constant of its own.
+fn specialization_text(
+    constant: &specialization::SpecializationConstant,
+    first_id: usize,
+) -> String {
+    let name = constant.name.to_uppercase();
+    let (ty, default) = match constant.default {
+        constants::Value::Float(x) => ("float", format!("{x:e}")),
+        constants::Value::Uint(x) => ("uint", format!("{x}u")),
+    };
+    let declared = |id: usize, name: &str| {
+        format!("layout(constant_id = {id}) const {ty} {name} = {default};\n")
+    };
+    let count = constant.word_count;
+    let (size, constants) = if constant.is_array {
+        let elements: Vec<String> = (0..count).map(|i| format!("{name}_{i}")).collect();
+        let words = elements.iter().enumerate();
+        let declarations: String = words
+            .map(|(i, name)| declared(first_id + i, name))
+            .collect();
+        let list = elements.join(", ");
+        // Not `const`: GLSL takes an array of specialization constants for a variable.
+        let array = format!("{ty} {name}[{count}] = {ty}[{count}]({list});\n");
+        (format!("[{count}]"), declarations + &array)
+    } else {
+        (String::new(), declared(first_id, &name))
+    };
+    format!(
+        "// Written by shaders/compile.rs from src/base/glsl/specialization.rs.\n\
+         #ifdef GL_ES\n\
+         uniform {ty} {name}{size};\n\
+         #else\n\
+         {constants}\
+         #endif\n"
+    )
 }
 
 /// Reads every file below `root`, by relative path.

@@ -164,8 +164,18 @@ export class LiveRender {
     return columns.map((column) => column.reduce((sum, side, i) => sum + side * before[i], 0));
   }
 
-  /** ShadeParams (src/base/glsl/layout.rs). */
-  params(bias = 0, sampleCount = 0, pointCount = 0) {
+  /** Whether a method reads the DFG table at the alpha of its bend: then its diffuse term differs from others'. */
+  usesBend(way) {
+    return lightTables().methods.some(({ name, uses_bend }) => name === way && uses_bend);
+  }
+
+  /** The diffuse term beside a method, and the environment. */
+  surround(way) {
+    return this.colored(this.usesBend(way) ? "surround_bent" : "surround");
+  }
+
+  /** ShadeParams (src/base/glsl/layout.rs) and constants for a method. */
+  params(way, bias = 0, sampleCount = 0, pointCount = 0) {
     const { view, camera } = this;
     const { width, height } = this.targets.gbuffer;
     const values = {
@@ -179,9 +189,14 @@ export class LiveRender {
     for (const i of [0, 1, 2]) values[`environment_from_world_${i}`] = [...columns.map((column) => column[i]), 0];
     const named = Object.entries(values).map(([name, value]) => [`params.${name}`, value]);
     const MASKING = lightTables().masking_names.indexOf(view.lobe.masking);
-    const tables = { MASKING, LEVEL_BEND: view.light.level_bend, DFG_AXES: view.lobe.dfg_axes };
+    const levels = { LEVEL_BEND: view.light.level_bend, LEVEL_ROUGHNESSES: view.light.level_roughnesses };
+    const tables = { MASKING, ...levels, DFG_AXES: view.lobe.dfg_axes };
     const { codes, bends } = lightTables();
-    const layers = { ...codes, BEND: bends[view.bend], ANISOTROPY: view.hasWidths ? codes.ANISOTROPY : 0 };
+    const layers = {
+      ...codes,
+      BEND: bends[this.usesBend(way) ? view.bend : "none"],
+      ANISOTROPY: view.hasWidths ? codes.ANISOTROPY : 0,
+    };
     return { ...Object.fromEntries(named), ...tables, ...layers };
   }
 
@@ -253,16 +268,18 @@ export class LiveRender {
     const half = Math.tan((lightTables().fov_deg * Math.PI) / 360);
     const extent = view.shape.camera.is_perspective ? camera.extent : [(half * width) / height, half];
     const row = (axis, by) => [...this.turned(axis.map((side) => side * by)), 0];
-    this.pass(`surround:${view.light.layout}`, this.colored("surround"), this.inputs, {
-      ...this.params(),
-      "background.right": row(camera.right, extent[0]),
-      "background.up": row(camera.up, extent[1]),
-      "background.forward": row(camera.forward, 1),
-      ...{ "background.width": width, "background.height": height },
-      "background.environment_scale": view.brightness * view.light.scale,
-      has_diffuse: view.diffuse,
-      coefficients: view.light.sh9.flatMap((c) => [...c, 0]),
-    });
+    const bent = lightTables().methods.filter(({ uses_bend }) => uses_bend);
+    for (const way of ["reference", ...bent.map(({ name }) => name)])
+      this.pass(`surround:${view.light.layout}`, this.surround(way), this.inputs, {
+        ...this.params(way),
+        "background.right": row(camera.right, extent[0]),
+        "background.up": row(camera.up, extent[1]),
+        "background.forward": row(camera.forward, 1),
+        ...{ "background.width": width, "background.height": height },
+        "background.environment_scale": view.brightness * view.light.scale,
+        has_diffuse: view.diffuse,
+        coefficients: view.light.sh9.flatMap((c) => [...c, 0]),
+      });
   }
 
   /** Adds `count` samples of a method. The reference is the last method that takes samples. */
@@ -275,7 +292,7 @@ export class LiveRender {
     const plain = `specular:${layout}:${name}`;
     const shader = shaderText(plain) ? plain : `${plain}:${view.lobe.brdf}`;
     const ofSheen = way === "reference" ? `sheen:${layout}` : `specular:${layout}:sheen-lookup`;
-    const params = this.params(way === "reference" ? 0 : view.bias, total, count);
+    const params = this.params(way, way === "reference" ? 0 : view.bias, total, count);
     for (const layer of view.layers) {
       const [before, after, half] = [way, "spare", "half"].map((one) => this.colored(one));
       const inputs = { ...this.inputs, points: this.points(total), so_far: before.named.color };
@@ -319,12 +336,14 @@ export class LiveRender {
   drawResult(way, mode, isLinear = false) {
     const { against } = this.view;
     const share = (name) => this.total(name) / Math.max(1, this.done[name]);
-    const [surround, test, truth] = ["surround", way, against].map((one) => this.colored(one).named.color);
-    const textures = { ...this.targets.gbuffer.named, surround, test, truth, palette: this.palette };
+    const [test, truth] = [way, against].map((one) => this.colored(one).named.color);
+    const [test_surround, truth_surround] = [way, against].map((one) => this.surround(one).named.color);
+    const surrounds = { test_surround, truth_surround };
+    const textures = { ...this.targets.gbuffer.named, ...surrounds, test, truth, palette: this.palette };
     this.pass("show", isLinear ? this.colored("linear") : this.canvas, textures, {
       ...{ test_share: share(way), truth_share: share(against) },
       ...{ mode: ["image", "error", "signed"].indexOf(mode), is_linear: isLinear },
-      ...{ canvas_height: this.canvas.height, exposure: 2 ** this.view.ev, contrast: 1 },
+      ...{ canvas_height: this.canvas.height, exposure: 2 ** this.view.ev, contrast: this.view.contrast },
       ...errorColors(this.lightMean),
     });
   }

@@ -28,6 +28,10 @@ const SURFACE = {
   sheen: "sheen_color",
 };
 const COLORS = ["albedo", "sheen"];
+/** Sliders of the albedo's channels. */
+const CHANNELS = ["albedo_r", "albedo_g", "albedo_b"];
+/** Settings that act after shading. */
+const DISPLAYED = ["method", "against", "mode", "ev", "contrast", "split"];
 
 /** Linear reflectance and its code in a colour field. */
 const toCode = (x) => Math.round(255 * x ** (1 / 2.2));
@@ -62,7 +66,7 @@ class Live {
     this.ways = [...this.tables.methods.map(({ name }) => name), "reference"];
     this.bends = Object.keys(this.tables.bends);
     this.start = this.defaults();
-    this.controls = new Controls(view, (name, value) => this.set({ [name]: this.written(name, value) }));
+    this.controls = new Controls(view, (name, value) => this.set(this.changes(name, value)));
     this.controls.named.n.max = this.counts.length - 1;
     this.controls.fill("model", models.map(({ label }) => label)); // prettier-ignore
     this.controls.fill("orientation", orientations.map(({ k }) => String(k))); // prettier-ignore
@@ -103,7 +107,8 @@ class Live {
       ...Object.fromEntries(Object.entries(SURFACE).map(own)),
       bend: axes.bend || "none",
       diffuse: axisOf.diffuse?.values.some((value) => value && value !== "none") ?? false,
-      ...{ turn: worst("environment_rotation_deg")?.[0] ?? 0, ev: 0, ...FRONT },
+      ...{ turn: worst("environment_rotation_deg")?.[0] ?? 0, brightness: worst("environment_scale")?.[0] ?? 1 },
+      ...{ ev: 0, contrast: worst("contrast")?.[0] ?? 1, ...FRONT },
     };
   }
 
@@ -123,11 +128,27 @@ class Live {
       split: within(-1, 1),
       n: (text) => this.counts.find((count) => count >= Number(text)) ?? null,
       ...Object.fromEntries(Object.keys(SURFACE).map(parser)),
-      ...{ bend: one(this.bends), diffuse: (text) => text === "true", turn, ev: within(...this.controls.range("ev")) },
+      ...{ bend: one(this.bends), diffuse: (text) => text === "true", turn },
+      ...Object.fromEntries(["brightness", "ev", "contrast"].map(parser)),
       ...{ yaw: turn, pitch: turn, distance: within(...DISTANCE) },
     };
     const read = ([name, parse]) => [name, (state[name] && parse(state[name])) ?? start[name]];
     return Object.fromEntries(Object.entries(parsers).map(read));
+  }
+
+  /** The settings that a control changes. */
+  changes(name, value) {
+    const channel = CHANNELS.indexOf(name);
+    if (channel < 0) return { [name]: this.written(name, value) };
+    const albedo = [...(this.settings.albedo ?? this.surface.albedo)];
+    albedo[channel] = value;
+    return { albedo };
+  }
+
+  /** The model's own values, as its first surface has them. */
+  get surface() {
+    const model = this.tables.models[this.settings.model];
+    return (model.spheres[0] ?? model.parts[0]).surface;
   }
 
   /** A setting as its control writes it. */
@@ -155,16 +176,15 @@ class Live {
     this.changed = performance.now();
     this.syncControls();
     fitCanvas(this.canvas, this.parts.stage);
-    const [bias, brightness] = [worst("lod_bias")?.[0] ?? 0, worst("environment_scale")?.[0] ?? 1];
-    if (await this.render.show({ ...this.settings, ...this.shown, bias, brightness })) this.loop();
+    const bias = worst("lod_bias")?.[0] ?? 0;
+    if (await this.render.show({ ...this.settings, ...this.shown, bias })) this.loop();
   }
 
   /** Changes settings; some leave the shading alone. */
   set(details) {
     Object.assign(this.settings, details);
     this.isUnkept = true;
-    if (!Object.keys(details).every((name) => ["method", "against", "mode", "ev", "split"].includes(name)))
-      return this.apply();
+    if (!Object.keys(details).every((name) => DISPLAYED.includes(name))) return this.apply();
     this.changed = performance.now();
     this.syncControls();
     this.render.display({ ...details, ...this.shown });
@@ -254,7 +274,7 @@ class Live {
     out.addEventListener("click", () => this.approach(1 / 1.15));
     nearer.addEventListener("click", () => this.approach(1.15));
     front.addEventListener("click", () => this.set(FRONT));
-    const names = [...Object.keys(SURFACE), "diffuse", "orientation", "turn"];
+    const names = [...Object.keys(SURFACE), "diffuse", "orientation", "turn", "brightness"];
     own.addEventListener("click", () => this.set(Object.fromEntries(names.map((name) => [name, this.start[name]]))));
     followPointers(this.canvas, {
       // Half a turn over the width of the stage.
@@ -276,18 +296,19 @@ class Live {
   syncControls() {
     const { settings, tables, controls } = this;
     const light = tables.environments[settings.env];
-    const model = tables.models[settings.model];
-    // The model's own values are shown as its first surface's.
-    const { surface } = model.spheres[0] ?? model.parts[0];
-    const own = { ...surface, f0: surface.f0[0] };
+    const own = { ...this.surface, f0: this.surface.f0[0] };
     const given = Object.fromEntries(Object.entries(settings).map(([name, value]) => [name, value ?? own[name]]));
     const text = (name, more = "") => number(given[name]) + more + (settings[name] === null ? " (own)" : "");
     const alpha = ` · α ${number(Math.max(given.roughness ** 2, tables.alpha_min))}`;
     const texts = Object.keys(SURFACE).map((name) => [name, text(name, name === "roughness" ? alpha : "")]);
     const shown = { n: this.counts.indexOf(settings.n), mode: this.shown.mode };
-    controls.show({ ...given, ...shown, albedo: hex(given.albedo), sheen: hex(given.sheen) }, {
+    const channels = Object.fromEntries(CHANNELS.map((name, i) => [name, given.albedo[i]]));
+    const isOwn = settings.albedo === null ? " (own)" : "";
+    controls.show({ ...given, ...shown, ...channels, sheen: hex(given.sheen) }, {
       ...Object.fromEntries(texts),
+      ...Object.fromEntries(CHANNELS.map((name) => [name, number(channels[name]) + isOwn])),
       ...{ n: String(settings.n), ev: stopsText(settings.ev) },
+      ...{ brightness: text("brightness"), contrast: text("contrast") },
       ...{ anisotropy_turn: text("anisotropy_turn", "°"), turn: text("turn", "°") },
     }); // prettier-ignore
     const { is_stretchable } = tables.lobes[settings.lobe];

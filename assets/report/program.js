@@ -27,10 +27,11 @@ export function makeProgram(gl, name, vertex = VERTEX) {
   const set = {};
   const kinds = Object.entries({ ...SETTERS, ...VECTORS });
   for (let i = 0; i < gl.getProgramParameter(program, gl.ACTIVE_UNIFORMS); i++) {
-    const { name: full, type } = gl.getActiveUniform(program, i);
+    const { name: full, size, type } = gl.getActiveUniform(program, i);
     const place = gl.getUniformLocation(program, full);
     const [, setter] = kinds.find(([kind]) => gl[kind] === type) ?? ["", "1i"];
-    set[full.replace(/\[0\]$/, "")] = (value) => gl[`uniform${setter}`](place, value);
+    const array = size > 1 && !setter.endsWith("v") ? "v" : "";
+    set[full.replace(/\[0\]$/, "")] = (value) => gl[`uniform${setter}${array}`](place, value);
   }
   return { program, set };
 }

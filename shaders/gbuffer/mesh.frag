@@ -1,6 +1,7 @@
 // The g-buffer texels of one mesh, shaded on both sides. Set 0: binding 1 materials, 2 albedo map,
 // 3 metallic map (blue), 4 roughness map (green), 5 normal map, 6 map of f0, 7 map of the specular
-// weight (red) (1x1 that changes nothing without one; trilinear). Push constants: GbufferParams.
+// weight (red), 8 map of the coat's weight (red), 9 of its roughness (green) (1x1 that changes
+// nothing without one; trilinear). Push constants: GbufferParams.
 // Front faces are counter-clockwise.
 #include "generated/constants.glsl"
 #include "gbuffer/surface.glsl"
@@ -12,6 +13,8 @@ layout(set = 0, binding = 4) uniform sampler2D roughness_map;
 layout(set = 0, binding = 5) uniform sampler2D normal_map;
 layout(set = 0, binding = 6) uniform sampler2D f0_map;
 layout(set = 0, binding = 7) uniform sampler2D specular_map;
+layout(set = 0, binding = 8) uniform sampler2D coat_map;
+layout(set = 0, binding = 9) uniform sampler2D coat_roughness_map;
 layout(push_constant) uniform Params { GbufferParams camera; };
 
 layout(location = 0) in vec3 position_world;
@@ -42,6 +45,10 @@ void main() {
     float perceptual_roughness = looked_up(roughness_map, uv, across, down).g;
     material.f0_alpha.a = max(material.f0_alpha.a * (perceptual_roughness * perceptual_roughness), ALPHA_MIN);
     material.f0_alpha.rgb = min(material.f0_alpha.rgb * looked_up(f0_map, uv, across, down).rgb, 1.0);
+    if (material.coat.x > 0.0) {
+        float coat_roughness = looked_up(coat_roughness_map, uv, across, down).g;
+        material.coat.xy *= vec2(looked_up(coat_map, uv, across, down).r, coat_roughness * coat_roughness);
+    }
     float specular = material.specular.x * looked_up(specular_map, uv, across, down).r;
     // Interpolated vectors are not unit vectors, and maps are baked for them [Mikkelsen08].
     vec3 mapped = looked_up(normal_map, uv, across, down).xyz;

@@ -42,12 +42,40 @@ struct GbufferTexels {
     vec4 f0_material;
 };
 
+// The reflectance of a base whose f0 in air is f0, under the material's coat.
+vec3 f0_under_coat(vec3 f0, MaterialData material) {
+    float weight = material.coat.x;
+    if (weight == 0.0) {
+        return f0;
+    }
+    vec4 c = material.f0_under_coat;
+    return mix(f0, clamp(c.x + f0 * (c.y + f0 * (c.z + f0 * c.w)), 0.0, 1.0), weight);
+}
+
+// The alpha of a base under the material's coat (src/instrument/brdf/under_coat.rs).
+float alpha_under_coat(MaterialData material) {
+    float alpha = material.f0_alpha.a;
+    float weight = material.coat.x;
+    uint law = uint(material.coat.z);
+    if (weight == 0.0 || law == UNDER_COAT_SAME) {
+        return alpha;
+    }
+    if (law == UNDER_COAT_AT_LEAST_COAT) {
+        float roughness = sqrt(alpha);
+        roughness = mix(roughness, max(roughness, sqrt(material.coat.y)), weight);
+        return roughness * roughness;
+    }
+    float eta = mix(1.0, 1.0 / COAT_IOR, weight);
+    return alpha / sqrt(mix(eta * eta, 1.0, alpha * alpha));
+}
+
 // Packs a surface; `material` has its maps' values in it.
 GbufferTexels gbuffer_texels(vec3 position, vec3 n, MaterialData material, uint material_index) {
     vec3 albedo = material.albedo_metallic.rgb;
     float metallic = material.albedo_metallic.a;
-    vec3 f0 = mix(material.f0_alpha.rgb, albedo, metallic);
-    return GbufferTexels(vec4(position, 1.0), vec4(n, material.f0_alpha.a), vec4(albedo, metallic), vec4(f0, float(material_index)));
+    vec3 f0 = f0_under_coat(mix(material.f0_alpha.rgb, albedo, metallic), material);
+    return GbufferTexels(vec4(position, 1.0), vec4(n, alpha_under_coat(material)), vec4(albedo, metallic),
+                         vec4(f0, float(material_index)));
 }
 
 // The f0 whose Schlick term, times mix(weight, 1, metallic), is Fresnel's of a surface whose
@@ -56,5 +84,6 @@ vec3 weighted_f0(MaterialData material, float weight) {
     vec3 albedo = material.albedo_metallic.rgb;
     float metallic = material.albedo_metallic.a;
     float reflecting = mix(weight, 1.0, metallic);
-    return reflecting > 0.0 ? mix(weight * material.f0_alpha.rgb, albedo, metallic) / reflecting : material.f0_alpha.rgb;
+    vec3 f0 = f0_under_coat(mix(weight * material.f0_alpha.rgb, albedo, metallic), material);
+    return reflecting > 0.0 ? f0 / reflecting : material.f0_alpha.rgb;
 }

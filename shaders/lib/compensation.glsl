@@ -30,16 +30,30 @@ float mean_albedo(sampler2D dfg, float alpha) {
     return sum / float(MEAN_ALBEDO_NODES);
 }
 
+// The mean of Schlick's reflectance over cosines.
+vec3 mean_fresnel(vec3 f0) {
+    return f0 + (1.0 - f0) / 21.0;
+}
+
 // The factor of single scattering.
-vec3 compensation_factor(vec3 f0, vec2 a_b) {
+vec3 compensation_factor(vec3 f0, vec2 a_b, sampler2D dfg, float alpha) {
     float albedo = a_b.x + a_b.y;
-    return COMPENSATION == COMPENSATION_TURQUIN ? 1.0 + f0 * ((1.0 - albedo) / albedo) : vec3(1.0);
+    float lost = (1.0 - albedo) / albedo;
+    if (COMPENSATION == COMPENSATION_TURQUIN) {
+        return 1.0 + f0 * lost;
+    }
+    if (COMPENSATION == COMPENSATION_CYCLES) {
+        float mean = mean_albedo(dfg, alpha);
+        vec3 average = mean_fresnel(f0);
+        return 1.0 + lost * average * mean / (1.0 - average * (1.0 - mean));
+    }
+    return vec3(1.0);
 }
 
 // The share of irradiance over pi, or of the lobe of kulla-conty, that is added.
 vec3 multiple_scattering(vec3 f0, vec2 a_b, sampler2D dfg, float alpha) {
     float lost = max(1.0 - (a_b.x + a_b.y), 0.0);
-    vec3 average = f0 + (1.0 - f0) / 21.0;
+    vec3 average = mean_fresnel(f0);
     if (COMPENSATION == COMPENSATION_FDEZ_AGUERA) {
         return lost * (f0 * a_b.x + a_b.y) * average / (1.0 - average * lost);
     }

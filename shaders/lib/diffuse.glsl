@@ -1,5 +1,6 @@
 // The diffuse term next to the specular one.
 
+#include "lib/bend.glsl"
 #include "lib/compensation.glsl"
 #include "lib/prefilter_mapping.glsl"
 #include "lib/surface.glsl"
@@ -17,9 +18,10 @@ DiffuseWeights diffuse_weights(Surface s, sampler2D dfg, uint flags) {
     if ((flags & SHADE_FLAG_NO_SPECULAR) != 0u) {
         return DiffuseWeights(albedo, vec3(0.0));
     }
-    vec2 a_b = albedo_pair(dfg, s.n_dot_v, s.alpha);
-    vec3 multiple = multiple_scattering(s.f0, a_b, dfg, s.alpha);
-    vec3 reflected = (s.f0 * a_b.x + a_b.y) * compensation_factor(s.f0, a_b) + multiple;
+    float alpha = table_alpha(s);
+    vec2 a_b = albedo_pair(dfg, s.n_dot_v, alpha);
+    vec3 multiple = multiple_scattering(s.f0, a_b, dfg, alpha);
+    vec3 reflected = (s.f0 * a_b.x + a_b.y) * compensation_factor(s.f0, a_b, dfg, alpha) + multiple;
     return DiffuseWeights((1.0 - reflected) * albedo, multiple);
 }
 

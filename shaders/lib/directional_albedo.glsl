@@ -1,7 +1,7 @@
 // The directional albedo f0 A + B of the specular lobe: the second factor of the split sum.
 // [Karis13 eq. 8]
 //
-// A = integral of D G / (4 n.v) (1 - Fc) dl, B the same with Fc = (1 - v.h)^5. With dl = 4 (v.h) dh
+// A = integral of D G / (4 n.v) (1 - Fc) dl, B the same with Fc the weight of f90. With dl = 4 (v.h) dh
 // and h written by
 //     r = alpha cos / sqrt(sin^2 + alpha^2 cos^2), for which D_ggx (n.h) dh = 2 r dr dphi / 2 pi,
 // the weight of a node is G (v.h) / ((n.v) (n.h)) D / D_ggx: bounded for all three models, whose
@@ -31,9 +31,10 @@ vec2 periodic_node(uint i, uint count) {
     return vec2(x - sin_cos.x * (0.5 / PI), (1.0 - sin_cos.y) / float(count));
 }
 
-// r of a polar angle of h from its sine and cosine squared.
+// r of a polar angle of h from its sine and cosine squared. At grazing views the argument is nearly
+// 1, and a square root as coarse as Vulkan allows exceeds it: such an r has no sine.
 float ggx_r(float sin2, float cos2, float alpha2) {
-    return sqrt(alpha2 * cos2 / (sin2 + alpha2 * cos2));
+    return min(sqrt(alpha2 * cos2 / (sin2 + alpha2 * cos2)), 1.0);
 }
 
 // (A, B), and in zw the means of the weight w(l) and of Fc w(l) over h of density D (n.h): the
@@ -78,7 +79,7 @@ vec4 directional_albedo(float n_dot_v, float alpha, uint node_count, uint maskin
                 float v_dot_h = sin_v * sin_h * cos_phi + n_dot_v * cos_h;
                 float n_dot_l = 2.0 * v_dot_h * cos_h - n_dot_v;
                 float gv = g2_from_g1(g1_v, g1(n_dot_l, alpha, masking), masking) * v_dot_h / (n_dot_v * cos_h);
-                float fc = schlick_weight(v_dot_h);
+                float fc = fresnel_weight(v_dot_h);
                 float weight = prefilter_weight(n_dot_l, alpha);
                 sum += r_weight * phi_node.y * vec4(gv * (1.0 - fc), gv * fc, weight, weight * fc);
             }

@@ -30,7 +30,7 @@ vec3 importance_sampled_radiance(Surface s, uint sample_count, uint point_count)
         float g = g2_from_g1(g1_v, g1(l_local, s.width, MASKING), MASKING);
         float weight = g * v_dot_h / lobe.h_local.z;
         // A select, not a branch: neighbours would wait for the lookup anyway.
-        sum += li * f_schlick(v_dot_h, s.f0) * (l_local.z > 0.0 && v_dot_h > 0.0 ? weight : 0.0);
+        sum += li * fresnel(v_dot_h, s.f0) * (l_local.z > 0.0 && v_dot_h > 0.0 ? weight : 0.0);
     }
     return sum / (float(sample_count) * s.n_dot_v);
 }

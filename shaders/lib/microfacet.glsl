@@ -62,5 +62,5 @@ vec3 eval_brdf(vec3 v_local, vec3 l_local, vec3 h_local, vec2 width, vec3 f0, ui
     }
     float masked = g2_from_g1(g1(v_local, width, masking), g1(l_local, width, masking), masking);
     float dg = d_brdf(h_local, width) * masked;
-    return dg / (4.0 * v_local.z * l_local.z) * f_schlick(dot(v_local, h_local), f0);
+    return dg / (4.0 * v_local.z * l_local.z) * fresnel(dot(v_local, h_local), f0);
 }

@@ -4,6 +4,7 @@
 #include "generated/constants.glsl"
 #include "generated/specialization/dfg_axes.glsl"
 #include "generated/specialization/level_bend.glsl"
+#include "generated/specialization/level_roughnesses.glsl"
 
 // alpha = perceptual_roughness^2. [Burley12 section 5.4]
 float alpha_from_perceptual_roughness(float perceptual_roughness) {
@@ -15,16 +16,34 @@ float perceptual_roughness_from_alpha(float alpha) {
     return alpha <= ALPHA_MIN ? 0.0 : sqrt(alpha);
 }
 
-// Level k of `level_count` holds the r with r (1 + b (1 - r)) = k / (level_count - 1), b =
-// LEVEL_BEND (precompute/prefilter/level_mapping.rs).
+// Whether LEVEL_ROUGHNESSES lists the levels: it ascends, so the second is above 0.
+bool levels_are_listed() {
+    return LEVEL_ROUGHNESSES[1] > 0.0;
+}
+
+// Level k of `level_count` holds LEVEL_ROUGHNESSES[k], between them linear; if none are listed, the
+// r with r (1 + b (1 - r)) = k / (level_count - 1), b = LEVEL_BEND
+// (precompute/prefilter/level_mapping.rs).
 float perceptual_roughness_from_lod(float lod, uint level_count) {
+    if (levels_are_listed()) {
+        uint fine = min(uint(lod), level_count - 2u);
+        return mix(LEVEL_ROUGHNESSES[fine], LEVEL_ROUGHNESSES[fine + 1u], lod - float(fine));
+    }
     float u = level_count > 1u ? lod / float(level_count - 1u) : 0.0;
     float at_end = 1.0 - LEVEL_BEND;
     return 2.0 * u / (1.0 + LEVEL_BEND + sqrt(at_end * at_end + 4.0 * LEVEL_BEND * (1.0 - u)));
 }
 
-// The inverse: the real level that holds a perceptual roughness.
+// The inverse: the real level that holds a perceptual roughness; beyond a list its first or last.
 float lod_from_perceptual_roughness(float perceptual_roughness, uint level_count) {
+    if (levels_are_listed()) {
+        float lod = 0.0;
+        for (uint k = 1u; k < level_count; ++k) {
+            float fine = LEVEL_ROUGHNESSES[k - 1u];
+            lod += clamp((perceptual_roughness - fine) / (LEVEL_ROUGHNESSES[k] - fine), 0.0, 1.0);
+        }
+        return lod;
+    }
     return perceptual_roughness * (1.0 + LEVEL_BEND * (1.0 - perceptual_roughness)) * float(level_count - 1u);
 }
 

@@ -3,8 +3,10 @@
 #include "page/display.glsl"
 
 uniform sampler2D gbuffer_position;
-uniform sampler2D surround;
+// The diffuse term, and the environment, beside each specular term.
+uniform sampler2D test_surround;
 uniform sampler2D test;
+uniform sampler2D truth_surround;
 uniform sampler2D truth;
 // All samples over those that are in the texture so far.
 uniform float test_share;
@@ -22,8 +24,7 @@ out vec4 color;
 void main() {
     vec2 pixel = is_linear ? gl_FragCoord.xy : vec2(gl_FragCoord.x, canvas_height - gl_FragCoord.y);
     ivec2 texel = ivec2(pixel);
-    vec3 base = texelFetch(surround, texel, 0).rgb;
-    vec3 t = base + test_share * texelFetch(test, texel, 0).rgb;
+    vec3 t = texelFetch(test_surround, texel, 0).rgb + test_share * texelFetch(test, texel, 0).rgb;
     float is_hit = texelFetch(gbuffer_position, texel, 0).w;
     if (is_linear) {
         color = vec4(t, is_hit);
@@ -32,7 +33,7 @@ void main() {
     } else if (is_hit == 0.0) {
         color = vec4(off_mask_color, 1.0);
     } else {
-        vec3 r = base + truth_share * texelFetch(truth, texel, 0).rgb;
+        vec3 r = texelFetch(truth_surround, texel, 0).rgb + truth_share * texelFetch(truth, texel, 0).rgb;
         color = vec4(error_color(t, r, mode == 2).rgb, 1.0);
     }
 }

@@ -21,8 +21,8 @@ void main() {
                                background.up.xyz, background.forward.xyz);
         radiance.rgb = background.environment_scale * map_radiance(filtered_environment, map_place(d), 0.0);
     } else if (has_diffuse) {
-        // The method reads no map.
-        vec3 irradiance = irradiance_over_pi(environment_from_world(s.n, params), filtered_environment, coefficients);
+        // The method reads neither map nor texture.
+        vec3 irradiance = irradiance_over_pi(environment_from_world(s.n, params), filtered_environment, coefficients, dfg);
         vec3 diffuse = params.environment_scale * diffuse_albedo(s, dfg, params.flags) * irradiance;
         radiance.rgb = layer_share(s) * diffuse;
     }

@@ -2,7 +2,7 @@
 // one item. In: (v_local, alpha), (h_local, n_dot_l), (u, xi.y, cos phi, sin phi), (f0, 0),
 // (l_local, 0). Out: (d(h), g1(v), g1(n_dot_l), g2), (sample_d(u, cos phi, sin phi), 0), (lobe of
 // xi, pdf_h), (sample_visible(xi), 0), (pdf_visible_l(v, h), pdf_visible_l of its own sample, pdf_l
-// and d_over_pdf of the next), (f_schlick(v_dot_h, f0), 0), (eval(v, l, h), 0),
+// and d_over_pdf of the next), (fresnel(v_dot_h, f0), 0), (eval(v, l, h), 0),
 // (sample_visible_normal(xi), 0). Specialization constant 0 is the masking-shadowing. Set 0: 0
 // inputs, 5 vec4 an item; 1 outputs, 8 vec4 an item.
 
@@ -34,7 +34,7 @@ void main() {
     outputs[first + 3u] = vec4(visible, 0.0);
     outputs[first + 4u] =
         vec4(pdf_visible_l_brdf(v_local, h_local, vec2(alpha)), pdf_visible_l_brdf(v_local, visible, vec2(alpha)), own.pdf_l, own.d_over_pdf);
-    outputs[first + 5u] = vec4(f_schlick(dot(v_local, h_local), f0), 0.0);
+    outputs[first + 5u] = vec4(fresnel(dot(v_local, h_local), f0), 0.0);
     outputs[first + 6u] = vec4(eval_brdf(v_local, l_local, h_local, vec2(alpha), f0, MASKING), 0.0);
     outputs[first + 7u] = vec4(own.h_local, 0.0);
 }

@@ -16,7 +16,6 @@
 // Set 0 after lib/shaded_pixel.glsl: 5 DFG table; 6 the sums; 7 radiance; 8 squared standard error;
 // 7 and 8 a vec4 a pixel.
 
-#include "lib/compensation.glsl"
 #include "lib/shaded_pixel.glsl"
 
 layout(set = 0, binding = 5) uniform sampler2D dfg;
@@ -31,6 +30,7 @@ layout(std430, set = 0, binding = 8) buffer SquaredErrors {
 };
 
 #include "selected/lobe.glsl"
+#include "lib/resolved_weight.glsl"
 
 void main() {
     uvec2 pixel;
@@ -39,11 +39,7 @@ void main() {
         return;
     }
     uint index = index_of_pixel(pixel);
-    vec3 weight = lobe_weight(s, dfg, params.flags);
-    // Only the specular lobes are scaled.
-    if (LOBE_STREAM == 0u && COMPENSATION != COMPENSATION_NONE) {
-        weight *= compensation_factor(s.f0, albedo_pair(dfg, s.n_dot_v, s.alpha));
-    }
+    vec3 weight = resolved_weight(s, dfg, params.flags);
     float scale = params.environment_scale / float(params.pair_count);
     vec3 estimates[SCRAMBLE_COUNT];
     vec3 mean = vec3(0.0);

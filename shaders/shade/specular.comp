@@ -5,6 +5,7 @@
 // pixel; 12 shifts of each pixel's points as fixed point.
 
 #include "generated/specialization/pixel_points.glsl"
+#include "lib/bend.glsl"
 #include "lib/compensation.glsl"
 #include "lib/sampling.glsl"
 #include "lib/shaded_pixel.glsl"
@@ -61,7 +62,8 @@ void main() {
     Surface s = surface_in_environment(world, params);
     vec3 specular = params.environment_scale * specular_radiance(s);
     if (COMPENSATION != COMPENSATION_NONE) {
-        specular *= compensation_factor(s.f0, albedo_pair(dfg, s.n_dot_v, s.alpha));
+        float alpha = table_alpha(s);
+        specular *= compensation_factor(s.f0, albedo_pair(dfg, s.n_dot_v, alpha), dfg, alpha);
     }
     radiance[index_of_pixel(pixel)] += vec4(specular, 0.0);
 }

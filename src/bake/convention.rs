@@ -436,10 +436,10 @@ impl Convention {
     pub fn spacing(&self, count: usize) -> Result<LevelSpacing, String> {
         match &self.alphas {
             Some(alphas) => {
-                let roughness = alphas.iter().map(|alpha| alpha.sqrt());
-                LevelSpacing::listed(roughness.collect())
+                let roughnesses: Vec<f64> = alphas.iter().map(|alpha| alpha.sqrt()).collect();
+                LevelSpacing::listed(&roughnesses)
             }
-            None => Ok(LevelSpacing::Mapped {
+            None => Ok(LevelSpacing {
                 mapping: self.mapping,
                 level_count: self.mapping_levels(count),
             }),

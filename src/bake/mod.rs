@@ -19,6 +19,7 @@ pub mod paste;
 pub mod plain;
 mod playcanvas_atlas;
 pub mod product;
+mod rgbp;
 pub mod sh;
 pub mod source;
 

@@ -16,6 +16,8 @@ pub struct Packed {
     pub preset: &'static str,
     /// Width of each level, if the file states it.
     pub alphas: Option<Vec<f64>>,
+    /// Whether the maps are RGBP whose scale was rounded up.
+    pub has_rounded_up_scale: bool,
 }
 
 /// Reads Babylon.js' `.env` or PlayCanvas' atlas; `None` for other files. A PNG is an atlas only
@@ -34,6 +36,7 @@ pub fn read(path: &Path, may_be_map: bool, is_map: bool) -> Result<Option<Packed
                 sh: found.sh,
                 preset: babylon_env::PRESET,
                 alphas: Some(found.alphas),
+                has_rounded_up_scale: false,
             }))
         }
         Some("png") if may_be_map && path.is_file() => {
@@ -51,6 +54,7 @@ pub fn read(path: &Path, may_be_map: bool, is_map: bool) -> Result<Option<Packed
                 sh: None,
                 preset: playcanvas_atlas::PRESET,
                 alphas: None,
+                has_rounded_up_scale: found.has_rounded_up_scale,
             }))
         }
         _ => Ok(None),

@@ -77,6 +77,8 @@ pub struct Bake {
     pub irradiance: Option<Map>,
     pub dfg: Option<RgbImage>,
     pub sh: Option<Coefficients>,
+    /// Whether the maps are RGBP whose scale was rounded up ([`super::rgbp`]).
+    pub has_rounded_up_scale: bool,
     pub stated: Stated,
     /// What reading changed or ignored.
     pub warnings: Vec<FileWarning>,

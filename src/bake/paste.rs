@@ -40,7 +40,7 @@ pub fn taps(
     spacing: LevelSpacing,
     count: TapCount,
 ) -> Pixels<[f32; 4]> {
-    match fitted(kernel, masking, &spacing, count) {
+    match fitted(kernel, masking, spacing, count) {
         Some(packed) => unpacked(packed, count),
         None => {
             let chain = Chain::spaced(kernel, spacing);
@@ -53,16 +53,13 @@ pub fn taps(
 fn fitted(
     kernel: Kernel,
     masking: MaskingShadowing,
-    spacing: &LevelSpacing,
+    spacing: LevelSpacing,
     count: TapCount,
 ) -> Option<&'static [u8]> {
-    let LevelSpacing::Mapped {
+    let LevelSpacing {
         mapping,
         level_count,
-    } = spacing
-    else {
-        return None;
-    };
+    } = spacing;
     let name = format!(
         "{}-{}-{}-{}-{level_count}",
         count.word(),

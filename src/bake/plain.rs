@@ -78,7 +78,8 @@ impl Baking<'_> {
         })?;
         self.remove_earlier(out)?;
         let settings = &self.settings;
-        let degree = harmonic::degree_of_map(self.alpha(1));
+        let levels = settings.prefilter_level_count;
+        let degree = harmonic::degree_of_map(settings.level_mapping.narrowest_alpha(levels));
         let harmonics = harmonic::harmonics(&self.environment.image, degree);
         let mut files = Files {
             out,
@@ -183,7 +184,7 @@ impl Baking<'_> {
             let taps = paste::taps(
                 self.kernel(brdf),
                 self.masking,
-                LevelSpacing::Mapped {
+                LevelSpacing {
                     mapping: self.settings.level_mapping,
                     level_count: self.settings.prefilter_level_count,
                 },

@@ -7,6 +7,7 @@
 
 use super::container::{Interpretation, RGBP};
 use super::parts::Map;
+use super::rgbp;
 use crate::base::names::Listed;
 use crate::base::pixels::{Fault, Pixels, RgbImage, png};
 use crate::instrument::environment::layout::MapLayout;
@@ -65,6 +66,7 @@ impl Rectangle {
 pub struct Atlas {
     pub specular: Map,
     pub irradiance: Map,
+    pub has_rounded_up_scale: bool,
 }
 
 /// Whether a PNG is an atlas: tables have no alpha, and atlases of most maps have bright texels.
@@ -102,6 +104,7 @@ pub fn read(image: &Pixels<[u8; 4]>) -> Result<Atlas, Fault> {
     Ok(Atlas {
         specular: map(levels.collect()),
         irradiance: map(vec![Rectangle::IRRADIANCE.cut(&atlas, scale)]),
+        has_rounded_up_scale: rgbp::has_rounded_up_scale(&image.data),
     })
 }
 

@@ -157,6 +157,7 @@ fn add_packed(bake: &mut Bake, found: Packed, path: &Path) -> Result<(), PixelsE
     if let Some(sh) = found.sh {
         once(&mut bake.sh, sh, "SH", path)?;
     }
+    bake.has_rounded_up_scale |= found.has_rounded_up_scale;
     bake.stated.state(found.preset, found.alphas);
     Ok(())
 }

@@ -9,8 +9,9 @@ use splitsum::base::names::{Listed, capitalised};
 use splitsum::experiment::axis::named::ambiguous;
 use splitsum::experiment::axis::{AXES, AxisId, Named, Point, Reference, View};
 use splitsum::experiment::config::SEED;
+use splitsum::experiment::lights::parse_light;
 use splitsum::experiment::value::{COORDINATE, Kind, Value};
-use splitsum::instrument::scene::{CameraKind, Orbit, Scene};
+use splitsum::instrument::scene::{CameraKind, Light, Orbit, Scene};
 
 /// Flags other than the axes.
 #[derive(Args, Clone, Debug)]
@@ -34,6 +35,14 @@ pub struct ViewFlags {
     /// Show the environment behind the scene.
     #[arg(long)]
     pub background: bool,
+    /// Add a direct light, such as directional:direction=0,-1,-1:intensity=3.
+    #[arg(
+        long = "light",
+        value_name = "KIND:FIELD=VALUE:...",
+        value_parser = parse_light,
+        action = clap::ArgAction::Append,
+    )]
+    pub lights: Vec<Light>,
     /// Seed the reference's samples.
     #[arg(
         long,
@@ -56,6 +65,7 @@ impl ViewFlags {
             orbit: self.orbit.unwrap_or_default(),
             background: self.background,
             antialias: false,
+            lights: self.lights.clone(),
             seed: self.seed.count(),
             reference_error: None,
             reference_samples: Reference::default().samples,
@@ -71,11 +81,16 @@ impl ViewFlags {
             ("background", self.background),
             ("orbit", self.orbit.is_some()),
         ];
-        let faults: Vec<String> = flags
+        let mut faults: Vec<String> = flags
             .iter()
             .filter(|(_, is_set)| *is_set)
             .map(|(flag, _)| format!("--{flag}: has no effect on the scene design; leave it out"))
             .collect();
+        if self.lights.iter().any(Light::has_position) {
+            let fault = "--light: surfaces of the scene design have no position; expected a \
+                         directional light";
+            faults.push(fault.to_owned());
+        }
         if faults.is_empty() {
             Ok(())
         } else {

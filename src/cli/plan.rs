@@ -116,7 +116,7 @@ fn forecast(
     let is_kept = |cell: &Cell| {
         let request = plan
             .judge_of(cell)
-            .map(|point| plan.reference_request(&point));
+            .map(|point| plan.least_reference(&point));
         let known = cache.as_ref().zip(request);
         known.is_some_and(|(cache, request)| is_kept(cache, &request))
     };

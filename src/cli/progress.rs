@@ -241,6 +241,13 @@ impl Progress for Terminal {
         }
     }
 
+    fn open_again(&mut self, count: usize) {
+        let mut shown = shown();
+        if let Some(steps) = shown.as_mut().and_then(|followed| followed.steps.as_mut()) {
+            steps.done = steps.done.saturating_sub(count);
+        }
+    }
+
     fn note(&mut self, text: &str) {
         super::log(text);
     }

@@ -5,16 +5,17 @@ use super::shared::{check_out, load_file_method, scene};
 use super::{Failure, log, print, progress};
 use clap::Args;
 use splitsum::bake::given;
-use splitsum::base::pixels::png;
+use splitsum::base::pixels::{exr, png};
 use splitsum::experiment::axis::{
     AXES, BLUR, FRAMES, Layer, METHOD, Point, Reference, SAMPLES, Settings, View, is_blurred,
     motion_fault,
 };
 use splitsum::experiment::value::{Kind, Range, Value};
 use splitsum::instrument::environment::Environment;
-use splitsum::instrument::pipeline::Frame;
+use splitsum::instrument::pipeline::{Frame, Pipeline, PipelineError, RenderRequest, Selection};
 use splitsum::instrument::scene::Scene;
 use splitsum::instrument::shade::reference_pass::pair_count;
+use splitsum::instrument::tonemap::ToneCurve;
 use splitsum::run::{RenderFault, write_radiance};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -29,7 +30,13 @@ use std::sync::Arc;
     splitsum render --method reference --samples 4096 --alpha 0.25 --f0 1,1,1 --albedo 0,0,0 --out \
     reference.exr\n  \
     splitsum render --environment studio.hdr --scene teapot.obj --camera perspective --background \
-    --size 800x600 --out teapot.png"
+    --size 800x600 --out teapot.png\n  \
+    splitsum render --environment studio.hdr --method split-sum --show prefiltered --out levels.png\n\n\
+    --show writes what the image is made of: position, normal, albedo, f0, alpha, metallic, \
+    occlusion (by pixel), irradiance (over pi), prefiltered (every level; prefiltered-2: one) and \
+    dfg (A and B; n.v to the right, roughness downwards). An EXR has the values; A is 0 where there \
+    is none. A PNG has positions within their extent, normals as 0.5 n + 0.5, albedo and F0 as \
+    sRGB, radiance by the tone curve, and the rest from 0 to 1, linear."
 )]
 pub struct Arguments {
     /// Write the image to FILE, .exr or .png.
@@ -42,6 +49,10 @@ pub struct Arguments {
         value_parser = |text: &str| Kind::Number(Range::above(0.0, 1.0)).parse_text(text),
     )]
     relative_error: Option<Value>,
+    /// Write what lies between the scene and the image: position, normal, albedo, f0, alpha,
+    /// metallic, occlusion, irradiance, prefiltered (or one level: prefiltered-2) or dfg.
+    #[arg(long, value_name = "NAME", value_parser = Selection::parse)]
+    show: Option<Selection>,
     /// Antialias edges; pixels on them leave the mask.
     #[arg(long)]
     antialias: bool,
@@ -66,6 +77,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
         .validate()
         .map_err(Failure::input)?;
     let (environment, scene) = loaded(arguments, &settings)?;
+    check_lights(arguments, &scene)?;
     let view = View {
         reference_error: arguments.relative_error.as_ref().map(Value::number),
         reference_samples: reference_samples(arguments),
@@ -76,20 +88,63 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let given =
         given::load(&settings.prefiltered, &settings.dfg, Path::new("")).map_err(Failure::input)?;
     let request = settings.request(&environment, &scene, &view, given);
+    if let Some(fault) = arguments.show.and_then(|show| show.fault(&request)) {
+        return Err(Failure::input(format!("--show: {fault}")));
+    }
     progress::doing("rendering");
     let mut pipeline = arguments.view.device.open().map_err(Failure::opening)?;
-    let frame = pipeline
-        .render(&request)
-        .map_err(|error| Failure::rendering(RenderFault::from(error)))?;
-    log_convergence(&frame);
-    if is_linear {
-        write_radiance(&arguments.out, &frame).map_err(Failure::failed)?;
-    } else {
-        let picture = pipeline.tonemap(&frame.radiance, curve);
-        let (picture, _) = picture.map_err(|error| Failure::rendering(RenderFault::from(error)))?;
-        png::write_rgb8(&arguments.out, &picture).map_err(Failure::failed)?;
+    let out = Output {
+        path: &arguments.out,
+        is_linear,
+        curve,
+    };
+    match arguments.show {
+        Some(selection) => out.intermediate(&mut pipeline, &request, selection)?,
+        None => out.image(&mut pipeline, &request)?,
     }
     print(&format!("{}\n", arguments.out.display()))
+}
+
+/// A file to write.
+struct Output<'a> {
+    path: &'a Path,
+    /// An EXR; else a PNG.
+    is_linear: bool,
+    curve: ToneCurve,
+}
+
+impl Output<'_> {
+    fn image(&self, pipeline: &mut Pipeline, request: &RenderRequest) -> Result<(), Failure> {
+        let frame = pipeline.render(request).map_err(fault)?;
+        log_convergence(&frame);
+        if self.is_linear {
+            write_radiance(self.path, &frame).map_err(Failure::failed)
+        } else {
+            let (picture, _) = pipeline
+                .tonemap(&frame.radiance, self.curve)
+                .map_err(fault)?;
+            png::write_rgb8(self.path, &picture).map_err(Failure::failed)
+        }
+    }
+
+    fn intermediate(
+        &self,
+        pipeline: &mut Pipeline,
+        request: &RenderRequest,
+        selection: Selection,
+    ) -> Result<(), Failure> {
+        let image = pipeline.intermediate(request, selection).map_err(fault)?;
+        if self.is_linear {
+            exr::write_rgba(self.path, &image.values, &image.mask, &[]).map_err(Failure::failed)
+        } else {
+            let picture = image.picture(pipeline, self.curve, [0; 3]).map_err(fault)?;
+            png::write_rgb8(self.path, &picture).map_err(Failure::failed)
+        }
+    }
+}
+
+fn fault(error: PipelineError) -> Failure {
+    Failure::rendering(RenderFault::from(error))
 }
 
 /// Loads environment and scene, with the faults of both, and prints their warnings.
@@ -111,6 +166,21 @@ fn loaded(
     super::warn_of_input(&environment.name, &environment.warnings);
     super::warn_of_input(&scene.name, &scene.warnings);
     Ok((Arc::new(environment), scene))
+}
+
+/// Refuses flags that change lights if there are none.
+fn check_lights(arguments: &Arguments, scene: &Scene) -> Result<(), Failure> {
+    if scene.has_lights() || !arguments.view.lights.is_empty() {
+        return Ok(());
+    }
+    let mut axes = arguments.axes.iter();
+    let idle = axes.find(|given| Layer::Lights.has(given.axis));
+    match idle {
+        Some(AxisFlag { flag, .. }) => Err(Failure::input(format!(
+            "--{flag}: has no effect without --light or a scene with lights; leave it out"
+        ))),
+        None => Ok(()),
+    }
 }
 
 /// Prints where each reference term of an image stopped.

@@ -4,6 +4,7 @@ use super::shared::InputFlags;
 use super::{Failure, log};
 use clap::Args;
 use splitsum::experiment::Plan;
+use splitsum::experiment::config::EXACT_REFERENCES;
 use splitsum::run::frozen;
 use splitsum::study::questions::check;
 use std::path::PathBuf;
@@ -18,18 +19,21 @@ pub struct Subject {
     /// Replace an axis's values (axis=v1,v2).
     #[arg(long = "set", value_name = "AXIS=VALUES")]
     pub overrides: Vec<String>,
+    /// Give every reference all its samples, and leave its noise in the scores (--set
+    /// noise_share=0).
+    #[arg(long)]
+    pub exact_references: bool,
     #[command(flatten)]
     pub inputs: InputFlags,
 }
 
 impl Subject {
     pub fn plan(&self) -> Result<Plan, Failure> {
-        let loaded = frozen::load(
-            &self.experiment,
-            &self.overrides,
-            &self.inputs.options(),
-            check,
-        );
+        let mut overrides = self.overrides.clone();
+        if self.exact_references {
+            overrides.push(EXACT_REFERENCES.to_owned());
+        }
+        let loaded = frozen::load(&self.experiment, &overrides, &self.inputs.options(), check);
         let (plan, note) = loaded.map_err(Failure::input)?;
         note.iter().for_each(|note| log(note));
         Ok(plan)

@@ -1,8 +1,8 @@
 //! Checks of values together: combinations, sizes, exclusions.
 
 use super::axis::{
-    ALBEDO, ALPHA, ANISOTROPY, AXES, AxisId, COAT, COMPENSATION, DFG_TABLE, F0, FRAMES, Layer,
-    METALLIC, METHOD, MOTION, Named, PREFILTER_SIZE, PREFILTERED, Point, SAMPLES, SCENE,
+    ALBEDO, ALPHA, ANISOTROPY, AXES, AxisId, COAT, COMPENSATION, DFG_TABLE, F0, FRAMES, FRESNEL,
+    Layer, METALLIC, METHOD, MOTION, Named, PREFILTER_SIZE, PREFILTERED, Point, SAMPLES, SCENE,
     SHEEN_COLOR, SIZE, motion_fault,
 };
 use super::config::{Condition, Config, Located, Sweep, UNSCORED};
@@ -13,7 +13,7 @@ use crate::base::names::{Listed, expected, suggestion};
 use crate::instrument::pipeline::{BUFFER_BYTES_MAX, image_buffer_bytes};
 use crate::instrument::precompute::given::OWN;
 use crate::instrument::precompute::prefilter::harmonic;
-use crate::instrument::scene::is_design;
+use crate::instrument::scene::{Light, is_design};
 use crate::instrument::shade::Method;
 use crate::instrument::shade::reference_pass::pair_count;
 use indexmap::IndexSet;
@@ -88,6 +88,33 @@ fn sweeps_frames(sweep: &Sweep) -> bool {
     is_of_frames && sweep.values.iter().any(|located| located.value != default)
 }
 
+/// Reports lights where they mean nothing, and axes of lights without any.
+pub fn check_lights(config: &Config, inputs: &Inputs, faults: &mut Faults) {
+    let is_placed = config.lights.iter().any(Light::has_position);
+    if is_placed && inputs.scenes().any(|scene| scene.is_design) {
+        let text = "lights: surfaces of the scene design have no position; expected directional \
+                    lights";
+        faults.add(&config.lights_location, text);
+    }
+    if !config.lights.is_empty() && config.ladder.is_some() {
+        let text = "lights: [ladder] divides errors under the environment; remove one of them";
+        faults.add(&config.lights_location, text);
+    }
+    if !config.lights.is_empty() || inputs.scenes().any(|scene| scene.has_lights()) {
+        return;
+    }
+    for sweep in &config.axes {
+        let axis = &AXES[sweep.axis];
+        let is_set = |located: &Located| located.value != (axis.default)();
+        if Layer::Lights.has(sweep.axis)
+            && let Some(located) = sweep.values.iter().find(|located| is_set(located))
+        {
+            let text = format!("{}: the experiment has no light; add [[lights]]", axis.name);
+            faults.add(&located.location, text);
+        }
+    }
+}
+
 pub fn sizes(config: &Config) -> Vec<(Location, [u32; 2])> {
     config
         .values(SIZE)
@@ -129,12 +156,12 @@ fn check_ladder(config: &Config, point: &Point, faults: &mut Faults) {
         );
         faults.add(&config.location_of(SIZE, point), text);
     }
-    for axis in [PREFILTERED, DFG_TABLE, COMPENSATION] {
+    for axis in [PREFILTERED, DFG_TABLE, COMPENSATION, FRESNEL] {
         let value = &point[axis];
         let is_file = AXES[axis].kind.path_in(&value.to_string()).is_some();
         let expected = if is_file {
             OWN.to_owned()
-        } else if axis == COMPENSATION && !point.is_computed(axis) {
+        } else if [COMPENSATION, FRESNEL].contains(&axis) && !point.is_computed(axis) {
             (AXES[axis].default)().to_string()
         } else {
             continue;
@@ -291,6 +318,7 @@ fn user_in_words(layer: Option<Layer>) -> &'static str {
         Some(Layer::Sheen) => "surface has sheen",
         Some(Layer::Frames) => "sampling method has several frames",
         Some(Layer::Anisotropy) => "surface is anisotropic",
+        Some(Layer::Lights) => "light",
         None => "method of the experiment uses it",
     }
 }

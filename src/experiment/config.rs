@@ -8,9 +8,9 @@ use super::fault::{Faults, Location};
 use super::toml_tree::{checked, entries, parsed, raw, section, start_of, text, unknown_key};
 use super::value::{COORDINATE, Kind, Range, Raw, Value};
 use crate::base::names::Listed;
-use crate::instrument::metrics::{HEADLINE, Metric, Weight};
+use crate::instrument::metrics::{HEADLINE, Metric, NoiseEffect, Weight};
 use crate::instrument::recovery::Loss;
-use crate::instrument::scene::{CameraKind, Orbit};
+use crate::instrument::scene::{CameraKind, Light, Orbit};
 use crate::instrument::shade::{METHODS, Method, NONE};
 use std::path::{Path, PathBuf};
 use toml::Spanned;
@@ -92,11 +92,16 @@ pub struct Config {
     pub orbit: Orbit,
     pub background: bool,
     pub antialias: bool,
+    /// Of every cell, besides the lights of a scene's file.
+    pub lights: Vec<Light>,
+    pub lights_location: Location,
     /// Whether cells are compared with references; not with `reference = "none"`.
     pub is_scored: bool,
     /// Without scores it has its defaults.
     pub reference: Reference,
     pub reference_samples_location: Location,
+    /// Where `reference.stated_noise_share` is set.
+    pub noise_share_location: Location,
     /// Values of axes that are not swept.
     pub base: Point,
     /// Location of each value of `base`, in the order of [`AXES`].
@@ -127,6 +132,12 @@ pub(super) const AXIS: Kind = Kind::Name {
 };
 
 pub(super) const METRIC_KEY: &str = "metric";
+
+/// The key of `reference` that `--set` sets, too.
+pub const NOISE_SHARE_KEY: &str = "noise_share";
+/// The text of `--set` for references with all their samples.
+pub const EXACT_REFERENCES: &str = "noise_share=0";
+pub(super) const NOISE_SHARE_KIND: Kind = Kind::Number(Range::closed(0.0, 1.0));
 
 /// The value of `reference` for an experiment whose cells are not scored.
 pub const UNSCORED: &str = "none";
@@ -171,6 +182,7 @@ pub(super) const KEYS: &[(&str, Reader)] = &[
     ("antialias", |config, value, faults| {
         read_switch(&mut config.antialias, "antialias", value, faults)
     }),
+    ("lights", Config::read_lights),
     ("reference", Config::read_reference),
     ("axes", Config::read_axes),
     ("zip", Config::read_zips),
@@ -228,6 +240,7 @@ impl Config {
         }
         config.check_double_settings(root, faults);
         config.apply_overrides(faults);
+        config.check_reference_stops(faults);
         config.check_zips(faults);
         config.check_twice(faults);
         config
@@ -253,6 +266,27 @@ impl Config {
                     format!("{prefix}{key} is also an axis: set it in one place"),
                 );
             }
+        }
+    }
+
+    pub(super) fn set_noise_share(&mut self, share: f64, location: Location) {
+        self.reference.stated_noise_share = Some(share);
+        self.noise_share_location = location;
+    }
+
+    /// Checks that a reference stops by one rule. It is exact by default if noise would distort the
+    /// metric of the answers.
+    fn check_reference_stops(&mut self, faults: &mut Faults) {
+        let reference = &mut self.reference;
+        if Metric::listed(self.metric).noise == NoiseEffect::Distorts {
+            reference.stated_noise_share.get_or_insert(0.0);
+        }
+        if reference.relative_error.is_some() && reference.noise_share().is_some() {
+            faults.add(
+                &self.noise_share_location,
+                "reference.noise_share: relative_error stops the reference already; give one of \
+                 them, or noise_share = 0",
+            );
         }
     }
 
@@ -372,13 +406,20 @@ impl Config {
         for (key, value, _) in section(
             value,
             "reference",
-            &["method", "samples", "relative_error", "terms"],
+            &[
+                "method",
+                "samples",
+                "relative_error",
+                NOISE_SHARE_KEY,
+                "terms",
+            ],
             faults,
         ) {
             let kind = match key {
                 "method" => AXES[METHOD].kind,
                 "samples" => AXES[SAMPLES].kind,
                 "relative_error" => Kind::Number(Range::above(0.0, 1.0)),
+                NOISE_SHARE_KEY => NOISE_SHARE_KIND,
                 _ => Kind::one_of::<Terms>(),
             };
             let Some(found) = checked(kind, &format!("reference.{key}"), value, faults) else {
@@ -387,20 +428,8 @@ impl Config {
             match key {
                 "method" => {
                     self.reference.method = found.text().to_owned();
-                    let is_exact = Method::by_name(found.text())
-                        .is_some_and(|method| method.is_integrated() || method.is_none());
-                    if !is_exact {
-                        let exact = METHODS
-                            .iter()
-                            .filter(|method| method.is_integrated())
-                            .map(|method| method.name);
-                        let text = format!(
-                            "reference.method: {found} is an approximation and cannot be the \
-                             reference; expected one of {}, \
-                             or {NONE} to compare with the image without a specular term",
-                            exact.collect::<Vec<_>>().join(", ")
-                        );
-                        faults.add(&start_of(value), text);
+                    if let Some(fault) = reference_method_fault(found.text()) {
+                        faults.add(&start_of(value), fault);
                     }
                 }
                 "samples" => {
@@ -408,10 +437,29 @@ impl Config {
                     self.reference_samples_location = start_of(value);
                 }
                 "relative_error" => self.reference.relative_error = Some(found.number()),
+                NOISE_SHARE_KEY => self.set_noise_share(found.number(), start_of(value)),
                 _ => self.reference.terms = *Terms::listed(found.text()),
             }
         }
     }
+}
+
+/// Why a method cannot be the reference, if it is an approximation.
+fn reference_method_fault(name: &str) -> Option<String> {
+    let is_exact =
+        Method::by_name(name).is_some_and(|method| method.is_integrated() || method.is_none());
+    if is_exact {
+        return None;
+    }
+    let exact = METHODS
+        .iter()
+        .filter(|method| method.is_integrated())
+        .map(|method| method.name);
+    Some(format!(
+        "reference.method: {name} is an approximation and cannot be the reference; expected one of \
+         {}, or {NONE} to compare with the image without a specular term",
+        exact.collect::<Vec<_>>().join(", ")
+    ))
 }
 
 pub(super) fn axis_names() -> Vec<&'static str> {

@@ -5,6 +5,8 @@ mod checks;
 pub mod config;
 pub mod fault;
 pub mod inputs;
+pub mod lights;
+mod number;
 mod overrides;
 pub mod plan;
 mod ranges;

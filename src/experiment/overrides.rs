@@ -1,7 +1,9 @@
 //! `--set axis=v1,v2`: values from the command line.
 
 use super::axis::{AXES, Named};
-use super::config::{Config, KEYS, Located, METRIC_KEY, Sweep, axis_names};
+use super::config::{
+    Config, KEYS, Located, METRIC_KEY, NOISE_SHARE_KEY, NOISE_SHARE_KIND, Sweep, axis_names,
+};
 use super::fault::{Faults, Location};
 use super::toml_tree::unknown_key;
 use super::value::{Kind, Value};
@@ -9,9 +11,10 @@ use crate::instrument::environment::BUILTIN_PREFIX;
 use std::path::Path;
 
 impl Config {
-    /// Replaces or adds axes by `--set` texts.
+    /// Replaces or adds axes by `--set` texts, and sets the noise share of references.
     pub(super) fn apply_overrides(&mut self, faults: &mut Faults) {
         let mut set: Vec<Named> = Vec::new();
+        let mut is_share_set = false;
         for text in self.overrides.clone() {
             let Some((name, list)) = text.split_once('=') else {
                 faults.add(
@@ -22,6 +25,16 @@ impl Config {
             };
             let name = name.trim();
             let location = Location::Set(name.to_owned());
+            if name == NOISE_SHARE_KEY {
+                if std::mem::replace(&mut is_share_set, true) {
+                    faults.add(&location, "is set twice; give it once");
+                }
+                match NOISE_SHARE_KIND.parse_text(list) {
+                    Ok(share) => self.set_noise_share(share.number(), location),
+                    Err(fault) => faults.add(&location, format!("reference.{name}: {fault}")),
+                }
+                continue;
+            }
             let Some(named) = Named::find(name) else {
                 refuse_name(name, &location, faults);
                 continue;

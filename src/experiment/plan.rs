@@ -161,6 +161,7 @@ impl Plan {
         checks::check_unscored(&config, &mut faults);
         checks::check_recovery(&config, &mut faults);
         checks::check_frames(&config, &mut faults);
+        checks::check_lights(&config, &inputs, &mut faults);
         checks::check_sizes(&config, &mut faults);
         checks::check_exclusions(&config, &mut faults);
         faults.into_result()?;
@@ -251,9 +252,38 @@ impl Plan {
         }
     }
 
-    /// Builds the request of a reference's point ([`Plan::reference_point`]).
+    /// Builds the request of a reference's point ([`Plan::reference_point`]) with all samples.
     pub fn reference_request(&self, point: &Point) -> RenderRequest {
         self.seeded_request(point, self.config.seed)
+    }
+
+    /// Builds the request of a reference's point with `samples` a pixel, one of
+    /// [`Reference::rounds`](super::axis::Reference::rounds). An experiment with this count as its
+    /// `samples` makes the same one.
+    pub fn reference_round(&self, point: &Point, samples: u32) -> RenderRequest {
+        let mut request = self.reference_request(point);
+        request.reference_samples = samples;
+        if request.shading.method.is_integrated() {
+            request.shading.samples = samples;
+        }
+        request
+    }
+
+    /// Builds the request of a reference's point with the fewest samples that it may have: if a cache
+    /// lacks it, it lacks the others.
+    pub fn least_reference(&self, point: &Point) -> RenderRequest {
+        self.reference_round(point, self.reference_counts(point)[0])
+    }
+
+    /// Lists the sample counts that the reference of a point may have, ascending. There is one for
+    /// exact references and for images without a reference term.
+    pub fn reference_counts(&self, point: &Point) -> Vec<u32> {
+        let reference = &self.config.reference;
+        let has_noise = point.method().is_integrated() || point.diffuse().is_integrated();
+        match reference.noise_share().filter(|_| has_noise) {
+            Some(_) => reference.rounds(),
+            None => vec![reference.samples],
+        }
     }
 
     fn seeded_request(&self, point: &Point, seed: u32) -> RenderRequest {
@@ -264,6 +294,7 @@ impl Plan {
             camera: self.config.camera,
             orbit: self.config.orbit,
             background: self.config.background,
+            lights: self.config.lights.clone(),
             antialias: self.config.antialias,
             seed,
             reference_samples: self.config.reference.samples,
@@ -392,12 +423,12 @@ impl Plan {
                 plan.radiance_id(
                     &plan.reference_point(&point),
                     plan.config.seed,
-                    plan.config.reference.relative_error,
+                    plan.reference_stop(),
                 )
             });
             let point = point.collapsed();
-            let radiance =
-                plan.radiance_id(&point, plan.cell_seed(&point), plan.cell_error(&point));
+            let stop = plan.cell_error(&point).map(stop_at_error);
+            let radiance = plan.radiance_id(&point, plan.cell_seed(&point), stop);
             let id = cell_id(
                 &radiance,
                 reference.as_deref().unwrap_or(UNSCORED),
@@ -447,8 +478,18 @@ impl Plan {
             .filter(|_| !point.method().is_integrated())
     }
 
-    /// Hashes inputs by content, so a renamed file keeps its cells and a changed one does not.
-    fn radiance_id(&self, point: &Point, seed: u32, relative_error: Option<f64>) -> String {
+    /// Returns the rule by which references stop before their last sample, for their ids.
+    fn reference_stop(&self) -> Option<String> {
+        let reference = &self.config.reference;
+        let by_share = reference
+            .noise_share()
+            .map(|share| format!("noise_share={share}"));
+        reference.relative_error.map(stop_at_error).or(by_share)
+    }
+
+    /// Hashes inputs by content, so a renamed file keeps its cells and a changed one does not. `stop`
+    /// is the rule by which reference terms stop early.
+    fn radiance_id(&self, point: &Point, seed: u32, stop: Option<String>) -> String {
         let Self { config, inputs, .. } = self;
         let mut lines = vec![
             format!("schema={SCHEMA_VERSION}"),
@@ -460,6 +501,9 @@ impl Plan {
         if config.antialias && !inputs.scene(point[SCENE].text()).is_design {
             lines.push("antialias=true".to_owned());
         }
+        if !config.lights.is_empty() {
+            lines.push(format!("lights={:?}", config.lights));
+        }
         if !config.orbit.is_still() {
             lines.push(format!("orbit={:?}", config.orbit));
         }
@@ -468,11 +512,7 @@ impl Plan {
         if is_diffuse_exact && !is_specular_exact {
             lines.push(format!("reference_samples={}", config.reference.samples));
         }
-        if (is_specular_exact || is_diffuse_exact)
-            && let Some(error) = relative_error
-        {
-            lines.push(format!("reference_error={error}"));
-        }
+        lines.extend(stop.filter(|_| is_specular_exact || is_diffuse_exact));
         let given = inputs.given(&point.settings());
         for (id, axis) in AXES.entries().filter(|(_, axis)| axis.changes_radiance()) {
             let value = &point[id];
@@ -502,6 +542,11 @@ impl Plan {
         }
         hash_lines(&lines)
     }
+}
+
+/// The rule of references that stop at a relative error, for ids.
+fn stop_at_error(error: f64) -> String {
+    format!("reference_error={error}")
 }
 
 fn cell_id(radiance: &str, reference: &str, point: &Point, ladder: Option<u32>) -> String {

@@ -2,8 +2,9 @@
 //! `{ logspace = [0.01, 1, 9] }`.
 
 use super::fault::{Faults, Location};
+use super::number::number;
 use super::toml_tree::{entries, raw, unknown_key};
-use super::value::{Kind, Raw, number};
+use super::value::{Kind, Raw};
 use crate::base::numbers::round_to_significant;
 use toml::Spanned;
 use toml::de::DeTable;

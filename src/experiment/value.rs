@@ -1,5 +1,8 @@
 //! Values in a file or on the command line, and their checks.
 
+pub use super::number::{COORDINATE, Range, Raw};
+
+use super::number::number;
 use crate::base::glsl::constants;
 use crate::base::names::{Listed, NAMES_SHOWN, not_listed, not_one_of, with_article};
 use crate::base::numbers::round_to_significant;
@@ -127,69 +130,6 @@ impl Value {
     }
 }
 
-#[derive(Clone, Copy, Debug)]
-pub struct Range {
-    pub min: f64,
-    pub max: f64,
-    /// Whether `min` itself is excluded.
-    pub min_open: bool,
-}
-
-impl Range {
-    /// `[min, max]`.
-    pub const fn closed(min: f64, max: f64) -> Self {
-        Self {
-            min,
-            max,
-            min_open: false,
-        }
-    }
-
-    /// `(min, max]`.
-    pub const fn above(min: f64, max: f64) -> Self {
-        Self {
-            min,
-            max,
-            min_open: true,
-        }
-    }
-
-    fn holds(&self, x: f64) -> bool {
-        let is_above_min = if self.min_open {
-            x > self.min
-        } else {
-            x >= self.min
-        };
-        is_above_min && x <= self.max
-    }
-
-    /// Parses a number in the range.
-    fn parse(&self, raw: &Raw) -> Result<f64, String> {
-        match number(raw) {
-            Some(x) if self.holds(x) => Ok(x),
-            Some(_) => Err(format!("{raw} is outside {self}")),
-            None => Err(format!("{raw} is not a number in {self}")),
-        }
-    }
-}
-
-impl fmt::Display for Range {
-    fn fmt(&self, f: &mut fmt::Formatter) -> fmt::Result {
-        write!(
-            f,
-            "{}{}, {}]",
-            if self.min_open { '(' } else { '[' },
-            self.min,
-            self.max
-        )
-    }
-}
-
-/// A coordinate of a position or direction.
-pub const COORDINATE: Range = Range::closed(-1e9, 1e9);
-
-pub use toml::Value as Raw;
-
 /// Parses command-line text as a number if it is one.
 fn from_text(text: &str) -> Raw {
     match (text.parse::<i64>(), text.parse::<f64>()) {
@@ -197,10 +137,6 @@ fn from_text(text: &str) -> Raw {
         (_, Ok(x)) => Raw::Float(x),
         _ => Raw::String(text.to_owned()),
     }
-}
-
-pub(super) fn number(raw: &Raw) -> Option<f64> {
-    raw.as_float().or(raw.as_integer().map(|n| n as f64))
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -229,6 +165,16 @@ pub enum Kind {
         what: &'static str,
         names: fn() -> Vec<&'static str>,
         listed_in: Option<&'static str>,
+    },
+    /// A listed name, or a list of numbers, whose name has colons between them. As text:
+    /// `0:0.5:1`.
+    NameOrList {
+        what: &'static str,
+        names: fn() -> Vec<&'static str>,
+        /// Checks a list.
+        name_of: fn(&[f64]) -> Result<&'static str, String>,
+        /// How a user writes one: "r:r:r".
+        form: &'static str,
     },
     /// A number, or a name for one. The value is always the number.
     NumberOrName {
@@ -281,6 +227,12 @@ impl Kind {
                 names,
                 listed_in,
             } => parse_name(raw, what, &names(), *listed_in, true),
+            Self::NameOrList {
+                what,
+                names,
+                name_of,
+                form,
+            } => parse_name_or_list(raw, what, &names(), *name_of, form).map(Value::from),
             Self::NumberOrName { range, what, named } => {
                 if let Raw::String(text) = raw {
                     parse_named_number(text, range, what, &named()).map(Value::Number)
@@ -301,7 +253,7 @@ impl Kind {
     pub fn parse_text(&self, text: &str) -> Result<Value, String> {
         let text = text.trim();
         let raw = match self {
-            Self::Name { .. } | Self::NameOrFile { .. } | Self::Input => {
+            Self::Name { .. } | Self::NameOrFile { .. } | Self::NameOrList { .. } | Self::Input => {
                 Raw::String(text.to_owned())
             }
             Self::Color(_) if text.contains([':', ',']) => Raw::Array(
@@ -359,6 +311,7 @@ impl Kind {
             Self::NameOrFile { names, .. } => {
                 format!("{} | {FILE_PREFIX}PATH", names().join(" | "))
             }
+            Self::NameOrList { names, form, .. } => format!("{} | {form}", names().join(" | ")),
             Self::NumberOrName { range, named, .. } => {
                 let names: Vec<&str> = named().iter().map(|(name, _)| *name).collect();
                 format!("number in {range} | {}", names.join(" | "))
@@ -377,6 +330,7 @@ impl Kind {
         match self {
             Self::Color(_) => Some("x or r:g:b"),
             Self::Pair { .. } => Some("WxH"),
+            Self::NameOrList { form, .. } => Some(form),
             _ => None,
         }
     }
@@ -390,6 +344,7 @@ impl Kind {
             Self::Pair { .. } => "WxH",
             Self::Name { .. } => "NAME",
             Self::NameOrFile { .. } => "NAME|file:PATH",
+            Self::NameOrList { .. } => "NAME|LIST",
             Self::NumberOrName { .. } => "X|NAME",
             Self::Input => "NAME|FILE",
         }
@@ -460,6 +415,35 @@ fn parse_name(
     }
     let or_file = if takes_files { "file:PATH or " } else { "" };
     Err(not_listed(what, text, names, or_file, listed_in))
+}
+
+/// Parses a listed name or a list of numbers: the name of either.
+fn parse_name_or_list(
+    raw: &Raw,
+    what: &str,
+    names: &[&str],
+    name_of: fn(&[f64]) -> Result<&'static str, String>,
+    form: &str,
+) -> Result<String, String> {
+    let list = |items: &[Raw]| {
+        let numbers = items
+            .iter()
+            .map(|item| number(item).ok_or_else(|| format!("{raw}: {item} is not a number")));
+        name_of(&numbers.collect::<Result<Vec<f64>, String>>()?).map(str::to_owned)
+    };
+    match raw {
+        Raw::String(text) if names.contains(&text.as_str()) => Ok(text.clone()),
+        Raw::String(text) if text.contains(':') => {
+            let parts = text.split(':').map(|part| from_text(part.trim()));
+            list(&parts.collect::<Vec<_>>())
+        }
+        Raw::String(text) => Err(not_one_of(what, text, names, &format!("{form} or "))),
+        Raw::Array(items) => list(items),
+        _ => Err(format!(
+            "{raw} is not the name of {} in quotes, or a list of numbers",
+            with_article(what)
+        )),
+    }
 }
 
 /// Finds the number that a name stands for.

@@ -326,7 +326,7 @@ impl<'p> SheetMaker<'p> {
         };
         let score = |metric: &str| {
             record
-                .score(metric)
+                .answered(metric, self.plan.config.reference.noise_use())
                 .map_or_else(String::new, |score| significant(score, 3))
         };
         match kind {

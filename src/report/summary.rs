@@ -135,18 +135,27 @@ fn reference_stops(run: &Finished) -> String {
         significant(median(&errors), 2),
         significant(worst, 2)
     );
-    let Some(wanted) = run.provenance.reference.relative_error else {
-        return format!(" (relative standard error: {errors})");
+    let stopped = |reason: StopReason| {
+        let stopped = stops.values().filter(|stop| stop.stopped_by == reason);
+        format!("{} of {}", stopped.count(), stops.len())
     };
-    let met_count = stops
-        .values()
-        .filter(|stop| stop.stopped_by == StopReason::RelativeError)
-        .count();
-    format!(
-        " at most; {met_count} of {} stopped earlier at a relative standard error of {wanted} \
-         ({errors})",
-        stops.len()
-    )
+    let settings = &run.provenance.reference;
+    if let Some(wanted) = settings.relative_error {
+        let met = stopped(StopReason::RelativeError);
+        return format!(
+            " at most; {met} stopped earlier at a relative standard error of {wanted} ({errors})"
+        );
+    }
+    match settings.largest_share() {
+        Some(share) => {
+            let enough = stopped(StopReason::NoiseShare);
+            format!(
+                " at most; {enough} stopped earlier with a noise of at most {share} of each mean \
+                 square error, which answers take off (relative standard error: {errors})"
+            )
+        }
+        None => format!(" (relative standard error: {errors})"),
+    }
 }
 
 fn sheet_link(name: &str) -> String {

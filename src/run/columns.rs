@@ -77,11 +77,12 @@ columns! {
         pub reference_samples: Option<u64>,
         /// Relative standard error of the reference image; the largest of its terms.
         pub reference_relative_error: Option<f64>,
-        /// `samples`, or `relative-error` if every term reached the requested error.
+        /// `samples`; `relative-error` if every term reached the requested error; `noise-share` if
+        /// fewer samples were exact enough for all images that it judges.
         pub reference_stopped_by: Option<&'static str>,
-        /// The headline metric against its noise floor: `resolved`, `reference-limited` below ten
-        /// standard errors, `equal-within-noise` below two, `no-noise-floor`, `failed`, or
-        /// `unscored` without references.
+        /// The headline metric, as a mean square, against its noise floor: `resolved`,
+        /// `reference-limited` below 11 floors (100 with exact references), `equal-within-noise`
+        /// up to four, `no-noise-floor`, `failed`, or `unscored` without references.
         pub verdict: String,
     }
 }

@@ -211,7 +211,9 @@ impl<'p> Steps<'p> {
         if let Some((id, judge)) = cell.reference.as_ref().zip(judge.as_ref())
             && self.begun.insert(id.clone())
         {
-            seconds += Work::reference(judge).seconds(amount(plan, judge));
+            let all = amount(plan, judge);
+            let samples = all.samples * usual_share(plan, judge);
+            seconds += Work::reference(judge).seconds(Amount { samples, ..all });
         }
         if self.begun.insert(cell.radiance.clone()) {
             seconds += Work::image(point).seconds(image);
@@ -264,6 +266,17 @@ impl<'p> Steps<'p> {
         };
         f64::from(counted + timing.warmup) * once
     }
+}
+
+/// Samples of a reference that stops when it is exact enough, in all its rounds: the mean of `quick`.
+const USUAL_SAMPLES: f64 = 800.0;
+
+/// The usual samples of a reference over its most.
+fn usual_share(plan: &Plan, judge: &Point) -> f64 {
+    if plan.reference_counts(judge).len() == 1 {
+        return 1.0;
+    }
+    (USUAL_SAMPLES / f64::from(plan.config.reference.samples)).min(1.0)
 }
 
 /// The pixels and samples of the image of a point.

@@ -3,6 +3,7 @@
 
 use super::provenance::{self, experiment_hash};
 use crate::base::files::read_given;
+use crate::experiment::config::{EXACT_REFERENCES, NOISE_SHARE_KEY};
 use crate::experiment::fault::{ConfigError, Faults, Location};
 use crate::experiment::plan::{Check, Plan, Source};
 use crate::instrument::environment::LoadOptions;
@@ -20,6 +21,8 @@ struct Frozen {
     /// Base folder of paths in `overrides`; `None` if they name no file.
     set_dir: Option<PathBuf>,
     overrides: Vec<String>,
+    /// Whether its references are exact because the program had no others.
+    is_older: bool,
     is_unchanged: bool,
 }
 
@@ -36,6 +39,7 @@ impl Frozen {
         Some(Self {
             file_dir: folder(provenance.experiment_folder),
             set_dir: folder(provenance.set_folder),
+            is_older: provenance.reference.is_older(),
             overrides: provenance.overrides,
             is_unchanged: provenance.experiment_hash == experiment_hash(text),
         })
@@ -70,6 +74,9 @@ impl Frozen {
         }
         if let Some(dir) = &self.set_dir {
             parts.push(format!("whose files are in {}", dir.display()));
+        }
+        if self.is_older {
+            parts.push("with exact references".to_owned());
         }
         let path = path.display();
         (!parts.is_empty()).then(|| format!("{path}: repeats its run: {}", parts.join(", ")))
@@ -113,12 +120,19 @@ pub fn load(
         return Ok((Plan::from_source(&source, options)?, None));
     };
     frozen.check(path, &text, overrides)?;
-    let all_overrides = if frozen.overrides.is_empty() {
-        overrides
+    let mut all_overrides = if frozen.overrides.is_empty() {
+        overrides.to_vec()
     } else {
-        &frozen.overrides
+        frozen.overrides.clone()
     };
-    let source = Source::new(path, &text, all_overrides);
+    let is_share = |text: &String| {
+        let key = text.split_once('=').map(|(key, _)| key.trim());
+        key == Some(NOISE_SHARE_KEY)
+    };
+    if frozen.is_older && !all_overrides.iter().any(is_share) {
+        all_overrides.push(EXACT_REFERENCES.to_owned());
+    }
+    let source = Source::new(path, &text, &all_overrides);
     let source = Source {
         file_dir: frozen.file_dir.as_deref(),
         set_dir: frozen.set_dir.as_deref().unwrap_or(source.set_dir),

@@ -1,6 +1,7 @@
 //! Renders and scores the cells of a plan into a folder of records, images and tables.
 //! `crate::study` answers questions from the tables.
 
+mod cell_fault;
 pub mod columns;
 pub mod companion;
 pub mod environments;
@@ -11,6 +12,7 @@ pub mod images;
 pub mod provenance;
 pub mod record;
 pub mod recovery;
+mod reference_image;
 pub mod renderer;
 pub mod rows;
 pub mod run_table;

@@ -5,7 +5,7 @@ use crate::base::files::{read_regular, relative};
 use crate::base::names::Listed;
 use crate::experiment::config::Config;
 use crate::experiment::plan::{Plan, SCHEMA_VERSION};
-use crate::instrument::metrics::{METRICS, Metric};
+use crate::instrument::metrics::{METRICS, Metric, NoiseUse};
 use crate::instrument::pipeline::DeviceInfo;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 use serde_json::Value;
@@ -103,6 +103,10 @@ pub struct ExclusionRecord {
 pub struct ReferenceSettings {
     /// [`UNSCORED`] without references.
     pub method: String,
+    /// Largest noise over the error of each image, both as mean squares; 0 for exact references.
+    /// `None` in runs of older programs, whose references are exact.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub noise_share: Option<f64>,
     /// Requested relative standard error.
     pub relative_error: Option<f64>,
     /// Samples per pixel, at most.
@@ -119,9 +123,25 @@ impl ReferenceSettings {
         }
         Self {
             method: config.reference.method.clone(),
+            noise_share: Some(config.reference.noise_share().unwrap_or(0.0)),
             relative_error: config.reference.relative_error,
             samples: config.reference.samples.into(),
         }
+    }
+
+    /// The largest noise over the error of each image; `None` for exact references.
+    pub fn largest_share(&self) -> Option<f64> {
+        self.noise_share.filter(|share| *share > 0.0)
+    }
+
+    /// Whether a program that had exact references alone made the run.
+    pub fn is_older(&self) -> bool {
+        self.noise_share.is_none() && self.method != UNSCORED
+    }
+
+    /// What answers do with the noise floors.
+    pub fn noise_use(&self) -> NoiseUse {
+        NoiseUse::of_share(self.largest_share())
     }
 }
 

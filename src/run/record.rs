@@ -1,9 +1,9 @@
 //! Records of cells and references.
 
-use crate::base::names::listed;
+use crate::base::names::{Listed, listed};
 use crate::base::numbers::round_to_significant;
 use crate::instrument::ladder::{Attribution, StepNumbers};
-use crate::instrument::metrics::{METRICS, Metric, linear_metrics};
+use crate::instrument::metrics::{METRICS, Metric, NoiseUse, linear_metrics};
 use crate::instrument::shade::reference_pass::Convergence;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -47,9 +47,15 @@ pub enum StopReason {
     Samples,
     /// Every term reached the requested relative standard error.
     RelativeError,
+    /// The noise is small beside the errors of all images that it judges.
+    NoiseShare,
 }
 
-listed!(StopReason, "reason to stop", { "samples": Samples, "relative-error": RelativeError });
+listed!(StopReason, "reason to stop", {
+    "samples": Samples,
+    "relative-error": RelativeError,
+    "noise-share": NoiseShare,
+});
 
 impl ReferenceStop {
     /// Combines the terms of one image; `None` if none is a reference. `wanted` is the requested
@@ -72,6 +78,17 @@ impl ReferenceStop {
             },
         })
     }
+}
+
+/// The reference of a group of cells.
+#[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
+pub struct ReferenceRecord {
+    #[serde(flatten)]
+    pub stop: ReferenceStop,
+    /// By the id of an image: the first sample count whose noise is small beside the image's error.
+    /// Empty for exact references.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub needs: BTreeMap<String, u32>,
 }
 
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
@@ -218,6 +235,12 @@ impl KeptCell {
 
     pub fn score(&self, metric: &str) -> Option<f64> {
         self.scores[METRICS.iter().position(|known| known.name == metric)?]
+    }
+
+    /// The score as answers have it.
+    pub fn answered(&self, metric: &str, noise_use: NoiseUse) -> Option<f64> {
+        let floor = self.noise_floor(metric);
+        Some(noise_use.answered(Metric::listed(metric), self.score(metric)?, floor))
     }
 
     /// Expected score of an exact image.

@@ -1,187 +1,24 @@
 //! Scores images into the record of a cell, on the host, several cells at a time.
 
+use super::cell_fault::CellFault;
 use super::columns::UNSCORED;
-use super::images::{self, STANDARD_ERROR_LAYER};
-use super::renderer::RenderFault;
+use super::images;
+use super::reference_image::{Kept, ReferenceImage, by_name, keep};
 use super::store::{
     BinRecord, CellRecord, Exact, ReferenceStop, Scores, SteadinessScores, StepRecord, Store,
-    StoreError,
 };
 use super::tables::HEADLINE;
-use crate::base::files::content_hash;
 use crate::base::names::Listed;
-use crate::base::pixels::{GrayImage, PixelsError, Rgb8Image, RgbImage, exr, png};
+use crate::base::pixels::{Rgb8Image, png};
 use crate::draw::colormap::{FLIP_ERROR, RELATIVE_ERROR};
 use crate::experiment::plan::{Cell, Plan};
 use crate::instrument::metrics::{
-    Comparison, Displayed, Epsilon, METRICS, Metric, MetricsError, N_DOT_V_BIN_EDGES, Pooling,
-    ReferenceNoise, Space, linear_metrics, noise_floor, verdict,
+    Comparison, METRICS, Metric, N_DOT_V_BIN_EDGES, NoiseUse, Space, linear_metrics, verdict,
 };
-use crate::instrument::pipeline::{DeviceInfo, Frame, RenderRequest};
+use crate::instrument::pipeline::{DeviceInfo, Frame};
 use crate::instrument::tonemap::ToneCurve;
 use std::collections::BTreeMap;
-use std::path::Path;
-use std::sync::{Arc, Mutex, OnceLock, PoisonError};
-
-#[derive(Debug)]
-pub struct ReferenceImage {
-    pub radiance: RgbImage,
-    pub standard_error: Option<RgbImage>,
-    pub mask: GrayImage,
-    pub epsilon: Epsilon,
-    pub stop: Option<ReferenceStop>,
-    /// The frame, unless the image was read back.
-    pub rendered: Option<Arc<Frame>>,
-    noise_floors: OnceLock<Result<Floors, String>>,
-    /// Its linear image, once written.
-    file: Mutex<Option<Kept>>,
-    /// The last few display images by tone curve.
-    displays: Mutex<Vec<(ToneCurve, Arc<Displayed>)>>,
-}
-
-/// Name and content hash of a file of `images/`.
-type Kept = (String, String);
-
-/// Expected scores of an exact image, over all pixels and by bin of n·v. Empty if the standard
-/// error is unknown.
-#[derive(Clone, Debug, Default)]
-struct Floors {
-    whole: Scores,
-    bins: Vec<Scores>,
-}
-
-/// Memory for a reference's display images, bytes; one is always kept.
-const DISPLAY_BYTES: usize = 64 << 20;
-
-impl ReferenceImage {
-    pub fn of_frame(frame: Arc<Frame>, request: &RenderRequest) -> Self {
-        let stop = ReferenceStop::from_terms(&frame.convergences, request.reference_error);
-        let mask = GrayImage::clone(&frame.mask);
-        let image = Self::new(
-            frame.radiance.clone(),
-            frame.standard_error.clone(),
-            mask,
-            request,
-            stop,
-        );
-        Self {
-            rendered: Some(frame),
-            ..image
-        }
-    }
-
-    /// Reads back a reference of an earlier invocation, bit for bit; `None` if it is missing or
-    /// incomplete.
-    pub fn read(path: &Path, request: &RenderRequest, stop: Option<ReferenceStop>) -> Option<Self> {
-        let image = exr::read(path).ok()?;
-        let standard_error = if request.has_reference_term() {
-            stop.as_ref()?;
-            let layer = exr::read_layer(path, Some(STANDARD_ERROR_LAYER)).ok()?;
-            Some(layer.rgb)
-        } else {
-            None
-        };
-        let has_size = [image.rgb.width, image.rgb.height] == request.size;
-        let mask = image.alpha.filter(|_| has_size)?;
-        Some(Self::new(image.rgb, standard_error, mask, request, stop))
-    }
-
-    fn new(
-        radiance: RgbImage,
-        standard_error: Option<RgbImage>,
-        mask: GrayImage,
-        request: &RenderRequest,
-        stop: Option<ReferenceStop>,
-    ) -> Self {
-        Self {
-            radiance,
-            standard_error,
-            mask,
-            epsilon: request.epsilon(),
-            stop,
-            rendered: None,
-            noise_floors: OnceLock::new(),
-            file: Mutex::default(),
-            displays: Mutex::default(),
-        }
-    }
-
-    /// Its linear image, written if necessary.
-    fn file(&self, store: &Store, name: String) -> Result<Kept, CellFault> {
-        let mut file = self.file.lock().unwrap_or_else(PoisonError::into_inner);
-        if file.is_none() {
-            let write = |path: &Path| {
-                self.rendered
-                    .as_ref()
-                    .map_or(Ok(()), |frame| images::write_radiance(path, frame))
-            };
-            *file = Some(keep(store, name, write)?);
-        }
-        Ok(file.clone().expect("it was written"))
-    }
-
-    /// Compares a test image, reusing the reference's display image.
-    fn comparison<'a>(
-        &'a self,
-        test: &'a RgbImage,
-        curve: ToneCurve,
-    ) -> Result<Comparison<'a>, MetricsError> {
-        let comparison = Comparison::new(test, &self.radiance, &self.mask, curve, self.epsilon)?;
-        let known = || self.displays.lock().unwrap_or_else(PoisonError::into_inner);
-        let ready = known()
-            .iter()
-            .find(|(known, _)| *known == curve)
-            .map(|(_, display)| display.clone());
-        if let Some(display) = ready {
-            return Ok(comparison.with_reference_display(display));
-        }
-        let display = comparison.reference_display().clone();
-        let mut known = known();
-        let count_max = DISPLAY_BYTES / (Displayed::BYTES_PER_PIXEL * self.mask.data.len());
-        if known.len() >= count_max.max(1) {
-            known.remove(0);
-        }
-        known.push((curve, display));
-        Ok(comparison)
-    }
-
-    /// Expected scores of an exact image, given the pixels of each bin. Computed once.
-    fn noise_floors(&self, bins: &[Vec<usize>]) -> Result<Floors, String> {
-        let compute = || {
-            let Some(standard_error) = &self.standard_error else {
-                return Ok(Floors::default());
-            };
-            let floors = noise_floor(&self.radiance, standard_error, &self.mask, self.epsilon);
-            let floors = floors.map_err(|error| error.to_string())?;
-            let whole = by_name(
-                floors
-                    .into_iter()
-                    .filter_map(|(name, floor)| Some((name, floor?)))
-                    .collect(),
-            );
-            let of_bin = |pixels: &Vec<usize>| {
-                let noise = ReferenceNoise::of_pixels(
-                    [&self.radiance, standard_error],
-                    pixels,
-                    self.epsilon,
-                );
-                let pooled = METRICS
-                    .iter()
-                    .filter(|metric| metric.pooling != Pooling::None && !pixels.is_empty());
-                by_name(
-                    pooled
-                        .filter_map(|metric| Some((metric.name, metric.noise_floor(&noise)?)))
-                        .collect(),
-                )
-            };
-            Ok(Floors {
-                whole,
-                bins: bins.iter().map(of_bin).collect(),
-            })
-        };
-        self.noise_floors.get_or_init(compute).clone()
-    }
-}
+use std::sync::{Arc, Mutex, PoisonError};
 
 #[derive(Debug)]
 pub struct Rendered<'p> {
@@ -223,38 +60,6 @@ struct CellResults {
     verdict: String,
     bins: Vec<BinRecord>,
     files: BTreeMap<String, String>,
-}
-
-#[derive(Debug)]
-pub enum CellFault {
-    /// Only this cell fails.
-    Cell(String),
-    /// A file cannot be written: the run ends.
-    Store(StoreError),
-    /// The device is lost: the run ends.
-    Lost(String),
-}
-
-impl From<StoreError> for CellFault {
-    fn from(error: StoreError) -> Self {
-        Self::Store(error)
-    }
-}
-
-impl From<MetricsError> for CellFault {
-    fn from(error: MetricsError) -> Self {
-        Self::Cell(error.to_string())
-    }
-}
-
-impl From<RenderFault> for CellFault {
-    fn from(fault: RenderFault) -> Self {
-        if fault.device_lost {
-            Self::Lost(fault.message)
-        } else {
-            Self::Cell(fault.message)
-        }
-    }
 }
 
 impl Rendered<'_> {
@@ -339,16 +144,16 @@ impl Rendered<'_> {
             bin.scores.extend(display.scores);
         }
         let bin_pixels = comparison.bin_pixels(&self.frame.n_dot_v, &N_DOT_V_BIN_EDGES)?;
-        let floors = reference
-            .noise_floors(&bin_pixels)
-            .map_err(CellFault::Cell)?;
-        for (bin, noise_floors) in bins.iter_mut().zip(floors.bins) {
+        let bin_floors = reference.bin_floors(&bin_pixels);
+        for (bin, noise_floors) in bins.iter_mut().zip(bin_floors) {
             bin.noise_floors = noise_floors;
         }
+        let noise_floors = reference.noise_floors().map_err(CellFault::Cell)?;
+        let noise_use = plan.config.reference.noise_use();
         files.extend(self.write_pictures(judge, plan, store, &comparison)?);
         Ok(CellResults {
-            verdict: verdict_name(&scores, &floors.whole),
-            noise_floors: floors.whole,
+            verdict: verdict_name(&scores, &noise_floors, noise_use),
+            noise_floors,
             steadiness: self.steadiness(reference, curve)?,
             reference: reference.stop.clone(),
             scores,
@@ -413,16 +218,9 @@ impl Rendered<'_> {
         store: &Store,
         comparison: &Comparison,
     ) -> Result<Vec<Kept>, CellFault> {
-        // Shared by cells and written once.
         let reference_name =
             images::reference_picture_name(plan, self.cell).expect("the cell has a reference");
-        let mut files = vec![keep(store, reference_name, |path| {
-            if path.exists() {
-                Ok(())
-            } else {
-                png::write_rgb8(path, &judge.picture)
-            }
-        })?];
+        let mut files = vec![judge.image.picture(store, reference_name, &judge.picture)?];
         if images::sweeps_display(plan) {
             let flip = FLIP_ERROR.image(&comparison.flip_map(), &judge.image.mask);
             files.push(keep(store, images::flip_name(self.cell), |path| {
@@ -458,37 +256,13 @@ fn display_metrics() -> Vec<&'static Metric> {
         .collect()
 }
 
-/// Writes a file of `images/`. If its path is not a file, only this cell fails.
-fn keep(
-    store: &Store,
-    name: String,
-    write: impl FnOnce(&Path) -> Result<(), PixelsError>,
-) -> Result<Kept, CellFault> {
-    let path = store.image_path(&name);
-    let hash = || {
-        content_hash(&path).map_err(|error| StoreError::Io {
-            path: path.clone(),
-            error,
-        })
-    };
-    match write(&path).map_err(StoreError::from).and_then(|()| hash()) {
-        Ok(hash) => Ok((name, hash)),
-        Err(error) if error.is_of_one_place(&path) => Err(CellFault::Cell(error.to_string())),
-        Err(error) => Err(CellFault::Store(error)),
-    }
-}
-
-fn by_name(values: Vec<(&'static str, f64)>) -> Scores {
-    values
-        .into_iter()
-        .map(|(name, value)| (name.to_owned(), Exact(value)))
-        .collect()
-}
-
-fn verdict_name(scores: &Scores, floors: &Scores) -> String {
+fn verdict_name(scores: &Scores, floors: &Scores, noise_use: NoiseUse) -> String {
     let metric = Metric::listed(HEADLINE);
     match (scores.get(HEADLINE), floors.get(HEADLINE)) {
-        (Some(score), Some(floor)) => verdict(metric, score.0, floor.0).name().to_owned(),
+        (Some(score), Some(floor)) => {
+            let verdict = verdict(metric, score.0, floor.0, noise_use);
+            verdict.name().to_owned()
+        }
         _ => "no-noise-floor".to_owned(),
     }
 }

@@ -1,12 +1,13 @@
-//! The panel: eight controls that matter most, and the rest of the axes under "Advanced".
+//! The panel: the inputs, both methods and the sliders of the source documents; the rest of the axes
+//! under "Advanced".
 
 use super::browse::Browse;
 use super::state::{Side, State};
 use super::theme;
 use crate::base::names::{Listed, capitalised, in_words};
 use crate::experiment::axis::{
-    ALBEDO, ALPHA, AXES, AxisId, ENVIRONMENT, EXPOSURE, F0, METALLIC, METHOD, Named, Part, Point,
-    SAMPLES, SCENE, SIZE,
+    ALBEDO, ALPHA, AXES, AxisId, CONTRAST, ENVIRONMENT, ENVIRONMENT_SCALE, EXPOSURE, F0, Layer,
+    METALLIC, METHOD, Named, Part, Point, SAMPLES, SCENE, SIZE,
 };
 use crate::experiment::value::{Kind, Range, Value};
 use crate::instrument::environment::{BUILTIN_PREFIX, BUILTINS};
@@ -43,7 +44,8 @@ impl Controls {
         self.input(ui, SCENE, state);
         self.axis(ui, ALPHA, state);
         self.axis(ui, METALLIC, state);
-        self.axis(ui, f0(state), state);
+        self.albedo(ui, state);
+        self.axis(ui, F0, state);
         self.method(ui, Side::Left, state);
         self.method(ui, Side::Right, state);
         let uses_samples = |side| {
@@ -53,7 +55,9 @@ impl Controls {
         if [Side::Left, Side::Right].into_iter().any(uses_samples) {
             self.axis(ui, SAMPLES, state);
         }
+        self.axis(ui, ENVIRONMENT_SCALE, state);
         self.axis(ui, EXPOSURE, state);
+        self.axis(ui, CONTRAST, state);
         ui.add_space(4.0);
         let advanced = egui::CollapsingHeader::new("Advanced")
             .show_unindented(ui, |ui| self.advanced(ui, state));
@@ -75,10 +79,13 @@ impl Controls {
             SCENE,
             ALPHA,
             METALLIC,
-            f0(state),
+            ALBEDO,
+            F0,
             METHOD,
             SAMPLES,
+            ENVIRONMENT_SCALE,
             EXPOSURE,
+            CONTRAST,
         ];
         for part in [Part::Case, Part::Method, Part::Display, Part::Table] {
             let heading = part.heading();
@@ -240,13 +247,39 @@ impl Controls {
         });
     }
 
+    /// Three sliders of the albedo, as in the source documents.
+    fn albedo(&mut self, ui: &mut Ui, state: &mut State) {
+        let named = Named::primary(ALBEDO);
+        let is_set = state.point[ALBEDO] != Value::Unset;
+        let Value::Color(color) = first_or(&state.point, ALBEDO, named) else {
+            return;
+        };
+        for (channel, word) in ["red", "green", "blue"].into_iter().enumerate() {
+            let label = format!("{}, {word}", named.label());
+            let about = capitalised(named.about());
+            self.row(ui, &label, &about, |controls, ui| {
+                let name = format!("{} {word}", named.name());
+                if let Some(changed) = controls.channel(ui, &name, is_set, color[channel]) {
+                    let mut color = color;
+                    color[channel] = changed;
+                    state.point[ALBEDO] = Value::Color(color);
+                }
+                if is_set && channel == 0 {
+                    let response = ui
+                        .small_button("×")
+                        .on_hover_text("Return to the model's value");
+                    controls.record(format!("{} reset", named.name()), &response);
+                    if response.clicked() {
+                        state.point[ALBEDO] = Value::Unset;
+                    }
+                }
+            });
+        }
+    }
+
     fn axis(&mut self, ui: &mut Ui, axis: AxisId, state: &mut State) {
         let named = Named::usual(axis);
-        let label = if axis == f0(state) {
-            Named::primary(F0).label()
-        } else {
-            named.label()
-        };
+        let label = named.label();
         let is_used = |side| {
             let point = state.image(side, 1).point;
             // The reference has its own count.
@@ -256,15 +289,12 @@ impl Controls {
         let is_used = AXES[axis].part == Part::Display
             || is_unset
             || [Side::Left, Side::Right].into_iter().any(is_used);
+        let is_used = is_used && has_effect(axis, state);
         let point = &mut state.point;
         self.row(ui, &label, &capitalised(named.about()), |controls, ui| {
             ui.add_enabled_ui(is_used, |ui| {
                 // A control of an unset axis shows its first value; moving it sets the axis.
-                let before = if is_unset {
-                    first(axis, named, point)
-                } else {
-                    point[axis].clone()
-                };
+                let before = first_or(point, axis, named);
                 let mut value = before.clone();
                 controls.value(ui, named, !is_unset, &mut value);
                 if value != before {
@@ -342,12 +372,24 @@ fn input_choices(axis: AxisId, current: &str) -> Vec<Choice> {
     choices
 }
 
-/// Returns the axis of F0: a metal's is its albedo.
-fn f0(state: &State) -> AxisId {
-    if state.point[METALLIC] == Value::Number(1.0) {
-        ALBEDO
+/// Whether an axis may change the picture, as far as the methods do not tell: a metal has no F0 but
+/// its albedo, and axes of lights need lights.
+fn has_effect(axis: AxisId, state: &State) -> bool {
+    let is_built_in = SCENES
+        .iter()
+        .any(|scene| scene.name == state.point[SCENE].text());
+    if Layer::Lights.has(axis) {
+        return !state.view.lights.is_empty() || !is_built_in;
+    }
+    axis != F0 || state.point[METALLIC] != Value::Number(1.0)
+}
+
+/// Returns the value of an axis; of an unset one, its first value.
+fn first_or(point: &Point, axis: AxisId, named: Named) -> Value {
+    if point[axis] == Value::Unset {
+        first(axis, named, point)
     } else {
-        F0
+        point[axis].clone()
     }
 }
 

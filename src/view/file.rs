@@ -5,6 +5,7 @@ use crate::base::names::Listed;
 use crate::experiment::axis::{
     AxisId, ENVIRONMENT, METHOD, Named, Point, SAMPLES, SCENE, SIZE, View,
 };
+use crate::experiment::lights::light_text;
 use crate::experiment::value::Value;
 
 /// Axes whose defaults differ between `render` and `view`.
@@ -70,6 +71,8 @@ fn view_flags(view: &View) -> Vec<String> {
             view.orbit.numbers().map(|x| x.to_string()).join(",")
         ));
     }
+    let lights = view.lights.iter();
+    words.extend(lights.map(|light| format!("--light={}", light_text(light))));
     words
 }
 

@@ -191,6 +191,7 @@ fn details(shot: &Shot) -> String {
     if shot.scale > 1 {
         details.push(format!("1/{} of the resolution", shot.scale));
     }
+    details.extend(shot.fault.clone());
     if let Some(score) = shot.score {
         let percent = significant(100.0 * score.sqrt(), 2);
         details.push(format!(

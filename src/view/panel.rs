@@ -1,12 +1,13 @@
 //! The window's content: the picture with its toolbar, controls on the right, the status below.
 
-use super::controls::Controls;
+use super::controls::{Choice, Controls};
 use super::keys::{self, nearer, turn_light, turned};
 use super::overlay::{self, Canvas, caption, legend, veiled, wipe_line};
 use super::picture::Picture;
 use super::shown::{Shown, Status};
 use super::state::{HOME, Side, State};
 use super::theme;
+use crate::base::names::Listed;
 use crate::experiment::axis::SIZE;
 use crate::experiment::value::Value;
 use egui::text::LayoutJob;
@@ -25,6 +26,33 @@ const PIXELS_MAX: f32 = (1 << 20) as f32;
 const NOTICE: Duration = Duration::from_secs(10);
 /// Delay before the window says that it is busy.
 const BUSY_AFTER: Duration = Duration::from_millis(250);
+
+/// Width of the menu of what the image is made of.
+const BETWEEN_WIDTH: f32 = 128.0;
+
+struct PictureButton {
+    picture: Picture,
+    label: &'static str,
+    about: &'static str,
+}
+
+const PICTURE_BUTTONS: [PictureButton; 3] = [
+    PictureButton {
+        picture: Picture::Image,
+        label: "Image",
+        about: "The picture; E or S returns to it from an error",
+    },
+    PictureButton {
+        picture: Picture::Error,
+        label: "Error",
+        about: "Relative error against the reference (E)",
+    },
+    PictureButton {
+        picture: Picture::Signed,
+        label: "Signed",
+        about: "Relative error: blue is too dark, red too bright (S)",
+    },
+];
 
 #[derive(Default)]
 pub struct Panel {
@@ -221,21 +249,27 @@ impl Panel {
 
     /// The buttons that choose what is shown.
     fn pictures(&mut self, ui: &mut Ui, state: &mut State) {
-        for picture in [Picture::Image, Picture::Error, Picture::Signed] {
-            let label = match picture {
-                Picture::Image => "Image",
-                Picture::Error => "Error",
-                Picture::Signed => "Signed",
-            };
-            let about = match picture {
-                Picture::Image => "The picture; E or S returns to it from an error",
-                Picture::Error => "Relative error against the reference (E)",
-                Picture::Signed => "Relative error: blue is too dark, red too bright (S)",
-            };
+        for PictureButton {
+            picture,
+            label,
+            about,
+        } in PICTURE_BUTTONS
+        {
             let button = ui
                 .selectable_value(&mut state.picture, picture, label)
                 .on_hover_text(about);
             self.controls.record(label, &button);
+        }
+        let choices: Vec<Choice> = Picture::between().map(Choice::code).collect();
+        let shown = match state.picture {
+            Picture::Between(_) => state.picture.name(),
+            _ => "Made of",
+        };
+        let chosen = self
+            .controls
+            .menu(ui, "made of", BETWEEN_WIDTH, shown, &choices);
+        if let Some(picture) = chosen.and_then(|name| Picture::by_name(&name)) {
+            state.picture = *picture;
         }
     }
 

@@ -1,13 +1,15 @@
-//! Pictures of a frame: the image and its error.
+//! Pictures of a frame: the image, its error, and what it is made of.
 
-use crate::base::names::listed;
+use crate::base::names::{Listed, listed};
 use crate::base::pixels::{Pixels, Rgb8Image};
 use crate::draw::colormap::{ColorScale, RELATIVE_ERROR, SIGNED_ERROR};
-use crate::instrument::metrics::{Comparison, Epsilon};
-use crate::instrument::pipeline::{Frame, Pipeline, PipelineError};
+use crate::instrument::metrics::Comparison;
+use crate::instrument::pipeline::{
+    Frame, Intermediate, Pipeline, PipelineError, RenderRequest, Selection,
+};
 use crate::instrument::tonemap::ToneCurve;
 
-/// Colour of error images off the scene.
+/// Colour of all pictures but the image where they have no value.
 const GROUND: [u8; 3] = [0x31, 0x36, 0x3b];
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -15,34 +17,68 @@ pub enum Picture {
     Image,
     Error,
     Signed,
+    /// What the image is made of.
+    Between(Intermediate),
 }
 
 listed!(Picture, "picture", {
     "image": Image,
     "error": Error,
     "signed error": Signed,
+    "position": Between(Intermediate::Position),
+    "normal": Between(Intermediate::Normal),
+    "albedo": Between(Intermediate::Albedo),
+    "f0": Between(Intermediate::F0),
+    "alpha": Between(Intermediate::Alpha),
+    "metallic": Between(Intermediate::Metallic),
+    "occlusion": Between(Intermediate::Occlusion),
+    "irradiance": Between(Intermediate::Irradiance),
+    "prefiltered": Between(Intermediate::Prefiltered),
+    "dfg": Between(Intermediate::Dfg),
 });
 
 impl Picture {
     /// The colours of an error.
     pub fn scale(self) -> Option<ColorScale> {
         match self {
-            Self::Image => None,
+            Self::Image | Self::Between(_) => None,
             Self::Error => Some(RELATIVE_ERROR),
             Self::Signed => Some(SIGNED_ERROR),
         }
     }
+
+    /// Why a half has no such picture, if its method reads no such table.
+    pub fn fault(self, request: &RenderRequest) -> Option<String> {
+        match self {
+            Self::Between(intermediate) => Selection::from(intermediate).fault(request),
+            _ => None,
+        }
+    }
+
+    /// The pictures of what the image is made of, by name.
+    pub fn between() -> impl Iterator<Item = &'static str> {
+        Self::all()
+            .filter(|picture| matches!(picture, Self::Between(_)))
+            .map(Self::name)
+    }
 }
 
-/// Paints a half. An error needs its reference.
+/// Paints a half, `frame` of `request`. An error needs its reference.
 pub fn painted(
     pipeline: &mut Pipeline,
     kind: Picture,
     curve: ToneCurve,
+    request: &RenderRequest,
     frame: &Frame,
     truth: Option<&Frame>,
-    epsilon: Epsilon,
 ) -> Result<Rgb8Image, PipelineError> {
+    if let Picture::Between(intermediate) = kind {
+        if kind.fault(request).is_some() {
+            return Ok(Pixels::filled(frame.mask.width, frame.mask.height, GROUND));
+        }
+        let image = pipeline.intermediate(request, intermediate.into())?;
+        return image.picture(pipeline, curve, GROUND);
+    }
     let Some(scale) = kind.scale() else {
         return Ok(pipeline.tonemap(&frame.radiance, curve)?.0);
     };
@@ -53,7 +89,7 @@ pub fn painted(
             &truth.radiance,
             &frame.mask,
             curve,
-            epsilon,
+            request.epsilon(),
         )
     });
     let Some(Ok(comparison)) = comparison else {

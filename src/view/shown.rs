@@ -13,6 +13,8 @@ pub struct Shot {
     pub frame: Arc<Frame>,
     pub picture: Arc<Rgb8Image>,
     pub kind: Picture,
+    /// Why the half has no picture of this kind, in words.
+    pub fault: Option<String>,
     /// The state that it belongs to.
     pub generation: u64,
     /// Divisor of the state's resolution.

@@ -10,6 +10,13 @@ use std::ops::RangeInclusive;
 const DECADES: [f64; 2] = [1e-3, 1e3];
 const SAMPLES_MAX: u32 = 4096;
 const SLIDER_WIDTH: f32 = 84.0;
+/// Ranges of sliders, most as in the source documents; other numbers can be typed.
+const USUAL_RANGES: [(&str, [f64; 2]); 4] = [
+    ("perceptual_roughness", [0.1, 0.8]),
+    ("environment_scale", [0.5, 5.0]),
+    ("contrast", [0.1, 5.0]),
+    ("light_intensity", [0.0, 10.0]),
+];
 
 impl Controls {
     /// Shows the control of a value, and changes the value to what the user chose.
@@ -26,7 +33,12 @@ impl Controls {
             (Kind::Pair { min, max }, Value::Pair(pair)) => {
                 self.pair(ui, named.name(), min..=max, *pair)
             }
-            (Kind::Name { names, .. } | Kind::NameOrFile { names, .. }, Value::Text(text)) => {
+            (
+                Kind::Name { names, .. }
+                | Kind::NameOrFile { names, .. }
+                | Kind::NameOrList { names, .. },
+                Value::Text(text),
+            ) => {
                 let choices: Vec<Choice> = names().into_iter().map(Choice::code).collect();
                 self.menu(ui, named.name(), MENU_WIDTH, text, &choices)
             }
@@ -48,7 +60,7 @@ impl Controls {
         mut number: f64,
     ) -> Option<String> {
         let is_count = matches!(kind, Kind::Count { .. });
-        let SliderRange { range, is_log } = slider_range(kind);
+        let SliderRange { range, is_log } = usual_range(name).unwrap_or_else(|| slider_range(kind));
         let slider = Slider::new(&mut number, range)
             .logarithmic(is_log)
             .clamping(SliderClamping::Never);
@@ -89,6 +101,16 @@ impl Controls {
         response.changed().then(|| short(grey.into()))
     }
 
+    /// Shows a slider of one channel of a colour, and returns the number if it was moved.
+    pub fn channel(&mut self, ui: &mut Ui, name: &str, is_set: bool, channel: f32) -> Option<f32> {
+        ui.spacing_mut().slider_width = SLIDER_WIDTH;
+        let mut changed = channel;
+        let slider = Slider::new(&mut changed, 0.0..=1.0).max_decimals(3);
+        let response = ui.add(numbered(slider, is_set));
+        self.record(name, &response);
+        response.changed().then_some(changed)
+    }
+
     /// Shows two numbers, and returns them if one changed.
     fn pair(
         &mut self,
@@ -118,6 +140,14 @@ fn numbered(slider: Slider<'_>, is_set: bool) -> Slider<'_> {
 struct SliderRange {
     range: RangeInclusive<f64>,
     is_log: bool,
+}
+
+fn usual_range(name: &str) -> Option<SliderRange> {
+    let (_, [min, max]) = USUAL_RANGES.iter().find(|(known, _)| *known == name)?;
+    Some(SliderRange {
+        range: *min..=*max,
+        is_log: false,
+    })
 }
 
 fn slider_range(kind: Kind) -> SliderRange {

@@ -394,14 +394,14 @@ impl<'a> Renderer<'a> {
             let image = state.image(side, count);
             let frame = self.frame(&image, inputs)?;
             has_made_table |= !frame.timings.precompute.is_empty();
-            let epsilon = image.request(inputs).epsilon();
+            let request = image.request(inputs);
             let picture = painted(
                 &mut self.pipeline,
                 state.picture,
                 state.point.settings().curve,
+                &request,
                 &frame,
                 truth.as_deref(),
-                epsilon,
             )?;
             // The score of the same frame stays until the next reference is ready.
             let known = self
@@ -414,6 +414,7 @@ impl<'a> Renderer<'a> {
                 frame,
                 picture: Arc::new(picture),
                 kind: state.picture,
+                fault: state.picture.fault(&request),
                 generation,
                 scale,
                 score,
@@ -453,6 +454,7 @@ impl<'a> Renderer<'a> {
             // Only its values are shown.
             picture: Arc::new(Rgb8Image::filled(1, 1, [0; 3])),
             kind: Picture::Image,
+            fault: None,
             generation: self.shown.generation,
             scale: 1,
             score: None,

@@ -57,7 +57,7 @@ pub fn run_of(dir: &Path, axes: &str, rest: &str, log: Log) -> PathBuf {
     let question = json!(HOSTILE);
     let head = format!(
         "name = \"hostile\"\nquestion = {question}\nsize = [{SIDE}, {SIDE}]\nreference = {{ \
-         samples = 64 }}"
+         samples = 64, noise_share = 0 }}"
     );
     let (file, text) = (
         dir.with_file_name("hostile.toml"),

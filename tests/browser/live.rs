@@ -103,6 +103,25 @@ fn keys_sliders_reference_and_link_of_the_live_view() {
     let bytes = drawn(&mut page, "image", size[0] / 2, size[1] / 2);
     let radiance = std::array::from_fn(|c| shown[c] as f32);
     assert!(near(bytes, curve.apply_rgb8(radiance)), "{bytes:?}");
+    slide(&mut page, "contrast", "2");
+    let curve = ToneCurve {
+        contrast: 2.0,
+        ..curve
+    };
+    let bytes = drawn(&mut page, "image", size[0] / 2, size[1] / 2);
+    assert!(near(bytes, curve.apply_rgb8(radiance)), "{bytes:?}");
+    slide(&mut page, "brightness", "2");
+    let brighter = linear(&mut page, "split-sum")[middle];
+    for c in 0..3 {
+        assert!((brighter[c] / shown[c] - 2.0).abs() < 1e-3, "{brighter:?}");
+    }
+    // A channel of the albedo alone.
+    let albedo = page.eval("live.surface.albedo");
+    slide(&mut page, "albedo_g", "0.25");
+    let wanted = json!([albedo[0], 0.25, albedo[2]]);
+    assert_eq!(page.eval("live.settings.albedo"), wanted);
+    page.eval("live.set({ albedo: null, brightness: 1, contrast: 1 })");
+    rest(&mut page);
     slide(&mut page, "roughness", "0.5");
     slide(&mut page, "coat", "0.25");
     slide(&mut page, "anisotropy", "0.75");

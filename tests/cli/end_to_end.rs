@@ -10,7 +10,7 @@ pub(super) const EXPERIMENT: &str = r#"
 name = "tiny"
 question = "Does everything run?"
 size = [32, 32]
-reference = { samples = 64 }
+reference = { samples = 64, noise_share = 0 }
 [axes]
 environment = ["builtin:gradient"]
 brdf = ["ggx", "phong"]

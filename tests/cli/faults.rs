@@ -264,3 +264,18 @@ fn each_emulated_limit_moves_a_picture_a_little_and_unknown_ones_are_refused() {
         assert!(0.0 < relmse && relmse < 1e-8, "{limit}: {relmse}");
     }
 }
+
+/// With square roots as coarse as Vulkan allows, the DFG table had texels that were not numbers
+/// beside grazing views, which every table lookup there returned.
+#[test]
+fn coarse_square_roots_leave_no_hole_in_the_dfg_table() {
+    let Some(dir) = folder() else { return };
+    let flags = "render --scene design --environment builtin:constant --size 64x64 --diffuse none \
+                 --metallic 1 --albedo 1 --alpha 0.4 --method split-sum --out coarse.exr";
+    let arguments: Vec<&str> = flags.split_whitespace().collect();
+    let rendered = command(dir.path(), &arguments)
+        .env(LIMITS, "elementary")
+        .output()
+        .unwrap();
+    assert!(rendered.status.success(), "{rendered:?}");
+}

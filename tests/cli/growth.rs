@@ -17,7 +17,7 @@ name = "growth"
 asks = ["error"]
 size = [16, 16]
 scene = "design"
-reference = {{ samples = 32 }}
+reference = {{ samples = 32, noise_share = 0 }}
 [axes]
 environment = ["builtin:gradient"]
 brdf = ["ggx"]

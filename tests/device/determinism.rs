@@ -6,7 +6,7 @@ use crate::harness::{
     with_submissions,
 };
 use crate::tables::environment_image;
-use splitsum::base::glsl::constants::GROUP_SIDE;
+use splitsum::base::glsl::constants::{FRESNEL_SCHLICK, GROUP_SIDE};
 use splitsum::base::math::sequence::{FramePoints, PixelPoints};
 use splitsum::instrument::brdf::MODELS;
 use splitsum::instrument::environment::Placement;
@@ -250,7 +250,8 @@ fn the_reference_reads_no_memory_before_writing_it() {
             prefiltered: blank.clone(),
             dfg: blank.clone(),
             tap_table: blank.clone(),
-            irradiance_map: blank,
+            irradiance_map: blank.clone(),
+            sh9_texture: blank,
             sh9: gpu.buffer("blank", 256).unwrap(),
             points: Points::upload(gpu, 1, request.shading.sequence, 0, PixelPoints::Shared)
                 .unwrap(),
@@ -281,6 +282,7 @@ fn the_reference_reads_no_memory_before_writing_it() {
                     camera: &request.camera,
                     tables: &tables,
                     gbuffer: &gbuffer,
+                    fresnel_f0: FRESNEL_SCHLICK,
                     tangents: None,
                     radiance: &radiance,
                 },
@@ -295,7 +297,7 @@ fn the_reference_reads_no_memory_before_writing_it() {
                 sums: &sums,
                 squared_error: &squared_error,
             };
-            run.run(gpu, Lobe::Specular("specular")).unwrap();
+            run.run(gpu, Lobe::Specular("specular"), None).unwrap();
             [&radiance, &squared_error].map(|buffer| gpu.read_buffer::<u32>(buffer).unwrap())
         });
         assert!(

@@ -10,6 +10,7 @@ use splitsum::instrument::gbuffer::Gbuffer;
 use splitsum::instrument::gbuffer::pass::{self, GbufferImages, SceneData};
 use splitsum::instrument::gpu::Gpu;
 use splitsum::instrument::scene::{Camera, CameraKind, MaterialOverride, Scene};
+use splitsum::instrument::shade::coat::COAT_RENDERERS;
 use std::path::Path;
 
 /// The attachments start as NaN, which reveals a texel that is neither cleared nor written.
@@ -55,13 +56,20 @@ fn spheres_are_exact_to_f32() {
                 ..Default::default()
             };
             let plain = Scene::load(name, Path::new(".")).unwrap();
-            let tangents = plain.apply(&material).tangents();
-            let scenes = if kind == CameraKind::Ortho {
-                vec![&plain]
-            } else {
-                vec![&plain, &tangents]
+            let coat = MaterialOverride {
+                coat: Some(0.6),
+                coat_alpha: Some(0.8),
+                ..MaterialOverride::default()
             };
-            for scene in scenes {
+            let coated = plain.apply(&coat);
+            let mut scenes: Vec<Scene> = COAT_RENDERERS
+                .iter()
+                .map(|renderer| coated.below_coat(renderer.base))
+                .collect();
+            if kind == CameraKind::Perspective {
+                scenes.push(plain.apply(&material).tangents());
+            }
+            for scene in &scenes {
                 let camera = Camera::for_scene(kind, scene, size);
                 let (actual, twin) = (
                     draw(gpu, scene, &camera, size),
@@ -152,6 +160,11 @@ fn meshes_agree_inside_their_triangles() {
                 sub_pixel,
             );
         }
+        // What renderers change below a coat whose weight and roughness have maps.
+        for renderer in COAT_RENDERERS {
+            let scene = mapped_sheet(true, 1.0).below_coat(renderer.base);
+            compare_mesh(gpu, &scene, CameraKind::Perspective, [64, 64], sub_pixel);
+        }
         // Without tangents of its own.
         compare_mesh(
             gpu,
@@ -203,9 +216,15 @@ fn slope(position: &Pixels<[f64; 4]>, i: usize) -> f64 {
 fn mapped_sheet(is_double_sided: bool, z_scale: f64) -> Scene {
     let material = json!({
         "doubleSided": is_double_sided,
-        "extensions": { "KHR_materials_anisotropy": {
-            "anisotropyStrength": 0.8, "anisotropyRotation": 0.6, "anisotropyTexture": { "index": 3 },
-        } },
+        "extensions": {
+            "KHR_materials_anisotropy": {
+                "anisotropyStrength": 0.8, "anisotropyRotation": 0.6, "anisotropyTexture": { "index": 3 },
+            },
+            "KHR_materials_clearcoat": {
+                "clearcoatFactor": 0.9, "clearcoatTexture": { "index": 3 },
+                "clearcoatRoughnessFactor": 1, "clearcoatRoughnessTexture": { "index": 0 },
+            },
+        },
         "normalTexture": { "index": 2, "scale": 0.7 },
         "pbrMetallicRoughness": {
             "metallicFactor": 0.8, "roughnessFactor": 0.9,

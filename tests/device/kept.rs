@@ -321,6 +321,43 @@ fn frames_do_not_depend_on_earlier_requests() {
 }
 
 /// A kept reference of one law is not the reference of another.
+/// A reference with more samples continues the last one. It has the bits of one drawn at once,
+/// also if images or a smaller reference came between.
+#[test]
+fn a_continued_reference_has_the_bits_of_one_drawn_at_once() {
+    let of = |method: &str, diffuse: &str, samples: u32| RenderRequest {
+        reference_samples: samples,
+        ..requests()[0].shaded(|s| {
+            s.method = Method::listed(method);
+            s.diffuse = Diffuse::listed(diffuse);
+            s.samples = samples;
+        })
+    };
+    let image = of("sampled", "sh9", 16);
+    let cases = [
+        ("reference", "none"),
+        ("reference", "reference"),
+        ("none", "reference"),
+    ];
+    for (method, diffuse) in cases {
+        let reference = |samples| of(method, diffuse, samples);
+        let mut expected = Vec::new();
+        for samples in [64, 256, 1024] {
+            with_pipeline(|pipeline| {
+                expected.push(shown(&pipeline.render(&reference(samples)).unwrap()));
+            });
+        }
+        with_pipeline(|pipeline| {
+            for round in [0, 1, 2, 2, 0, 2] {
+                let frame = pipeline.render(&reference(64 << (2 * round))).unwrap();
+                let words = format!("{method}, {diffuse}, round {round}");
+                assert!(shown(&frame) == expected[round], "{words}");
+                pipeline.render(&image).unwrap();
+            }
+        });
+    }
+}
+
 #[test]
 fn references_are_kept_by_their_law_of_widths() {
     let dir = tempfile::tempdir().unwrap();

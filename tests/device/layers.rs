@@ -201,16 +201,54 @@ fn layers_without_weight_change_no_bit() {
     });
 }
 
-/// In radiance 1 a lookup gives 1: what remains are the shares of each renderer.
+/// F0 and alpha of a base of `f0` and `alpha` under a coat of weight 0.75 and width `coat_alpha`, as
+/// each renderer's source computes them.
+fn below_coat(renderer: &str, f0: DVec3, alpha: f64, coat_alpha: f64) -> (DVec3, f64) {
+    const WEIGHT: f64 = 0.75;
+    let mixed = |lowered: DVec3| f0.lerp(lowered.clamp(DVec3::ZERO, DVec3::ONE), WEIGHT);
+    let of_filament = f0 * (f0 * (0.941892 - 0.263008 * f0) + 0.346479) - 0.0285998;
+    let of_unity = -0.0256868 + f0 * (0.326846 + (0.978946 - 0.283835 * f0) * f0);
+    match renderer {
+        "filament" => {
+            let rougher = alpha.sqrt().max(coat_alpha.sqrt());
+            let roughness = alpha.sqrt() * (1.0 - WEIGHT) + rougher * WEIGHT;
+            (mixed(of_filament), roughness * roughness)
+        }
+        "babylon" => (mixed(of_filament), alpha),
+        "unity" => {
+            let eta = 1.0 - WEIGHT + WEIGHT / 1.5;
+            let variance = (2.0 / (alpha * alpha) - 2.0) * eta * eta;
+            (mixed(of_unity), (2.0 / (variance + 2.0)).sqrt())
+        }
+        _ => (f0, alpha),
+    }
+}
+
+/// In radiance 1 a lookup gives 1: what remains are the shares of each renderer, and what it changes
+/// in the base. The coat is smoother than the base, then rougher.
 #[test]
 fn renderers_of_a_coat_meet_their_closed_forms_in_constant_light() {
     with_pipeline(|pipeline| {
         let white = constant_environment([1.0; 3]);
-        for renderer in COAT_RENDERERS {
-            let request = cloth(&white, None, Some(0.75)).shaded(|s| {
+        let cases = [COAT_ALPHA, 0.7].into_iter().flat_map(|coat_alpha| {
+            COAT_RENDERERS
+                .iter()
+                .map(move |renderer| (coat_alpha, renderer))
+        });
+        for (coat_alpha, renderer) in cases {
+            let coated = cloth(&white, None, Some(0.75)).shaded(|s| {
                 s.coat_renderer = renderer;
                 s.diffuse = Diffuse::listed("irradiance-map");
             });
+            let rough = MaterialOverride {
+                coat_alpha: Some(coat_alpha),
+                ..MaterialOverride::default()
+            };
+            let request = RenderRequest {
+                scene: Arc::new(coated.scene.apply(&rough)),
+                ..coated
+            };
+            let coat_alpha = f64::from(coat_alpha);
             let frame = pipeline.render(&request).unwrap();
             for sight in sights(&request, 5) {
                 let n_dot_v = sight.surface.n.dot(sight.surface.v);
@@ -218,14 +256,16 @@ fn renderers_of_a_coat_meet_their_closed_forms_in_constant_light() {
                     let found = dfg(sight.surface.model, sight.surface.masking, n_dot_v, alpha);
                     DVec2::new(found.f0_scale, found.f90_scale)
                 };
-                let (under, over) = (pair(sight.surface.alpha), pair(COAT_ALPHA.into()));
-                let specular = sight.surface.f0 * under.x + under.y;
+                let Surface { f0, alpha, .. } = sight.surface;
+                let (f0, alpha) = below_coat(renderer.name, f0, alpha, coat_alpha);
+                let (under, over) = (pair(alpha), pair(coat_alpha));
+                let specular = f0 * under.x + under.y;
                 let diffuse = 0.75 * sight.albedo * (DVec3::ONE - specular);
                 let fresnel = f_schlick(DVec3::splat(COAT_F0), n_dot_v).x;
                 let albedo = COAT_F0 * over.x + over.y;
                 let [lost, coat] = match renderer.name {
                     "exact" => [fresnel, fresnel * (over.x + over.y)],
-                    "three" => [fresnel, albedo],
+                    "three" | "babylon" => [fresnel, albedo],
                     "openpbr" => [albedo, albedo],
                     _ => [fresnel, fresnel],
                 };

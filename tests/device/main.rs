@@ -19,6 +19,7 @@ mod determinism;
 #[path = "../shared/environment_sampling.rs"]
 mod environment_sampling;
 mod frames;
+mod fresnel;
 mod furnace;
 mod gbuffer;
 #[path = "../shared/gbuffer.rs"]
@@ -28,10 +29,12 @@ mod gltf_files;
 mod golden;
 mod grazing;
 mod harness;
+mod intermediate;
 mod kept;
 mod ladder;
 mod layers;
 mod layouts;
+mod lights;
 mod methods;
 #[path = "../shared/mips.rs"]
 mod mips_twin;

@@ -34,9 +34,11 @@ pub const EXACT: quadrature::Tolerance = quadrature::Tolerance {
     max_part_count: 100_000,
 };
 
-/// A pixel of a frame and the surface it shows, in the environment's frame, and its albedo.
+/// A pixel of a frame, and position, surface (in the environment's frame) and albedo that it shows.
 pub struct Sight {
     pub pixel: [u32; 2],
+    /// In world axes.
+    pub position: DVec3,
     pub surface: Surface,
     pub albedo: DVec3,
 }
@@ -88,6 +90,7 @@ pub fn sights_in<T: Copy + Into<f64>>(
         }
         (mask == 1.0).then(|| Sight {
             pixel,
+            position,
             surface,
             albedo: at(&texels.albedo_metallic).0,
         })

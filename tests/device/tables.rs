@@ -9,6 +9,7 @@ use crate::layouts::{check_texels, read_map};
 use crate::mips_twin::chain;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
+use splitsum::base::glsl::constants::FRESNEL_SCHLICK;
 use splitsum::base::math::quadrature;
 use splitsum::base::math::spherical_harmonics::{COUNT, irradiance};
 use splitsum::base::names::Listed;
@@ -234,6 +235,7 @@ pub fn dfg_table(
         model,
         masking,
         settings.dfg_axes,
+        FRESNEL_SCHLICK,
         settings.dfg_sample_count,
         &table,
     )

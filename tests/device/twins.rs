@@ -25,7 +25,7 @@ use splitsum::instrument::pipeline::{Frame, RenderRequest};
 use splitsum::instrument::precompute::dfg::{Albedos, DfgAxes};
 use splitsum::instrument::precompute::points::Points;
 use splitsum::instrument::precompute::prefilter::pass::Recipe;
-use splitsum::instrument::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, harmonic};
+use splitsum::instrument::precompute::prefilter::{Kernel, LevelMapping, harmonic};
 use splitsum::instrument::precompute::sh9::Projection;
 use splitsum::instrument::precompute::taps::{Chain, TapCount, TapTable};
 use splitsum::instrument::precompute::{
@@ -118,8 +118,8 @@ struct Case {
     lod_bias: f32,
     /// Among [`LAYOUTS`].
     layout: usize,
-    /// Among [`LEVEL_MAPPINGS`].
-    mapping: usize,
+    /// Name of a [`LevelMapping`], or the roughness of each of three levels.
+    mapping: &'static str,
     anisotropy: f32,
     widths: WidthLaw,
     /// Among [`BENDS`].
@@ -137,7 +137,7 @@ const PLAIN: Case = Case {
     pixel_points: PixelPoints::Shared,
     lod_bias: 0.0,
     layout: 0,
-    mapping: 0,
+    mapping: "linear",
     anisotropy: 0.0,
     widths: WidthLaw::Gltf,
     bend: 0,
@@ -179,7 +179,7 @@ const CASES: [Case; 10] = [
     Case {
         layout: 1,
         alpha: 0.1,
-        mapping: 1,
+        mapping: "quadratic",
         ..PLAIN
     },
     Case {
@@ -201,7 +201,7 @@ const CASES: [Case; 10] = [
     Case {
         kind: CameraKind::Perspective,
         alpha: 0.1,
-        mapping: 2,
+        mapping: "0.2:0.6:1",
         masking: MaskingShadowing::Schlick,
         ..PLAIN
     },
@@ -266,7 +266,7 @@ impl Case {
                 s.widths = self.widths;
                 s.bend = &BENDS[self.bend];
                 s.precompute = PrecomputeSettings {
-                    level_mapping: &LEVEL_MAPPINGS[self.mapping],
+                    level_mapping: LevelMapping::checked(self.mapping),
                     ..tables(&LAYOUTS[self.layout])
                 };
             })
@@ -378,7 +378,7 @@ fn exact_prefiltered(gpu: &Gpu, request: &RenderRequest) -> FilteredMap {
         layout,
         &environment_image(gpu, &request.environment.image),
     );
-    let degree = harmonic::degree_of_map(settings.level_mapping.alpha_from_mip(1.0, count));
+    let degree = harmonic::degree_of_map(settings.level_mapping.narrowest_alpha(count));
     let transform = harmonic::harmonics(&request.environment.image, degree);
     let levels = prefilter::pass::map(gpu, layout, settings.prefilter_size, count).unwrap();
     let points = Points::upload(gpu, 1, &SEQUENCES[0], 0, PixelPoints::Shared).unwrap();

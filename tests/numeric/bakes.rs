@@ -2,6 +2,7 @@
 //! of a bake.
 
 mod causes;
+mod coarse_mips;
 pub mod files;
 mod headers;
 mod make;

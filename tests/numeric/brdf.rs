@@ -465,3 +465,37 @@ fn fresnel_and_parameter_mappings() {
         (0.0, 30.0)
     );
 }
+
+/// The exact reflectance from Snell's law, for both polarisations.
+fn by_snell(ior: f64, cosine: f64) -> f64 {
+    let refracted = (1.0 - (1.0 - cosine * cosine) / (ior * ior)).sqrt();
+    let across = (cosine - ior * refracted) / (cosine + ior * refracted);
+    let along = (refracted - ior * cosine) / (refracted + ior * cosine);
+    0.5 * (across * across + along * along)
+}
+
+/// The reflectance of a dielectric is Snell's, at normal incidence its f0, at grazing 1, and at
+/// Brewster's angle half of what one polarisation reflects.
+#[test]
+fn dielectrics_reflect_by_the_fresnel_equations() {
+    for ior in [1.1, 1.5, 2.4, 10.0] {
+        let f0 = brdf::f0_from_ior(ior);
+        for i in 0..=20 {
+            let cosine = f64::from(i) / 20.0;
+            let exact = by_snell(ior, cosine);
+            let found = brdf::f_dielectric(ior, cosine);
+            assert!((found - exact).abs() < 1e-13, "{ior} {cosine}: {found}");
+            let weight = brdf::FresnelWeight::Dielectric { f0 }.at(cosine);
+            let linear = f0 + (1.0 - f0) * weight;
+            assert!((linear - exact).abs() < 1e-13, "{ior} {cosine}: {linear}");
+        }
+        let brewster = 1.0 / (1.0 + ior * ior).sqrt();
+        let across = ((ior * ior - 1.0) / (ior * ior + 1.0)).powi(2);
+        let found = brdf::f_dielectric(ior, brewster);
+        assert!((found - 0.5 * across).abs() < 1e-13, "{ior}: {found}");
+        assert_eq!(brdf::f_dielectric(ior, 0.0), 1.0);
+    }
+    // Without a step of the index only grazing light is reflected.
+    assert_eq!(brdf::f_dielectric(1.0, 0.5), 0.0);
+    assert_eq!(brdf::f_dielectric(1.0, 0.0), 1.0);
+}

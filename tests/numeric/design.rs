@@ -3,9 +3,10 @@
 
 use glam::DVec3;
 use splitsum::base::math::design::frame;
-use splitsum::instrument::brdf::reflect;
+use splitsum::instrument::brdf::{ior_from_f0, reflect};
 use splitsum::instrument::gbuffer::design::gbuffer;
 use splitsum::instrument::scene::{Camera, CameraKind, MaterialOverride, Scene};
+use splitsum::instrument::shade::coat::COAT_RENDERERS;
 use std::path::Path;
 
 const SIZE: [u32; 2] = [96, 96];
@@ -148,5 +149,69 @@ fn a_metal_reflects_its_albedo() {
             .map(|c| (texel[c] - (0.75 * f0[c] + 0.25 * albedo[c])).abs())
             .fold(0.0, f32::max);
         assert!(off < 1e-6, "{texel:?}");
+    }
+}
+
+/// Below a coat the design has the F0 and the alpha of the renderer's law, as any other scene.
+#[test]
+fn the_base_below_a_coat_is_the_renderers() {
+    let material = MaterialOverride {
+        albedo: Some([0.5, 0.25, 1.0]),
+        metallic: Some(1.0),
+        alpha: Some(0.16),
+        coat: Some(1.0),
+        coat_alpha: Some(0.36),
+        ..MaterialOverride::default()
+    };
+    let coated = Scene::load("design", Path::new("."))
+        .unwrap()
+        .apply(&material);
+    for renderer in COAT_RENDERERS {
+        let texels = gbuffer(&coated.below_coat(renderer.base), [4, 4]);
+        let f0 = texels.f0_material.data[5];
+        let alpha = texels.normal_alpha.data[5][3];
+        // Below a whole coat of index 1.5, an index n reflects ((n - 1.5)/(n + 1.5))².
+        let lowered = |f0: f32| {
+            let index = (1.0 + f0.sqrt()) / (1.0 - f0.sqrt());
+            ((index - 1.5) / (index + 1.5)).powi(2)
+        };
+        let (expected_f0, expected_alpha) = match renderer.name {
+            "filament" => (lowered(0.5), 0.36),
+            "unity" => (
+                lowered(0.5),
+                0.16 / f32::sqrt(0.16 * 0.16 + (1.0 - 0.16 * 0.16) / 2.25),
+            ),
+            "babylon" => (lowered(0.5), 0.16),
+            _ => (0.5, 0.16),
+        };
+        let off = [(f0[0] - expected_f0).abs(), (alpha - expected_alpha).abs()];
+        // The polynomials are fits.
+        assert!(
+            off[0] < 2.5e-3 && off[1] < 1e-6,
+            "{}: {f0:?} {alpha}",
+            renderer.name
+        );
+    }
+}
+
+/// Both fits of F0 below a coat are within 0.005 of the Fresnel equations from F0 0.04, the coat's
+/// own index, on.
+#[test]
+fn lowered_f0_fits_the_fresnel_equations() {
+    for renderer in COAT_RENDERERS
+        .iter()
+        .filter(|renderer| renderer.base.f0[2] != 0.0)
+    {
+        for i in 0..=95 {
+            let f0 = 0.04 + 0.01 * f64::from(i);
+            let index = ior_from_f0(f0);
+            let exact = ((index - 1.5) / (index + 1.5)).powi(2);
+            let found = renderer.base.f0_below(DVec3::splat(f0), 1.0).x;
+            assert!(
+                (found - exact).abs() < 5e-3,
+                "{} {f0}: {found} {exact}",
+                renderer.name
+            );
+        }
     }
 }

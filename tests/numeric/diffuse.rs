@@ -3,10 +3,13 @@
 use crate::brdf_twins::reflectance;
 use crate::math::spread;
 use glam::{DQuat, DVec2, DVec3};
+use splitsum::base::math::equirect::direction_from_uv;
 use splitsum::base::math::spherical_harmonics::{COUNT, basis, irradiance};
 use splitsum::base::names::Listed;
 use splitsum::instrument::brdf::{Compensation, MODELS, MaskingShadowing};
 use splitsum::instrument::precompute::dfg::reference::dfg;
+use splitsum::instrument::precompute::sh9::reference::{texture, texture_lookup};
+use std::f64::consts::PI;
 
 /// Coefficients of lamps of one direction each, with their colours.
 fn lamps(lamps: &[(DVec3, DVec3)]) -> [DVec3; COUNT] {
@@ -36,6 +39,38 @@ fn turning_light_and_normal_together_changes_nothing() {
             (still - moved).abs().max_element() < 1e-12,
             "{n}: {still} {moved}"
         );
+    }
+}
+
+/// The texture of 400x200 texels against the coefficients at each normal, for one lamp: the worst
+/// light of degree 2. docs/source-documents.md has the numbers.
+#[test]
+fn the_irradiance_texture_is_close_to_its_coefficients() {
+    let lamp = |direction: DVec3| lamps(&[(direction, DVec3::new(1.0, 0.5, 0.25))]);
+    let mut largest = 0.0f64;
+    for direction in [DVec3::Z, DVec3::Y, DVec3::new(0.6, 0.64, 0.48)] {
+        let light = lamp(direction);
+        let peak = irradiance(&light, direction).x / PI;
+        let normals: Vec<DVec3> = spread(20_000).collect();
+        let mut squares = 0.0;
+        for n in &normals {
+            let exact = (irradiance(&light, *n) / PI).max(DVec3::ZERO);
+            let off = (texture_lookup(&light, *n) - exact).x.abs() / peak;
+            largest = largest.max(off);
+            squares += off * off / normals.len() as f64;
+        }
+        let rms = squares.sqrt();
+        println!("{direction}: {rms:e} rms, largest so far {largest:e}");
+        assert!(rms > 1e-5 && rms < 5e-5, "{direction}: {rms}");
+    }
+    assert!(largest > 5e-4 && largest < 1.2e-3, "{largest}");
+    // The lookup reads the texture.
+    let light = lamp(DVec3::X);
+    let image = texture(&light);
+    for [x, y] in [[0, 0], [399, 100], [123, 199]] {
+        let uv = DVec2::new((f64::from(x) + 0.5) / 400.0, (f64::from(y) + 0.5) / 200.0);
+        let off = texture_lookup(&light, direction_from_uv(uv)) - image.get(x, y);
+        assert!(off.length() < 1e-9, "{x} {y}");
     }
 }
 

@@ -13,6 +13,7 @@
 
 use pulldown_cmark::{Event, Options, Parser, Tag, TagEnd};
 use splitsum::experiment::axis::Named;
+use splitsum::experiment::config::NOISE_SHARE_KEY;
 use splitsum::instrument::metrics::METRICS;
 use splitsum::instrument::shade::{DIFFUSE, METHODS};
 use splitsum::study::questions::QUESTIONS;
@@ -24,6 +25,7 @@ use std::sync::LazyLock;
 /// Names that the program does not have, and why they are right.
 const EXCEPTIONS: &[(&str, &str)] = &[
     ("--bevy", "a flag of scripts/check-clients.sh"),
+    ("--filament", "a flag of scripts/check-clients.sh"),
     ("--features", "a flag of cargo"),
     (
         "--validation",
@@ -385,6 +387,7 @@ impl Check<'_> {
         let (name, values) = text.split_once('=').unwrap_or((text, ""));
         match Named::all().find(|axis| axis.name() == name) {
             Some(axis) => self.values(axis, values),
+            None if name == NOISE_SHARE_KEY => {}
             None => self.fault(name, &format!("`--set {text}`: {name} is not an axis")),
         }
     }

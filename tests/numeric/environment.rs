@@ -523,6 +523,27 @@ mod loading {
         assert!(load().is_err());
     }
 
+    /// A cross of 4x3 or 3x4 faces with nothing beside its arms; a picture of this size is read.
+    #[test]
+    fn a_cross_of_faces_is_refused() {
+        let folder = tempfile::tempdir().unwrap();
+        let load = || Environment::load("map.exr", folder.path(), &LoadOptions::default());
+        for [width, height] in [[16, 12], [12, 16]] {
+            let is_face = |x: u32, y: u32| match (width > height, x / 4, y / 4) {
+                (true, column, row) => row == 1 || column == 1,
+                (false, column, row) => column == 1 || row == 1,
+            };
+            let face = |x: u32, y: u32| if is_face(x, y) { [1.0; 3] } else { [0.0; 3] };
+            write(&folder, "map.exr", &RgbImage::from_fn(width, height, face));
+            let message = load().unwrap_err().to_string();
+            assert!(message.contains("cross of six faces"), "{message}");
+            assert!(message.contains("docs/bringing-maps.md"), "{message}");
+            let picture = RgbImage::from_fn(width, height, |x, y| [x as f32, y as f32, 1.0]);
+            write(&folder, "map.exr", &picture);
+            assert!(load().unwrap().warnings[0].contains("aspect ratio"));
+        }
+    }
+
     #[test]
     fn a_strip_of_faces_is_refused() {
         let folder = tempfile::tempdir().unwrap();

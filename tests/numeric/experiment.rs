@@ -1,6 +1,7 @@
 //! Experiment files and plans.
 
 mod config;
+mod lights;
 mod limits;
 mod names;
 mod plan;

@@ -22,6 +22,7 @@ mod environment_files;
 mod environment_sampling;
 mod experiment;
 mod frames;
+mod furnace;
 #[path = "../shared/gbuffer.rs"]
 mod gbuffer_twin;
 #[path = "../shared/gltf.rs"]

@@ -8,8 +8,8 @@ use splitsum::base::names::Listed;
 use splitsum::base::pixels::{GrayImage, RgbImage};
 use splitsum::instrument::metrics::Metric;
 use splitsum::instrument::metrics::{
-    Comparison, Epsilon, METRICS, MetricsError, N_DOT_V_BIN_EDGES, ReferenceNoise, Space, Verdict,
-    linear_metrics, noise_floor, verdict,
+    Comparison, Epsilon, METRICS, MetricsError, N_DOT_V_BIN_EDGES, NoiseEffect, NoiseUse,
+    ReferenceNoise, Space, Verdict, linear_metrics, noise_floor, verdict,
 };
 use splitsum::instrument::tonemap::ToneCurve;
 
@@ -378,19 +378,122 @@ fn an_exact_reference_has_no_floor() {
 #[test]
 fn verdicts_compare_differences() {
     let (rmse, relmse) = (Metric::listed("rmse"), Metric::listed("relmse"));
-    for (ratio, expected) in [
-        (0.0, Verdict::EqualWithinNoise),
-        (1.9, Verdict::EqualWithinNoise),
-        (2.1, Verdict::ReferenceLimited),
-        (9.9, Verdict::ReferenceLimited),
-        (10.1, Verdict::Resolved),
+    // Squares of ratios are floors of mean squares: resolved are 100 with exact references, and 11,
+    // a noise of a tenth, if answers take it off.
+    for (ratio, exact, taken_off) in [
+        (0.0, Verdict::EqualWithinNoise, Verdict::EqualWithinNoise),
+        (1.9, Verdict::EqualWithinNoise, Verdict::EqualWithinNoise),
+        (2.1, Verdict::ReferenceLimited, Verdict::ReferenceLimited),
+        (3.3, Verdict::ReferenceLimited, Verdict::ReferenceLimited),
+        (3.4, Verdict::ReferenceLimited, Verdict::Resolved),
+        (9.9, Verdict::ReferenceLimited, Verdict::Resolved),
+        (10.1, Verdict::Resolved, Verdict::Resolved),
     ] {
-        assert_eq!(verdict(rmse, ratio * 0.01, 0.01), expected);
-        assert_eq!(verdict(rmse, -ratio * 0.01, 0.01), expected);
-        assert_eq!(verdict(relmse, ratio * ratio * 1e-4, 1e-4), expected);
+        for (noise, expected) in [(NoiseUse::Kept, exact), (NoiseUse::TakenOff, taken_off)] {
+            assert_eq!(verdict(rmse, ratio * 0.01, 0.01, noise), expected);
+            assert_eq!(verdict(rmse, -ratio * 0.01, 0.01, noise), expected);
+            assert_eq!(verdict(relmse, ratio * ratio * 1e-4, 1e-4, noise), expected);
+            assert_eq!(verdict(rmse, 0.0, 0.0, noise), Verdict::EqualWithinNoise);
+            assert_eq!(verdict(rmse, 1e-9, 0.0, noise), Verdict::Resolved);
+        }
     }
-    assert_eq!(verdict(rmse, 0.0, 0.0), Verdict::EqualWithinNoise);
-    assert_eq!(verdict(rmse, 1e-9, 0.0), Verdict::Resolved);
+}
+
+/// Over many references, a score without noise is in the mean the score against the exact one, from
+/// two floors on. An exact image has half a floor.
+#[test]
+fn a_score_without_noise_has_no_bias() {
+    let size = 64;
+    let mut random = Rng::with_seed(11);
+    let exact = RgbImage::from_fn(size, size, |_, _| {
+        std::array::from_fn(|_| (0.5 + random.f64()) as f32)
+    });
+    let noise = exact.map(|pixel| pixel.map(|value| 0.02 * value));
+    let mask = whole(&exact);
+    let metrics = linear_metrics();
+    // The error of the test, in units of the noise.
+    for ratio in [0.0_f64, 1.1, 2.0, 3.0, 10.0] {
+        let test = RgbImage::from_fn(size, size, |x, y| {
+            let error = ratio as f32 * if (x + y) % 2 == 0 { 1.0 } else { -1.0 };
+            std::array::from_fn(|c| exact.get(x, y)[c] + error * noise.get(x, y)[c])
+        });
+        let scores = |reference: &RgbImage| {
+            Comparison::new(&test, reference, &mask, LINEAR_CURVE, Epsilon::ABSOLUTE)
+                .unwrap()
+                .evaluate(&metrics)
+        };
+        let rounds = 100;
+        let mut means = vec![0.0; metrics.len()];
+        let mut floor_means = vec![0.0; metrics.len()];
+        for _ in 0..rounds {
+            let noisy = RgbImage::from_fn(size, size, |x, y| {
+                std::array::from_fn(|c| {
+                    exact.get(x, y)[c] + normal(&mut random) as f32 * noise.get(x, y)[c]
+                })
+            });
+            // Three degrees of freedom in each pixel.
+            let stated = noise.map(|errors| {
+                errors.map(|error| {
+                    let squares: f64 = (0..3).map(|_| normal(&mut random).powi(2)).sum();
+                    error * (squares / 3.0).sqrt() as f32
+                })
+            });
+            let floors = noise_floor(&noisy, &stated, &mask, Epsilon::ABSOLUTE).unwrap();
+            for (index, (name, score)) in scores(&noisy).into_iter().enumerate() {
+                let floor = floors.iter().find(|(known, _)| *known == name).unwrap().1;
+                let metric = metrics[index];
+                means[index] += metric.without_noise(score, floor).powf(2.0 / metric.power);
+                floor_means[index] += floor.unwrap().powf(2.0 / metric.power);
+                assert_eq!(metric.without_noise(score, None), score);
+            }
+        }
+        for (index, (name, due)) in scores(&exact).into_iter().enumerate() {
+            let metric = metrics[index];
+            let [mean, floor] = [&means, &floor_means].map(|sums| sums[index] / f64::from(rounds));
+            if metric.noise != NoiseEffect::Adds {
+                continue;
+            }
+            let due = due.powf(2.0 / metric.power);
+            let words = format!("{name} at {ratio}");
+            if ratio == 0.0 {
+                assert_relative(mean, 0.5 * floor, 0.02, &words);
+            } else {
+                // 12,288 values a round; the noise is 2 % of the radiance, so the curvature of the
+                // formulas moves less than that.
+                assert_relative(mean, due, 0.01, &words);
+            }
+        }
+    }
+}
+
+/// Bias is signed and display scores have no floor: nothing can be taken off.
+#[test]
+fn only_mean_squares_lose_their_noise() {
+    for metric in METRICS {
+        let is_changed = metric.without_noise(0.5, Some(0.1)) != 0.5;
+        let expected = ["rmse", "relmse", "tone_mapped_mse"].contains(&metric.name);
+        assert_eq!(
+            (is_changed, metric.noise == NoiseEffect::Adds),
+            (expected, expected),
+            "{}",
+            metric.name
+        );
+        assert!(
+            !expected || metric.noise_share(0.5, 0.6) == f64::INFINITY,
+            "{}",
+            metric.name
+        );
+    }
+    let [rmse, relmse] = ["rmse", "relmse"].map(Metric::listed);
+    for [score, floor, due, share] in [
+        [5.0, 4.0, 12.5_f64.sqrt(), 16.0 / 9.0],
+        [5.0, 3.0, 4.0, 9.0 / 16.0],
+    ] {
+        assert_relative(rmse.without_noise(score, Some(floor)), due, 1e-12, "rmse");
+        assert_relative(rmse.noise_share(score, floor), share, 1e-12, "rmse");
+    }
+    assert_relative(relmse.without_noise(5.0, Some(1.0)), 4.0, 1e-12, "relmse");
+    assert_relative(relmse.noise_share(11.0, 1.0), 0.1, 1e-12, "relmse");
 }
 
 #[test]

@@ -4,6 +4,7 @@ pub mod fake;
 mod forecast;
 mod frozen;
 mod grow;
+mod references;
 mod resume;
 pub mod runs;
 mod shards;

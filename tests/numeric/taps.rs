@@ -121,7 +121,10 @@ fn a_chain_blends_the_kernels_of_its_levels() {
 fn a_list_of_levels_is_a_spacing() {
     let even = (0..LEVELS).map(|level| f64::from(level) / f64::from(LEVELS - 1));
     let kernel = Kernel::cosine(&Ggx);
-    let listed = Chain::spaced(kernel, LevelSpacing::listed(even.collect()).unwrap());
+    let listed = Chain::spaced(
+        kernel,
+        LevelSpacing::listed(&even.collect::<Vec<_>>()).unwrap(),
+    );
     for level in [0.3, 1.0, 2.6, 5.0] {
         for cos in [1.0, 0.99, 0.6] {
             let [found, _] = listed.lookup(level)(cos);
@@ -129,7 +132,7 @@ fn a_list_of_levels_is_a_spacing() {
             assert!((found - expected).abs() < 1e-9 * expected, "{level} {cos}");
         }
     }
-    let spacing = LevelSpacing::listed(vec![0.08, 0.2, 0.5, 1.0]).unwrap();
+    let spacing = LevelSpacing::listed(&[0.08, 0.2, 0.5, 1.0]).unwrap();
     for (roughness, level) in [
         (0.05, 0.0),
         (0.08, 0.0),
@@ -152,7 +155,7 @@ fn a_list_of_levels_is_a_spacing() {
         vec![0.2, 1.5],
         vec![f64::NAN, 1.0],
     ] {
-        assert!(LevelSpacing::listed(bad).is_err());
+        assert!(LevelSpacing::listed(&bad).is_err());
     }
 }
 

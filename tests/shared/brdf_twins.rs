@@ -31,11 +31,30 @@ pub fn pdf_visible_l(v_local: DVec3, h_local: DVec3, widths: Widths) -> f64 {
     widths.d(&Ggx, h_local) / (4.0 * area)
 }
 
+/// The mean of Schlick's reflectance over cosines.
+fn mean_fresnel(f0: DVec3) -> DVec3 {
+    f0 + (1.0 - f0) / 21.0
+}
+
+/// Returns the factor of single scattering.
+pub fn factor(compensation: Compensation, f0: DVec3, pair: DVec2, mean_albedo: f64) -> DVec3 {
+    let lost = 1.0 / pair.element_sum() - 1.0;
+    match compensation {
+        Compensation::Turquin => 1.0 + f0 * lost,
+        Compensation::Cycles => {
+            // The sum over bounces between facets: each reflects `mean_albedo` out, the rest again.
+            let average = mean_fresnel(f0);
+            1.0 + lost * average * mean_albedo / (1.0 - average * (1.0 - mean_albedo))
+        }
+        _ => DVec3::ONE,
+    }
+}
+
 /// Returns the added share of irradiance over π, or of the compensation's own lobe.
 pub fn multiple(compensation: Compensation, f0: DVec3, pair: DVec2, mean_albedo: f64) -> DVec3 {
     // Fitted masking may reflect more than it receives: nothing is lost then.
     let lost = (1.0 - pair.element_sum()).max(0.0);
-    let average = f0 + (1.0 - f0) / 21.0;
+    let average = mean_fresnel(f0);
     match compensation {
         Compensation::FdezAguera => {
             lost * (f0 * pair.x + pair.y) * average / (1.0 - average * lost)
@@ -49,10 +68,6 @@ pub fn multiple(compensation: Compensation, f0: DVec3, pair: DVec2, mean_albedo:
 
 /// Returns the albedo of the whole specular term: its reflection of constant radiance 1.
 pub fn reflectance(compensation: Compensation, f0: DVec3, pair: DVec2, mean_albedo: f64) -> DVec3 {
-    let albedo = pair.element_sum();
-    let factor = match compensation {
-        Compensation::Turquin => 1.0 + f0 * ((1.0 - albedo) / albedo),
-        _ => DVec3::ONE,
-    };
-    (f0 * pair.x + pair.y) * factor + multiple(compensation, f0, pair, mean_albedo)
+    (f0 * pair.x + pair.y) * factor(compensation, f0, pair, mean_albedo)
+        + multiple(compensation, f0, pair, mean_albedo)
 }

@@ -115,8 +115,17 @@ fn texels(scene: &Scene, hit: &Hit, v: DVec3, quad: [(DVec3, DVec3); 2]) -> [[f6
     let dielectric = (rgb(material.f0) * map(material.f0_map, DVec3::ONE)).min(DVec3::ONE);
     let weight = f64::from(material.specular.factor) * map(material.specular.map, DVec3::ONE).x;
     let reflecting = weight + metallic * (1.0 - weight);
+    let mut whole = (weight * dielectric).lerp(albedo, metallic);
+    let mut alpha = alpha;
+    if let Some(under) = &material.under_coat {
+        let weight = f64::from(under.coat.weight) * map(under.coat.weight_map, DVec3::ONE).x;
+        let roughness = map(under.coat.roughness_map, DVec3::ONE).y;
+        let coat_alpha = f64::from(under.coat.alpha) * roughness.powi(2);
+        whole = under.law.f0_below(whole, weight);
+        alpha = under.law.alpha_below(alpha, weight, coat_alpha);
+    }
     let f0 = if reflecting > 0.0 {
-        (weight * dielectric).lerp(albedo, metallic) / reflecting
+        whole / reflecting
     } else {
         dielectric
     };

@@ -320,10 +320,10 @@ fn every_control_moves_its_axis() {
         .partition(|&index| is_way(index));
     for index in others.into_iter().chain(ways) {
         let axis = &AXES[index];
-        let name = if axis.name == "method" {
-            "left"
-        } else {
-            Named::usual(index).name()
+        let name = match axis.name {
+            "method" => "left",
+            "albedo" => "albedo red",
+            _ => Named::usual(index).name(),
         };
         let value = |win: &Win| win.state()["axes"][axis.name].clone();
         let before = value(&win);
@@ -387,6 +387,33 @@ fn an_outdated_picture_is_dimmed_and_errors_keep_the_reference() {
     win.wait("a dimmed picture", |_| dimmed() > before);
     win.wait_done();
     assert_eq!(win.report()["stale"], serde_json::json!([false, false]));
+    win.close();
+}
+
+#[test]
+fn the_window_shows_what_the_image_is_made_of() {
+    let Some(screen) = Screen::open() else { return };
+    let win =
+        screen.window(&[&SMALL[..], &["--method", "split-sum", "--right", "sampled"]].concat());
+    win.wait_done();
+    let colors_of = |entry: &str| {
+        win.choose("made of", &format!("choice {entry}"));
+        win.wait_done();
+        let picture = win.picture();
+        let [x, y] = [picture.width / 4, picture.height / 2];
+        [picture.get(x, y), picture.get(3 * x, y)]
+    };
+    // The sphere faces the camera a little to the left and right of its middle: red is 0.5 n.x + 0.5.
+    let [left, right] = colors_of("normal");
+    assert!(
+        left[0] < 100 && right[0] > 155 && left[2] > 155,
+        "{left:?} {right:?}"
+    );
+    // Only the split sum reads a prefiltered map.
+    let [_, right] = colors_of("prefiltered");
+    assert_eq!(right, [0x31, 0x36, 0x3b]);
+    win.key("e");
+    win.wait_done();
     win.close();
 }
 

@@ -4,6 +4,6 @@
 #include "lib/sh.glsl"
 
 // [Ramamoorthi01 eq. 7, over pi]
-vec3 irradiance_over_pi(vec3 n, FILTERED_MAP irradiance_map, vec4 radiance_coefficients[SH9_COUNT]) {
+vec3 irradiance_over_pi(vec3 n, FILTERED_MAP irradiance_map, vec4 radiance_coefficients[SH9_COUNT], sampler2D sh9_texture) {
     return max(sh9_irradiance_over_pi(radiance_coefficients, n), 0.0);
 }

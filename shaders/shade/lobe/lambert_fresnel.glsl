@@ -22,7 +22,7 @@ Lobe lobe_at(Surface s, ShadeParams params) {
 LobeValue lobe_eval(Lobe lobe, vec3 l_local) {
     float cos_over_pi = max(l_local.z, 0.0) / PI;
     float v_dot_h = dot(lobe.v_local, normalize(lobe.v_local + l_local));
-    return LobeValue((1.0 - f_schlick(v_dot_h, lobe.f0)) * cos_over_pi, cos_over_pi);
+    return LobeValue((1.0 - fresnel(v_dot_h, lobe.f0)) * cos_over_pi, cos_over_pi);
 }
 
 vec3 lobe_weight(Surface s, sampler2D dfg, uint flags) {

@@ -27,7 +27,7 @@ vec3 specular_radiance(Surface s) {
         vec3 li = sampled_radiance(frame * l_local, 1.0 / (float(params.sample_count) * visible.pdf_l));
         float g = g2_from_g1(g1_v, g1(l_local, s.width, MASKING), MASKING);
         // A select, not a branch: neighbours would wait for the lookup anyway.
-        sum += li * f_schlick(v_dot_h, s.f0) * (l_local.z > 0.0 && v_dot_h > 0.0 ? g * visible.d_over_pdf : 0.0);
+        sum += li * fresnel(v_dot_h, s.f0) * (l_local.z > 0.0 && v_dot_h > 0.0 ? g * visible.d_over_pdf : 0.0);
     }
     return sum / float(params.sample_count);
 }

@@ -1,14 +1,8 @@
 // The split sum of a lobe of two widths about a bent normal; src/instrument/shade/bend.rs has the
 // sources.
 
-#include "generated/specialization/bend.glsl"
+#include "lib/bend.glsl"
 #include "lib/split_sum.glsl"
-
-// The parts of BEND (src/base/glsl/specialization.rs).
-#define BEND_PARAMETERS (BEND & 15u)
-#define BEND_NORMAL ((BEND >> 4u) & 15u)
-#define BEND_TOWARD ((BEND >> 8u) & 15u)
-#define BEND_DFG_WIDTH (BEND >> 12u)
 
 float frostbite_share(float alpha) {
     return (1.0 - alpha) * (sqrt(1.0 - alpha) + alpha);
@@ -44,18 +38,8 @@ vec3 bent_normal(vec3 v, vec2 width, float alpha, float strength) {
 }
 
 vec3 specular_radiance(Surface s) {
-    float alpha = s.alpha;
-    float strength = 0.0;
-    if (BEND_PARAMETERS == BEND_PARAMETERS_NARROW) {
-        alpha = s.width.y;
-        strength = s.width.x > s.width.y ? sqrt((s.width.x - s.width.y) / (1.0 - s.width.y)) : 0.0;
-    } else if (BEND_PARAMETERS == BEND_PARAMETERS_MEAN) {
-        alpha = 0.5 * (s.width.x + s.width.y);
-        strength = (s.width.x - s.width.y) / (s.width.x + s.width.y);
-    } else if (BEND_PARAMETERS == BEND_PARAMETERS_GEOMETRIC) {
-        alpha = sqrt(s.width.x * s.width.y);
-        strength = min((1.0 - s.width.y / s.width.x) / 0.9, 1.0);
-    }
+    float alpha = bend_alpha(s);
+    float strength = bend_strength(s);
     mat3 frame = frame_of_surface(s);
     vec3 v = vec3((s.v * frame).xy, s.n_dot_v);
     vec3 z = vec3(0.0, 0.0, 1.0);
@@ -81,6 +65,6 @@ vec3 specular_radiance(Surface s) {
         vec3 wide = normalize(mix(z, reflect(-v, z), frostbite_share(alpha)));
         direction = mix(direction, wide, clamp((alpha - 0.4) / 0.4, 0.0, 1.0));
     }
-    vec2 a_b = albedo_pair(dfg, s.n_dot_v, BEND_DFG_WIDTH == 0u ? alpha : s.alpha);
+    vec2 a_b = albedo_pair(dfg, s.n_dot_v, table_alpha(s));
     return prefiltered_radiance(frame * normalize(direction), perceptual_roughness) * (s.f0 * a_b.x + a_b.y);
 }

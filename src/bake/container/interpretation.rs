@@ -108,7 +108,8 @@ impl Interpretation {
                 self.to_rec709 = known.to_rec709();
                 if self.to_rec709.is_some() {
                     self.warnings.push(format!(
-                        "the colours were converted from its primaries, {}, to Rec.709",
+                        "the colours were converted from its primaries, {}, to Rec.709; channels \
+                         below 0 by that were set to 0",
                         known.name
                     ));
                 }
@@ -151,9 +152,13 @@ impl Interpretation {
         }
         match self.to_rec709 {
             None => rgb,
-            Some(matrix) => (matrix * DVec3::from_array(rgb.map(f64::from)))
-                .as_vec3()
-                .to_array(),
+            Some(matrix) => {
+                let converted = matrix * DVec3::from_array(rgb.map(f64::from));
+                // Colours outside Rec.709, as in every other format.
+                let is_color = rgb.iter().all(|value| *value >= 0.0);
+                let least = if is_color { 0.0 } else { f64::NEG_INFINITY };
+                converted.max(DVec3::splat(least)).as_vec3().to_array()
+            }
         }
     }
 

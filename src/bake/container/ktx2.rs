@@ -32,10 +32,14 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
         levels: header.level_count.max(1),
     };
     let face_count = claim.check()?;
+    let descriptor = descriptor(bytes, &header);
+    if let Some([model, ..]) = descriptor {
+        check_model(model)?;
+    }
     let format = PixelFormat::of_vulkan(header.format)?;
     let keys = keys(bytes, &header);
     let mut interpretation = Interpretation::of_keys(&keys);
-    if let Some(descriptor) = descriptor(bytes, &header) {
+    if let Some(descriptor) = descriptor {
         interpretation.take_descriptor(descriptor)?;
     }
     let packing = Packing::of(&header)?;
@@ -86,6 +90,43 @@ impl Packing {
                 "none, zstd or zlib",
             )),
         }
+    }
+}
+
+/// A form of texels that a program transcodes before it is drawn.
+struct UniversalModel {
+    /// Code of the colour model in the data format descriptor.
+    code: u8,
+    name: &'static str,
+}
+
+const UNIVERSAL: [UniversalModel; 4] = [
+    UniversalModel {
+        code: 163,
+        name: "ETC1S (BasisLZ), 8 bits without light above white",
+    },
+    UniversalModel {
+        code: 166,
+        name: "UASTC, 8 bits without light above white",
+    },
+    UniversalModel {
+        code: 167,
+        name: "UASTC HDR of 4x4 texels",
+    },
+    UniversalModel {
+        code: 168,
+        name: "UASTC HDR of 6x6 texels",
+    },
+];
+
+/// Refuses texels that must be transcoded, by their name.
+fn check_model(code: u8) -> Result<(), Fault> {
+    match UNIVERSAL.iter().find(|model| model.code == code) {
+        None => Ok(()),
+        Some(model) => Err(Fault::new(
+            format!("its texels are {}", model.name),
+            "floats (`ktx create --format R16G16B16A16_SFLOAT`)",
+        )),
     }
 }
 

@@ -97,6 +97,7 @@ impl Judging {
         };
         doing("integrating the exact maps");
         let mut truth = Truth::judging(environment, kernel, &alphas);
+        truth.has_rounded_up_scale = bake.has_rounded_up_scale;
         doing("comparing the axes");
         let mut axes = Vec::new();
         let mut arrangement = None;

@@ -3,9 +3,10 @@
 
 use super::cause::{Cause, WidthLaw};
 use super::chain::{Chain, alphas_by, is_linear};
+use super::coarse_mips::CoarseSearch;
 use super::directions::{Directions, texels};
 use super::level::LevelScore;
-use super::other_filters::CoarseSearch;
+use super::sampled_lobe::SampledLobe;
 use super::{EXPLAINED, GOOD, Truth, errors, fit, has_width};
 use crate::bake::convention::Convention;
 use crate::bake::parts::Map;
@@ -76,6 +77,8 @@ struct WideLevel {
     directions: Directions,
     found: Vec<DVec3>,
     search: CoarseSearch,
+    /// Radiance of a texel of 1.
+    scale: f64,
     is_good: bool,
     /// relMSE that the level's own causes leave.
     left_alone: f64,
@@ -94,10 +97,15 @@ impl WideLevel {
         let directions = Directions::new(map.layout, convention.axes, size);
         let chosen = directions.grid(TEXELS);
         let directions = directions.only(&chosen);
+        let lobe = SampledLobe {
+            kernel: truth.kernel,
+            is_irradiance: false,
+        };
         Self {
             index,
             found: fit::picked(&texels(faces, convention.scale), &chosen),
-            search: CoarseSearch::new(truth, truth.kernel, &directions),
+            search: CoarseSearch::new(truth, lobe, &directions),
+            scale: convention.scale,
             directions,
             is_good: score.errors.relmse <= GOOD,
             left_alone: score.left().unwrap_or(score.errors.relmse),
@@ -108,9 +116,10 @@ impl WideLevel {
     fn left(&self, truth: &Truth, alphas: &[f64]) -> f64 {
         let epsilon = truth.epsilon();
         let relmse = |values: &[DVec3]| {
-            let gain = fit::gain(&self.directions, &self.found, values, epsilon);
+            let values = truth.stored(values, self.scale);
+            let gain = fit::gain(&self.directions, &self.found, &values, epsilon);
             let gain = 1.0 / gain.clamp(*GAIN.start(), *GAIN.end());
-            errors(&self.directions, &self.found, values, epsilon, gain).relmse
+            errors(&self.directions, &self.found, &values, epsilon, gain).relmse
         };
         let alpha = alphas[self.index];
         let plain = relmse(&self.search.plain(truth, alpha));

@@ -6,6 +6,7 @@ use super::faces::FaceSlip;
 use super::fit::Gain;
 use super::light::SourceSlip;
 use super::lobe::Lobe;
+use super::mip_chain::MipSource;
 use super::negative::NegativeTexels;
 use super::table_slip::TableSlip;
 use super::texel::{ChannelCopy, ChannelOrder, ColorConversion, Curve, Packing, Rgbm, Tone};
@@ -51,6 +52,7 @@ pub enum Cause {
     /// Samples read mips these many levels too blurred, if there are 1024.
     CoarseMips {
         levels: f64,
+        source: MipSource,
     },
     /// Each face of a cube is filtered without its neighbours.
     FacesAlone,
@@ -164,9 +166,14 @@ pub struct CutSlip {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Encoding {
     Curve(Curve),
-    Tone { tone: Tone, exposure: f64 },
+    Tone {
+        tone: Tone,
+        exposure: f64,
+    },
     Packing(Packing),
     Rgbm(Rgbm),
+    /// RGBP whose scale was rounded up, so that the largest channel is cut.
+    RgbpScaleRoundedUp,
 }
 
 /// A world axis.
@@ -283,6 +290,19 @@ impl Cause {
                     SourceSlip::Cut { .. } | SourceSlip::CutAndCurve(_) | SourceSlip::Level0
                 )
         )
+    }
+
+    /// Whether it is a gain that no program is known to forget.
+    pub fn is_unknown_gain(&self) -> bool {
+        let Self::Gain(GainSlip::Level { gain, .. }) = self else {
+            return false;
+        };
+        matches!(gain, Gain::Other(_))
+    }
+
+    /// Whether it names how the file rounds its values, beside which others are named.
+    pub fn is_rounding(&self) -> bool {
+        *self == Self::Encoding(Encoding::RgbpScaleRoundedUp)
     }
 
     /// Whether the level seems not to be prefiltered.

@@ -130,7 +130,22 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
         }
         scores.push(score);
     }
+    withdraw_gains(&mut scores);
     Ok(scores)
+}
+
+/// Withdraws gains of single levels of a map whose other levels were cut: `--scale` applies to every
+/// level, and the cut, not a gain, is what is wrong with the light.
+fn withdraw_gains(scores: &mut [LevelScore]) {
+    if !scores.iter().any(|score| score.has(Cause::is_cut)) {
+        return;
+    }
+    for score in scores.iter_mut().filter(|score| !score.has(Cause::is_cut)) {
+        if score.has(Cause::is_unknown_gain) {
+            score.slip = None;
+            score.verdict = Verdict::from_causes(vec![Cause::Unknown(Unknown::NoSlip)]);
+        }
+    }
 }
 
 /// Lists the sources with the mean of a map, or with its mean over the gain of its finest level.

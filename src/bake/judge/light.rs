@@ -2,6 +2,7 @@
 //! by other weights.
 
 use super::Truth;
+use super::mip_chain::{MipChain, MipSource};
 use super::texel::{Curve, Cut, Tone};
 use crate::bake::convention::Convention;
 use crate::base::color::luminance;
@@ -133,6 +134,8 @@ pub struct OtherLights<'l> {
     pub summed: Lazy<'l, Vec<Lit<'l>>>,
     /// Level 0 of the bake.
     pub level_0: Lazy<'l, Vec<Lit<'l>>>,
+    mips_of_cube: Lazy<'l, MipChain>,
+    mips_of_lat_long: Lazy<'l, MipChain>,
 }
 
 impl<'l> OtherLights<'l> {
@@ -154,10 +157,23 @@ impl<'l> OtherLights<'l> {
                 .map(|source| source.lit(truth, alphas))
                 .collect()
         };
+        let mips = |source: MipSource| -> Lazy<'l, MipChain> {
+            LazyCell::new(Box::new(move || MipChain::new(truth.environment, source)))
+        };
         Self {
             changed: LazyCell::new(Box::new(move || lit(changed))),
             summed: LazyCell::new(Box::new(move || lit(summed))),
             level_0: LazyCell::new(Box::new(move || lit(level_0))),
+            mips_of_cube: mips(MipSource::Cube),
+            mips_of_lat_long: mips(MipSource::LatLong),
+        }
+    }
+
+    /// Returns the environment with its mips as a cube or a lat-long map.
+    pub fn mips(&self, source: MipSource) -> &MipChain {
+        match source {
+            MipSource::Cube => &self.mips_of_cube,
+            MipSource::LatLong => &self.mips_of_lat_long,
         }
     }
 }

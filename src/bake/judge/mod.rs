@@ -8,6 +8,7 @@ mod blurred_chain;
 mod cause;
 mod chain;
 mod clause;
+mod coarse_mips;
 mod cut;
 mod directions;
 mod doubt;
@@ -19,9 +20,11 @@ pub mod guess;
 pub mod level;
 mod light;
 mod lobe;
+mod mip_chain;
 mod negative;
 mod other_filters;
 mod sample;
+mod sampled_lobe;
 mod scores;
 pub mod sh;
 #[cfg(feature = "gpu")]
@@ -41,7 +44,7 @@ mod verdict;
 mod words;
 
 pub use bake::{Judged, Judging};
-pub use cause::{Cause, ChainSlip, CutSlip, Mips, Unknown, WidthLaw};
+pub use cause::{Cause, ChainSlip, CutSlip, Encoding, Mips, Unknown, WidthLaw};
 pub use clause::{Clause, joined};
 pub use directions::{Directions, TexelGrid, texels};
 pub use doubt::{Doubt, MapPart, RankedAxes, Warning};
@@ -49,11 +52,13 @@ pub use faces::FaceTurn;
 pub use fit::{Fit, Gain};
 pub use level::GOOD_BIAS;
 pub use light::SourceSlip;
+pub use mip_chain::MipSource;
 pub use negative::NegativeTexels;
 pub use scores::{Limits, as_json};
 pub use table_slip::{TableFlags, TableSlip, WrongBorders};
 pub use verdict::{Part, PartVerdict, Quality, Verdict};
 
+use crate::bake::rgbp;
 use crate::base::math::harmonics::{Harmonics, SmoothMap};
 use crate::instrument::brdf::Phong;
 use crate::instrument::environment::Environment;
@@ -76,6 +81,8 @@ pub struct Truth<'a> {
     reach: usize,
     /// Whether the axes of the prefiltered map fit so badly that it seems to be of another light.
     is_other: bool,
+    /// Whether the files are RGBP whose scale was rounded up.
+    has_rounded_up_scale: bool,
 }
 
 impl<'a> Truth<'a> {
@@ -109,6 +116,7 @@ impl<'a> Truth<'a> {
             harmonics: harmonic::harmonics(&environment.image, degree),
             reach,
             is_other: false,
+            has_rounded_up_scale: false,
         }
     }
 
@@ -128,6 +136,16 @@ impl<'a> Truth<'a> {
     fn prefiltered_by(&self, kernel: Kernel, alpha: f64) -> SmoothMap {
         self.harmonics
             .convolved(&self.factors(kernel, alpha, self.harmonics.degree()))
+    }
+
+    /// Returns what the files hold for radiance, of which a texel of 1 is `scale`.
+    fn stored(&self, values: &[DVec3], scale: f64) -> Vec<DVec3> {
+        if self.has_rounded_up_scale {
+            let stored = |value: &DVec3| scale * rgbp::rounded_up(*value / scale);
+            values.iter().map(stored).collect()
+        } else {
+            values.to_vec()
+        }
     }
 
     /// Sums prefiltered radiance from bands of the light.

@@ -219,6 +219,11 @@ impl<'a, 't> Sample<'a, 't> {
         errors(&self.directions, &self.found, slipped, epsilon, 1.0).relmse
     }
 
+    /// Returns what the file's rounding makes of values.
+    pub fn stored(&self, values: &[DVec3]) -> Vec<DVec3> {
+        self.level.truth.stored(values, self.level.scale.value)
+    }
+
     pub fn is_irradiance(&self) -> bool {
         self.level.kernel.brdf.name() != self.level.truth.kernel.brdf.name()
     }
@@ -273,7 +278,7 @@ impl<'a, 't> Sample<'a, 't> {
     }
 
     /// Levels by another kernel, and the map itself at the level's size.
-    pub fn kernels(&self) -> Vec<Slipped> {
+    pub fn kernels(&self, right: &Slipped) -> Vec<Slipped> {
         let truth = self.level.truth;
         if !has_width(self.level.alpha) {
             return self.single_lookups();
@@ -285,7 +290,7 @@ impl<'a, 't> Sample<'a, 't> {
             all.push(Slipped::one(Cause::Mips(Mips::OfEnvironment), plain));
         }
         all.extend(self.added_blurs());
-        all.extend(self.coarse_mips());
+        all.extend(self.coarse_mips(&right.values));
         all.extend(self.faces_alone());
         all
     }

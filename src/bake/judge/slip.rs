@@ -36,6 +36,8 @@ const SURE: f64 = 1e-6;
 pub const BETTER: f64 = 0.3;
 /// Largest share of a fit's rest that a slip may leave.
 const BETTER_THAN_FIT: f64 = 0.5;
+/// Largest share of a relMSE that the rounding of a file may leave, if it is named.
+const ROUNDED: f64 = 0.8;
 /// Smallest ratio of two channels' gains that is a slip.
 const CHANNELS_APART: f64 = 1.02;
 /// Largest difference of the texels of a flat level, as a share.
@@ -173,7 +175,7 @@ impl BestSlips {
     fn add(&mut self, candidates: Vec<Candidate>, relmse: f64) {
         for candidate in candidates {
             let left = candidate.relmse / relmse;
-            let best = match candidate.causes.len() {
+            let best = match slip_count(&candidate.causes) {
                 0 => continue,
                 1 => &mut self.one,
                 _ => &mut self.two,
@@ -187,6 +189,12 @@ impl BestSlips {
             }
         }
     }
+}
+
+/// Counts slips. A rounding of the whole file counts only if it is alone.
+fn slip_count(causes: &[Cause]) -> usize {
+    let others = causes.iter().filter(|cause| !cause.is_rounding()).count();
+    others.max(usize::from(!causes.is_empty()))
 }
 
 /// Slips, and the relMSE that they leave.
@@ -203,7 +211,7 @@ impl Sample<'_, '_> {
             Stage::Texels => vec![right.clone()],
             Stage::Kernels => {
                 let sources = self.of_sources(&lights.changed);
-                [self.kernels(), self.grids(), sources].concat()
+                [self.kernels(right), self.grids(), sources].concat()
             }
             Stage::Turns => [self.turns(), self.likeliest_source_by_others()].concat(),
             Stage::SummedSources => self.of_sources(&lights.summed),
@@ -316,10 +324,20 @@ impl Sample<'_, '_> {
         !(keeps_mean || looks_up) || self.level.has_mean(gain)
     }
 
+    /// Compares the level with slipped values, and with what the file's rounding makes of them.
     fn candidate(&self, slipped: Slipped) -> Candidate {
+        let relmse = self.relmse(&slipped.values);
+        let mut causes = slipped.causes;
+        if !self.level.truth.has_rounded_up_scale {
+            return Candidate { relmse, causes };
+        }
+        let by_rounding = self.relmse(&self.stored(&slipped.values));
+        if by_rounding < ROUNDED * relmse {
+            causes.push(Cause::Encoding(Encoding::RgbpScaleRoundedUp));
+        }
         Candidate {
-            relmse: self.relmse(&slipped.values),
-            causes: slipped.causes,
+            relmse: relmse.min(by_rounding),
+            causes,
         }
     }
 

@@ -90,6 +90,10 @@ pub fn encoding_clause(encoding: Encoding) -> Clause {
         Encoding::Curve(curve) => curve_clause(curve),
         Encoding::Tone { tone, exposure } => Clause::new(tone_words(tone, exposure)),
         Encoding::Packing(packing) => packing_clause(packing),
+        Encoding::RgbpScaleRoundedUp => Clause::detailed(
+            "RGBP whose scale was rounded up",
+            "the largest channel loses up to 5.3 % above 1; round it down",
+        ),
         Encoding::Rgbm(Rgbm { range, exponent }) => {
             let power = if exponent == 1.0 {
                 String::new()

@@ -11,8 +11,9 @@ use super::doubt_words::{chain_clauses, doubt_clauses};
 use super::faces::{FaceSlip, FaceTurn, MovedFace};
 use super::fit::{Gain, KnownFactor};
 use super::lobe::Lobe;
+use super::mip_chain::MipSource;
 use super::negative::NegativeTexels;
-use super::other_filters::SAMPLES;
+use super::sampled_lobe::SAMPLES;
 use super::table_words;
 use super::texel_words::{
     channels, conversion_words, copy_words, encoding_clause, source_clause, three_digits,
@@ -100,10 +101,7 @@ impl Cause {
                 "blurs add up",
             ),
             Self::Mips(mips) => mips_clause(*mips),
-            Self::CoarseMips { levels } => Clause::detailed(
-                format!("samples read mips {levels:.1} levels too blurred"),
-                format!("if there are {SAMPLES}"),
-            ),
+            Self::CoarseMips { levels, source } => coarse_mips_clause(*levels, *source),
             Self::FacesAlone => {
                 Clause::detailed("each face is filtered by itself", "lobes end at its edges")
             }
@@ -396,6 +394,17 @@ fn mips_clause(mips: Mips) -> Clause {
             "half a pixel off; floor the index",
         ),
     }
+}
+
+fn coarse_mips_clause(levels: f64, source: MipSource) -> Clause {
+    let of_map = match source {
+        MipSource::Cube => "",
+        MipSource::LatLong => " of the lat-long map",
+    };
+    Clause::detailed(
+        format!("samples read mips{of_map} {levels:.1} levels too blurred"),
+        format!("if there are {SAMPLES}"),
+    )
 }
 
 fn grid_clauses(grid: TexelGrid) -> Vec<Clause> {

@@ -23,6 +23,8 @@ macro_rules! constants {
 constants! {
     /// π in f32.
     PI: f32 = std::f32::consts::PI;
+    /// Squared distance below which a point light is not nearer (`scene::light`).
+    LIGHT_DISTANCE2_MIN: f32 = 1e-12;
     /// Smallest microfacet width shaded as a lobe; below it `alpha²` underflows the distributions
     /// in f32.
     ALPHA_MIN: f32 = 1e-3;
@@ -39,6 +41,8 @@ constants! {
     /// density would be infinite, and its product with a black pole NaN; below 1e-30 it would
     /// overflow f32. Such samples get no weight.
     ENVIRONMENT_SIN_THETA_MIN: f32 = 1e-9;
+    /// Most levels of a prefiltered map that the program makes.
+    LEVELS_MAX: u32 = 11;
     /// Side of the square work group of image passes.
     GROUP_SIDE: u32 = 8;
     /// Invocations of a linear work group (reductions, probes).
@@ -93,6 +97,10 @@ constants! {
     COMPENSATION_FDEZ_AGUERA: u32 = 2;
     /// Adds a lobe.
     COMPENSATION_KULLA_CONTY: u32 = 3;
+    /// Scales single scattering by the share that `kulla-conty` returns, as Cycles does.
+    COMPENSATION_CYCLES: u32 = 4;
+    /// The specialization constant `fresnel_f0` of Schlick's reflectance.
+    FRESNEL_SCHLICK: f32 = -1.0;
     /// DFG table over fourth roots of n·v and alpha, outermost texels on the ends: ours.
     DFG_AXES_FOURTH_ROOTS: u32 = 0;
     /// Over n·v and perceptual roughness at texel centres, as in engines.
@@ -147,6 +155,14 @@ constants! {
     BEND_TOWARD_CAP: u32 = 6;
     /// F0 of every coat: index of refraction 1.5.
     COAT_F0: f32 = 0.04;
+    /// Index of refraction of every coat.
+    COAT_IOR: f32 = 1.5;
+    /// Roughness of the base under a coat, in the order of `brdf::RoughnessUnderCoat`: unchanged.
+    UNDER_COAT_SAME: u32 = 0;
+    /// At least the roughness of the coat.
+    UNDER_COAT_AT_LEAST_COAT: u32 = 1;
+    /// Widened by refraction.
+    UNDER_COAT_REFRACTED: u32 = 2;
     /// Visibilities of sheen; in the order of `brdf::SheenVisibility`.
     SHEEN_VISIBILITY_CHARLIE: u32 = 0;
     SHEEN_VISIBILITY_ASHIKHMIN: u32 = 1;

@@ -153,11 +153,28 @@ shared_structs! {
         tangent: vec4,
         /// x: the share of the dielectric interface that reflects.
         specular: vec4,
+        /// The coat that changes the base: weight, alpha, one of `constants::UNDER_COAT_*`. A
+        /// weight of 0 changes nothing.
+        coat: vec4,
+        /// Coefficients of the base's f0 under that coat, a polynomial of f0, lowest power first.
+        f0_under_coat: vec4,
     }
     /// A sphere as the g-buffer pass reads it: centre and radius; index of its material in x.
     SphereData {
         center_radius: vec4,
         material: uvec4,
+    }
+    /// A direct light (`scene::light`). A light without a cone has the axis 0 and terms that never
+    /// dim it.
+    LightData {
+        /// Position (w = 1), or unit vector to a directional light (w = 0).
+        place: vec4,
+        /// Intensity, or irradiance of a directional light; w = 1 / range, 0 without one.
+        color: vec4,
+        /// Unit vector along the axis; w = 1 / (cos inner - cos outer).
+        axis: vec4,
+        /// 1 - cos outer.
+        outer_versine: float,
     }
     /// Push constants of all shading passes. The rows rotate a world direction into the
     /// environment's frame.
@@ -191,6 +208,8 @@ shared_structs! {
         point_count: uint,
         /// Slots of the environment's distribution (reference only).
         slot_count: uint,
+        /// Direct lights (their pass only).
+        light_count: uint,
     }
     /// Push constants of the background pass. `right` and `up` reach from the image's centre to its
     /// edges at distance 1 along `forward` (0 for an orthographic camera); all three are in the

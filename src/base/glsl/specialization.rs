@@ -2,8 +2,8 @@
 //! `generated/specialization/<name>.glsl` for each entry of [`ALL`]; a shader includes the files of
 //! the constants that it reads.
 //!
-//! The index in [`ALL`] is the `constant_id`. In GLSL a constant has its name in capitals. GLSL ES
-//! has no such constants, so there it is a uniform of the same name.
+//! The words of the entries are the `constant_id` 0, 1, ... In GLSL a constant has its name in
+//! capitals. GLSL ES has no such constants, so there it is a uniform of the same name.
 
 use super::constants as code;
 use super::constants::Value;
@@ -13,8 +13,11 @@ use super::constants::Value;
 pub struct SpecializationConstant {
     /// Name of the field of [`Specialization`].
     pub name: &'static str,
-    /// Value in a pipeline that does not set it.
+    /// Value in a pipeline that does not set it, of each element of an array.
     pub default: Value,
+    /// Length of an array, 1 of a number: as many words.
+    pub word_count: usize,
+    pub is_array: bool,
 }
 
 macro_rules! specialization_constants {
@@ -32,23 +35,30 @@ macro_rules! specialization_constants {
         }
 
         impl Specialization {
-            /// Returns the value of each constant by its `constant_id`, as the bits that the shader
-            /// reads.
-            pub fn words(&self) -> [u32; ALL.len()] {
-                [$(specialization_constants!(@bits $ty self.$name)),*]
+            /// Returns the value of each `constant_id`, as the bits that the shader reads.
+            pub fn words(&self) -> Vec<u32> {
+                let mut words = Vec::with_capacity(WORD_COUNT);
+                $(words.extend(specialization_constants!(@bits $ty self.$name));)*
+                words
             }
         }
 
-        /// All specialization constants by `constant_id`.
+        /// All specialization constants in the order of their words.
         pub const ALL: &[SpecializationConstant] = &[$(SpecializationConstant {
             name: stringify!($name),
             default: specialization_constants!(@value $ty $default),
+            word_count: size_of::<$ty>() / size_of::<u32>(),
+            is_array: specialization_constants!(@is_array $ty),
         }),*];
     };
-    (@bits u32 $value:expr) => { $value };
-    (@bits f32 $value:expr) => { $value.to_bits() };
+    (@bits u32 $value:expr) => { [$value] };
+    (@bits f32 $value:expr) => { [$value.to_bits()] };
+    (@bits [f32; $count:expr] $value:expr) => { $value.map(f32::to_bits) };
     (@value u32 $value:expr) => { Value::Uint($value) };
     (@value f32 $value:expr) => { Value::Float($value) };
+    (@value [f32; $count:expr] $value:expr) => { Value::Float($value[0]) };
+    (@is_array [f32; $count:expr]) => { true };
+    (@is_array $number:tt) => { false };
 }
 
 specialization_constants! {
@@ -58,6 +68,9 @@ specialization_constants! {
     exact_filter: u32 = 0;
     /// Bend b in [0, 1] of the mapping from roughness to the levels of a prefiltered map.
     level_bend: f32 = 0.0;
+    /// Perceptual roughness of each level of a prefiltered map, ascending; zeros if the bend maps
+    /// them.
+    level_roughnesses: [f32; code::LEVELS_MAX as usize] = [0.0; code::LEVELS_MAX as usize];
     /// Weight of a direction in a prefiltered texel, one of `PREFILTER_WEIGHT_*`.
     prefilter_weight: u32 = code::PREFILTER_WEIGHT_COSINE;
     /// Whether pixels share their points, or each scrambles or shifts them: one of
@@ -65,6 +78,9 @@ specialization_constants! {
     pixel_points: u32 = code::PIXEL_POINTS_SHARED;
     /// Compensation of the light that single scattering loses, one of `COMPENSATION_*`.
     compensation: u32 = code::COMPENSATION_NONE;
+    /// F0 of the dielectrics whose exact Fresnel reflectance replaces Schlick's; `FRESNEL_SCHLICK`
+    /// for none.
+    fresnel_f0: f32 = code::FRESNEL_SCHLICK;
     /// Texel positions of the DFG table, one of `DFG_AXES_*`.
     dfg_axes: u32 = code::DFG_AXES_FOURTH_ROOTS;
     /// Whether lobes have two widths, and by which law: one of `ANISOTROPY_*`.
@@ -80,5 +96,8 @@ specialization_constants! {
     emulated_limits: u32 = 0;
 }
 
-/// The `constant_id` of `emulated_limits`.
-pub const EMULATED_LIMITS_ID: usize = ALL.len() - 1;
+/// Number of words of all constants.
+pub const WORD_COUNT: usize = size_of::<Specialization>() / size_of::<u32>();
+
+/// The `constant_id` of `emulated_limits`, the last.
+pub const EMULATED_LIMITS_ID: usize = WORD_COUNT - 1;

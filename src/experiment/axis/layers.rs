@@ -1,10 +1,12 @@
-//! The axes of anisotropy and of layers over the base. Cells without them keep their ids.
+//! The axes of anisotropy, of layers over the base and of direct lights. Cells without them keep
+//! their ids.
 
-use super::plain::{ALPHA_KIND, PLAIN, ROUGHNESS, first, one_of};
+use super::plain::{ALPHA_KIND, PLAIN, ROUGHNESS, first, one_of, valued};
+use super::tables::PrecomputedTable;
 use super::{Axis, Layer, Part, Setter, Spelling, Symbol};
 use crate::base::names::Listed;
-use crate::experiment::value::{Kind, Range};
-use crate::instrument::brdf::{SHEEN_ALPHA_MIN, SheenVisibility, WidthLaw};
+use crate::experiment::value::{Kind, Range, Value};
+use crate::instrument::brdf::{Fresnel, SHEEN_ALPHA_MIN, SheenVisibility, WidthLaw};
 use crate::instrument::shade::bend::Bend;
 use crate::instrument::shade::coat::{CoatLayering, CoatRenderer};
 use crate::instrument::shade::occlusion::SpecularOcclusion;
@@ -161,6 +163,16 @@ pub(super) const LAYER_AXES: &[Axis] = &[
         ..one_of::<SheenLookup>(LAYER)
     },
     Axis {
+        name: "fresnel",
+        about: "Fresnel reflectance of dielectrics, for the image and its reference: Schlick's, or \
+                exact for the index of F0",
+        plural: "Fresnel reflectances",
+        feeds: &[PrecomputedTable::Dfg],
+        used: |used| used.has_dielectric && !used.method.is_none(),
+        set: Setter::Name(|settings, name| settings.shading.fresnel = *Fresnel::listed(name)),
+        ..one_of::<Fresnel>(LAYER)
+    },
+    Axis {
         name: "specular_occlusion",
         about: "factor of the specular term from an occlusion map, for the image and its \
                 reference; docs/estimators.md",
@@ -170,5 +182,32 @@ pub(super) const LAYER_AXES: &[Axis] = &[
             settings.shading.specular_occlusion = *SpecularOcclusion::listed(name)
         }),
         ..one_of::<SpecularOcclusion>(LAYER)
+    },
+    Axis {
+        name: "light_intensity",
+        label: "Direct lights (×)",
+        about: "multiplies all direct lights; 0 turns them off",
+        plural: "intensities of the lights",
+        symbol: Symbol::After("× light", "times the light"),
+        set: Setter::Number(|settings, number| settings.light_intensity = number),
+        ..valued(
+            Kind::Number(Range::closed(0.0, 1e9)),
+            || Value::Number(1.0),
+            LAYER,
+        )
+    },
+    Axis {
+        name: "light_turn_deg",
+        layer: Some(Layer::Lights),
+        label: "Turn of direct lights (°)",
+        about: "turns all direct lights around +y, counter-clockwise from above",
+        plural: "turns of the lights",
+        symbol: Symbol::After("deg", "degrees"),
+        set: Setter::Number(|settings, number| settings.light_turn_deg = number),
+        ..valued(
+            Kind::Number(Range::closed(-360.0, 360.0)),
+            || Value::Number(0.0),
+            LAYER,
+        )
     },
 ];

@@ -291,7 +291,7 @@ const IMAGE_AXES: &[Axis] = &[
     },
     Axis {
         name: "environment_scale",
-        label: "Light scale (×)",
+        label: "Brightness (×)",
         about: "multiplies the environment's radiance",
         symbol: Symbol::Before("scale"),
         flag: Some("scale"),
@@ -370,8 +370,11 @@ axis_ids! {
     ENVIRONMENT_ROTATION = "environment_rotation_deg";
     ENVIRONMENT_SCALE = "environment_scale";
     F0 = "f0";
+    LIGHT_INTENSITY = "light_intensity";
+    LIGHT_TURN = "light_turn_deg";
     LAYOUT = "layout";
     COMPENSATION = "compensation";
+    FRESNEL = "fresnel";
     PREFILTERED = "prefiltered";
     DFG_TABLE = "dfg";
     PREFILTER_SIZE = "prefilter_size";

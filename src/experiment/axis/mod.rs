@@ -147,6 +147,8 @@ pub enum Layer {
     Sheen,
     /// A sequence of at least two frames.
     Frames,
+    /// Direct lights, of the experiment or of a scene's file.
+    Lights,
 }
 
 impl Layer {
@@ -157,11 +159,17 @@ impl Layer {
             Self::Coat => COAT,
             Self::Sheen => SHEEN_COLOR,
             Self::Frames => FRAMES,
+            Self::Lights => LIGHT_INTENSITY,
         }
     }
 
     pub fn name(self) -> &'static str {
         AXES[self.axis()].name
+    }
+
+    /// Whether an axis turns the layer on or describes it.
+    pub fn has(self, axis: AxisId) -> bool {
+        self.axis() == axis || AXES[axis].layer == Some(self)
     }
 }
 
@@ -379,6 +387,8 @@ impl Point {
             environment: String::new(),
             scene: String::new(),
             material: MaterialOverride::default(),
+            light_intensity: 1.0,
+            light_turn_deg: 0.0,
             shading: Shading {
                 method: &METHODS[0],
                 diffuse: &DIFFUSE[0],

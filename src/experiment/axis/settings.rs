@@ -4,13 +4,18 @@ use crate::base::names::listed;
 use crate::experiment::value::Value;
 use crate::instrument::environment::Environment;
 use crate::instrument::gpu::ShaderVariant;
-use crate::instrument::pipeline::RenderRequest;
+use crate::instrument::metrics::{NOISE_SHARE, NoiseUse};
+use crate::instrument::pipeline::{Illumination, RenderRequest};
 use crate::instrument::precompute::dfg::DfgAxes;
 use crate::instrument::precompute::given::{Given, OWN};
-use crate::instrument::scene::{Camera, CameraKind, MaterialOverride, Orbit, Scene};
+use crate::instrument::scene::{
+    Camera, CameraKind, Light, LightChange, MaterialOverride, Orbit, Scene,
+};
 use crate::instrument::shade::pass::specular_shader;
+use crate::instrument::shade::reference_pass::PILOT_SAMPLES;
 use crate::instrument::shade::{NONE, REFERENCE, Shading};
 use crate::instrument::tonemap::ToneCurve;
+use std::f64::consts::PI;
 use std::sync::Arc;
 
 /// The settings of one point. All points share the rest of a request (camera, seed).
@@ -23,6 +28,10 @@ pub struct Settings {
     /// A scene's name or a path.
     pub scene: String,
     pub material: MaterialOverride,
+    /// Multiplies the colours of all direct lights.
+    pub light_intensity: f64,
+    /// Turns all direct lights about the y axis.
+    pub light_turn_deg: f64,
     pub shading: Shading,
     /// `own` or a file.
     pub prefiltered: String,
@@ -70,6 +79,8 @@ pub struct View {
     pub orbit: Orbit,
     pub background: bool,
     pub antialias: bool,
+    /// Besides the lights of the scene's file.
+    pub lights: Vec<Light>,
     pub seed: u32,
     /// Samples of a reference diffuse term if the specular method is not a reference.
     pub reference_samples: u32,
@@ -118,6 +129,7 @@ impl Settings {
         view: &View,
         given: Given,
     ) -> RenderRequest {
+        let scene = self.lit(scene, environment, &view.lights);
         let mut shading = self.shading;
         let precompute = &mut shading.precompute;
         if let Some(map) = &given.prefiltered {
@@ -148,7 +160,27 @@ impl Settings {
             antialias: view.antialias,
             given,
             seed: view.seed,
+            illumination: Illumination::Environment,
         }
+    }
+
+    /// Returns a scene under its own lights and `more`, as the settings change them; lights of no
+    /// intensity are left out.
+    fn lit(&self, scene: Arc<Scene>, environment: &Environment, more: &[Light]) -> Arc<Scene> {
+        if scene.lights.is_empty() && more.is_empty() {
+            return scene;
+        }
+        let scale = f64::from(self.shading.environment_scale);
+        let change = LightChange {
+            intensity: self.light_intensity,
+            turn_deg: self.light_turn_deg,
+            map_irradiance: PI * environment.luminance.mean * scale,
+        };
+        let lights = scene.lights.iter().chain(more);
+        let lights = lights
+            .map(|light| light.changed(&change))
+            .filter(|light| !light.is_dark());
+        Arc::new(scene.lit_by(lights.collect()))
     }
 }
 
@@ -156,12 +188,18 @@ impl Settings {
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reference {
     pub method: String,
+    /// Samples a pixel: at most this many if it stops earlier.
     pub samples: u32,
     /// Stops earlier: largest relative standard error of each term
     /// (`shade::reference_pass::Convergence`).
     pub relative_error: Option<f64>,
+    /// Stops earlier, as the experiment says: see [`Reference::noise_share`].
+    pub stated_noise_share: Option<f64>,
     pub terms: Terms,
 }
+
+/// The factor of the samples from one round of a reference to the next.
+const ROUND_FACTOR: u32 = 4;
 
 /// Terms of a cell's reference.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -175,6 +213,34 @@ pub enum Terms {
 listed!(Terms, "choice of terms", { "cell": Cell, "all": All });
 
 impl Reference {
+    /// Returns the largest noise of a reference over the error of each image that it judges, both
+    /// as mean squares ([`crate::instrument::metrics::Metric::noise_share`]); `None` for exact
+    /// references, which take all their samples or stop at a relative error.
+    pub fn noise_share(&self) -> Option<f64> {
+        let default = if self.relative_error.is_some() {
+            0.0
+        } else {
+            NOISE_SHARE
+        };
+        Some(self.stated_noise_share.unwrap_or(default)).filter(|share| *share > 0.0)
+    }
+
+    /// What answers do with the noise floors.
+    pub fn noise_use(&self) -> NoiseUse {
+        NoiseUse::of_share(self.noise_share())
+    }
+
+    /// Lists the sample counts of a reference that is as exact as its images need: 64, 256,
+    /// 1024 ..., at last all its samples.
+    pub fn rounds(&self) -> Vec<u32> {
+        let mut rounds: Vec<u32> =
+            std::iter::successors(Some(PILOT_SAMPLES), |count| count.checked_mul(ROUND_FACTOR))
+                .take_while(|count| *count < self.samples)
+                .collect();
+        rounds.push(self.samples);
+        rounds
+    }
+
     pub(super) fn leaves_out(&self, value: &Value) -> bool {
         value.text() == NONE && self.terms == Terms::Cell
     }
@@ -186,6 +252,7 @@ impl Default for Reference {
             method: REFERENCE.to_owned(),
             samples: 4096,
             relative_error: None,
+            stated_noise_share: None,
             terms: Terms::default(),
         }
     }

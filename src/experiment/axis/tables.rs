@@ -2,6 +2,7 @@
 
 use super::plain::{LEVELS, PLAIN, one_of, valued};
 use super::{Axis, Part, Setter, Symbol, Used};
+use crate::base::glsl::constants::LEVELS_MAX;
 use crate::base::names::Listed;
 use crate::experiment::value::{Kind, Value};
 use crate::instrument::environment::layout::MapLayout;
@@ -128,7 +129,10 @@ pub(super) const TABLE_AXES: &[Axis] = &[
         symbol: Symbol::After("lv", "levels"),
         feeds: &[PrecomputedTable::Prefilter],
         used: |used| used.shows_computed_prefiltered() || used.method.uses_levels,
-        kind: Kind::Count { min: 2, max: 11 },
+        kind: Kind::Count {
+            min: 2,
+            max: LEVELS_MAX,
+        },
         default: || Value::Count(PrecomputeSettings::default().prefilter_level_count),
         set: Setter::Count(|settings, count| {
             settings.shading.precompute.prefilter_level_count = count
@@ -170,12 +174,18 @@ pub(super) const TABLE_AXES: &[Axis] = &[
     },
     Axis {
         name: "level_mapping",
-        about: "perceptual roughness of each level; `splitsum list level-mappings`",
+        about: "perceptual roughness of each level: `splitsum list level-mappings`, or a list",
         symbol: Symbol::After("mapping", "mapping"),
         feeds: &[PrecomputedTable::Prefilter],
         used: |used| used.shows_computed_prefiltered() || used.method.uses_levels,
+        kind: Kind::NameOrList {
+            what: LevelMapping::WHAT,
+            names: LevelMapping::names,
+            name_of: |roughnesses| LevelMapping::of_list(roughnesses).map(|mapping| mapping.name),
+            form: "r:r:r",
+        },
         set: Setter::Name(|settings, name| {
-            settings.shading.precompute.level_mapping = LevelMapping::listed(name)
+            settings.shading.precompute.level_mapping = LevelMapping::checked(name)
         }),
         ..one_of::<LevelMapping>(TABLE)
     },

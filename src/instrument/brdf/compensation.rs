@@ -9,6 +9,7 @@
 //! | `turquin` | a factor `1 + f0 (1 - E)/E` | \[Turquin19\] |
 //! | `fdez-aguera` | irradiance over π times `(1 - E) (f0 A + B) F_avg / (1 - F_avg (1 - E))` | \[FdezAguera19\] |
 //! | `kulla-conty` | the lobe `(1 - E(l)) n·l / (π (1 - E_avg))` times `(1 - E(v)) F_avg² E_avg / (1 - F_avg (1 - E_avg))` | \[KullaConty17\], with the square of \[Hill18\] |
+//! | `cycles` | a factor `1 + (1 - E)/E F_avg E_avg / (1 - F_avg (1 - E_avg))` | `microfacet_ggx_preserve_energy` of Blender's Cycles 5.2, on \[KullaConty17\]; not squared |
 //!
 //! At f0 = 1 each returns all lost light. The diffuse term gets the rest.
 
@@ -22,6 +23,7 @@ pub enum Compensation {
     Turquin = 1,
     FdezAguera = 2,
     KullaConty = 3,
+    Cycles = 4,
 }
 
 listed!(Compensation, "compensation", {
@@ -29,6 +31,7 @@ listed!(Compensation, "compensation", {
     "turquin": Turquin,
     "fdez-aguera": FdezAguera,
     "kulla-conty": KullaConty,
+    "cycles": Cycles,
 });
 
 impl Compensation {

@@ -15,16 +15,20 @@ use glam::{DVec2, DVec3};
 mod anisotropy;
 mod beckmann;
 mod compensation;
+mod fresnel;
 mod ggx;
 mod phong;
 mod sheen;
+mod under_coat;
 
 pub use anisotropy::{Stretch, WidthLaw, Widths};
 pub use beckmann::Beckmann;
 pub use compensation::Compensation;
+pub use fresnel::{Fresnel, FresnelWeight, f_dielectric, schlick_weight};
 pub use ggx::Ggx;
 pub use phong::{Phong, exponent_from_alpha};
 pub use sheen::{SHEEN_ALPHA_MIN, SheenVisibility};
+pub use under_coat::{RoughnessUnderCoat, UnderCoatLaw};
 
 /// A microfacet distribution with its Smith masking. `alpha` is in (0, 1] and precise down to
 /// 0.001. The samplers take two widths; a distribution that knows one gets it twice.
@@ -144,11 +148,6 @@ pub fn g2_from_g1(g1_v: f64, g1_l: f64, masking: MaskingShadowing) -> f64 {
         MaskingShadowing::Correlated => g1_v * g1_l / (g1_v + g1_l - g1_v * g1_l),
         _ => g1_v * g1_l,
     }
-}
-
-/// Returns Schlick's `(1 - v·h)⁵`, the weight of `f90 = 1`.
-pub fn schlick_weight(v_dot_h: f64) -> f64 {
-    (1.0 - v_dot_h).clamp(0.0, 1.0).powi(5)
 }
 
 /// Returns Schlick's Fresnel reflectance with `f90 = 1`, per channel.

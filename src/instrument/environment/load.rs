@@ -3,6 +3,7 @@
 use super::Environment;
 use super::builtin::{self, BUILTIN_PREFIX};
 use super::error::{EnvironmentError, MAX_RADIANCE, not_radiance, unusable};
+use super::faces::{check_not_a_cross, check_not_a_strip};
 use super::resample::{Cube, from_edges};
 use crate::base::color::luminance;
 #[cfg(feature = "gpu")]
@@ -249,6 +250,7 @@ pub fn checked(
     check_peak(spec, &image)?;
     if projection.is_none() {
         check_not_a_strip(spec, &image)?;
+        check_not_a_cross(spec, &image)?;
     }
     let image = equirect(image, projection, options.texels, &mut warnings)
         .map_err(|fault| fault.in_file(Path::new(spec)))?;
@@ -420,19 +422,6 @@ fn equirect(
         }
         _ => Ok(image),
     }
-}
-
-/// Refuses the six faces of a cube, which as a lat-long map would be another light.
-fn check_not_a_strip(spec: &str, image: &RgbImage) -> Result<(), EnvironmentError> {
-    let is_strip = image.width == 6 * image.height || image.height == 6 * image.width;
-    if !is_strip {
-        return Ok(());
-    }
-    let what = format!(
-        "it is {}x{}, a strip of six faces; expected a lat-long map, twice as wide as high",
-        image.width, image.height
-    );
-    Err(not_radiance(spec, what))
 }
 
 /// Refuses values whose squares overflow in sums.

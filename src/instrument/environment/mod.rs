@@ -2,6 +2,7 @@
 
 mod builtin;
 mod error;
+mod faces;
 mod load;
 mod luminance;
 mod placement;

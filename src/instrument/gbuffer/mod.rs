@@ -13,6 +13,11 @@
 //! Schlick's of `f0 = mix(w f0, albedo, metallic) / mix(w, 1, metallic)`; attachment 3 has this f0,
 //! and the g-buffer of [`Scene::specular_weights`] the weight.
 //!
+//! Under a coat of weight c and width alpha_c some renderers change the base ([`Scene::below_coat`]).
+//! With r the perceptual roughness and p the polynomial of the law, attachment 3 then has `mix(f0,
+//! clamp(p(f0), 0, 1), c)` before the division by `mix(w, 1, metallic)`, and attachment 1 an alpha of
+//! the law ([`RoughnessUnderCoat`](crate::instrument::brdf::RoughnessUnderCoat)).
+//!
 //! Spheres are exact: with c the centre relative to the ray's origin, d the ray's direction and x =
 //! d x c, a ray hits if `r² d·d - x·x >= 0`, at `(d x x - sqrt(r² d·d - x·x) d) / d·d` from the
 //! centre.
@@ -41,8 +46,8 @@
 //! Draw state: only one-sided meshes are culled, front faces are counter-clockwise, depth test `<`
 //! on 1. Spheres: `sphere.vert/frag`, a strip of 4 vertices, one instance per sphere, depth written
 //! by the shader. Meshes: `mesh.vert/frag`, indexed triangle lists with position, normal, uv and
-//! tangent at locations 0 to 3. Set 0: binding 0 spheres, 1 materials, 2 to 7 the maps of albedo,
-//! metallic, roughness, normal, f0 and specular weight.
+//! tangent at locations 0 to 3. Set 0: binding 0 spheres, 1 materials, 2 to 9 the maps of albedo,
+//! metallic, roughness, normal, f0, specular weight, and of the coat's weight and roughness.
 
 pub mod design;
 pub mod pass;
@@ -148,6 +153,15 @@ pub fn material_data(scene: &Scene) -> Vec<MaterialData> {
             ]
         },
         specular: [material.specular.factor, 0.0, 0.0, 0.0],
+        coat: material.under_coat.map_or([0.0; 4], |under| {
+            [
+                under.coat.weight,
+                under.coat.alpha,
+                (under.law.roughness as u32) as f32,
+                0.0,
+            ]
+        }),
+        f0_under_coat: material.under_coat.map_or([0.0; 4], |under| under.law.f0),
     };
     scene.materials.iter().map(data).collect()
 }

@@ -7,7 +7,7 @@ use crate::instrument::gpu::{
     Bind, Buffer, DrawCall, Filter, Format, Gpu, GpuError, GraphicsDescription, Image, Recorder,
     Sampler, Targets, Wrap,
 };
-use crate::instrument::scene::{Camera, Mesh, Scene, Texture};
+use crate::instrument::scene::{Camera, MaterialMaps, Mesh, Scene, Texture};
 
 /// A strip of four vertices, one instance per sphere.
 const SPHERES: GraphicsDescription = GraphicsDescription {
@@ -47,7 +47,7 @@ struct MeshData {
     indices: Buffer,
     index_count: u32,
     material: usize,
-    material_maps: [Option<usize>; 6],
+    material_maps: MaterialMaps,
     is_one_sided: bool,
 }
 
@@ -84,7 +84,7 @@ pub fn record(
             instance_count: scene.sphere_count,
             is_one_sided: false,
         };
-        recorder.draw(SPHERES, &scene.binds([None; 6]), &push(0), targets, call)?;
+        recorder.draw(SPHERES, &scene.binds([None; 8]), &push(0), targets, call)?;
         targets.clear = false;
     }
     for mesh in &scene.meshes {
@@ -160,8 +160,17 @@ impl SceneData {
     }
 
     /// Binds spheres, materials and the maps of [`Material::maps`](crate::instrument::scene::Material::maps).
-    fn binds(&self, maps: [Option<usize>; 6]) -> [Bind<'_>; 8] {
-        let [albedo, metallic, roughness, normal, f0, specular] = maps;
+    fn binds(&self, maps: MaterialMaps) -> [Bind<'_>; 10] {
+        let [
+            albedo,
+            metallic,
+            roughness,
+            normal,
+            f0,
+            specular,
+            coat,
+            coat_roughness,
+        ] = maps;
         let map = |index: Option<usize>, missing| {
             let (image, wrap): &(Image, Wrap) =
                 index.map_or(missing, |index| &self.textures[index]);
@@ -176,6 +185,8 @@ impl SceneData {
             map(normal, &self.flat),
             map(f0, &self.white),
             map(specular, &self.white),
+            map(coat, &self.white),
+            map(coat_roughness, &self.white),
         ]
     }
 }

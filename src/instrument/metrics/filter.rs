@@ -30,9 +30,7 @@ impl<T: Copy + Default + AddAssign + Mul<Output = T>> Plane<T> {
             padded[radius..radius + self.width].copy_from_slice(row);
             padded[..radius].fill(row[0]);
             padded[radius + self.width..].fill(row[self.width - 1]);
-            for (i, &tap) in taps.iter().enumerate() {
-                add_scaled(sums, &padded[i..], tap);
-            }
+            weighted_sums(sums, taps, |i| &padded[i..]);
         }
         Self {
             width: self.width,
@@ -46,10 +44,10 @@ impl<T: Copy + Default + AddAssign + Mul<Output = T>> Plane<T> {
         let mut out = vec![T::default(); self.data.len()];
         let height = self.data.len() / self.width;
         for (y, sums) in out.chunks_exact_mut(self.width).enumerate() {
-            for (i, &tap) in taps.iter().enumerate() {
+            weighted_sums(sums, taps, |i| {
                 let row = (y + i).saturating_sub(radius).min(height - 1);
-                add_scaled(sums, &self.data[row * self.width..], tap);
-            }
+                &self.data[row * self.width..]
+            });
         }
         Self {
             width: self.width,
@@ -58,7 +56,32 @@ impl<T: Copy + Default + AddAssign + Mul<Output = T>> Plane<T> {
     }
 }
 
+/// Sums that stay in registers while the taps pass over them.
+const LANES: usize = 16;
+
+/// `sums[x] = Σ taps[i] · values(i)[x]`, added in the order of the taps.
+fn weighted_sums<'a, T>(sums: &mut [T], taps: &[T], values: impl Fn(usize) -> &'a [T])
+where
+    T: Copy + Default + AddAssign + Mul<Output = T> + 'a,
+{
+    let mut first = 0;
+    let mut whole = sums.chunks_exact_mut(LANES);
+    for lanes in &mut whole {
+        let mut totals = [T::default(); LANES];
+        for (i, &tap) in taps.iter().enumerate() {
+            add_scaled(&mut totals, &values(i)[first..][..LANES], tap);
+        }
+        lanes.copy_from_slice(&totals);
+        first += LANES;
+    }
+    let rest = whole.into_remainder();
+    for (i, &tap) in taps.iter().enumerate() {
+        add_scaled(rest, &values(i)[first..], tap);
+    }
+}
+
 /// Adds `tap · values` as far as `sums` reaches.
+#[inline]
 fn add_scaled<T: Copy + AddAssign + Mul<Output = T>>(sums: &mut [T], values: &[T], tap: T) {
     sums.iter_mut()
         .zip(values)

@@ -27,8 +27,8 @@ pub use bins::{ALL_VIEWS, BinRow, N_DOT_V_BIN_EDGES, VIEWS};
 pub use comparison::{Comparison, Displayed, MetricsError};
 pub use epsilon::Epsilon;
 pub use flip::PIXELS_PER_DEGREE;
-pub use noise::{ReferenceNoise, Verdict, noise_floor, verdict};
-pub use tone_mapped::curve as tone_mapped_curve;
+pub use noise::{NOISE_SHARE, NoiseUse, ReferenceNoise, Verdict, noise_floor, verdict};
+pub use tone_mapped::{TONE_MAPPED, curve as tone_mapped_curve};
 pub use weight::{Part, Pooling, Weight};
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -50,6 +50,18 @@ pub enum Better {
 
 listed!(Better, "order", { "lower": Lower, "higher": Higher, "nearer-zero": NearerZero });
 
+/// What the noise of a reference does to the mean of a score.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoiseEffect {
+    /// Adds the square of its floor to the square of the score, so it can be taken off
+    /// ([`Metric::without_noise`]).
+    Adds,
+    /// Moves it little: filters average the noise first.
+    Fades,
+    /// Moves it by an amount that no floor states.
+    Distorts,
+}
+
 /// A score of a test image against a reference.
 pub struct Metric {
     /// Column name and config value.
@@ -65,6 +77,8 @@ pub struct Metric {
     /// difference.
     pub power: f64,
     pub pooling: Pooling,
+    /// What the noise of the reference does to its mean.
+    pub noise: NoiseEffect,
     /// Converts a score to an error, see [`Metric::error`].
     error: fn(f64) -> f64,
     /// Scores row-major indices of masked pixels, at least one.
@@ -90,6 +104,7 @@ impl Metric {
             formula,
             power: 1.0,
             pooling: Pooling::None,
+            noise: NoiseEffect::Distorts,
             error: f64::abs,
             evaluate,
             noise_floor: |_| None,

@@ -9,7 +9,7 @@
 //! point on a sphere is uniform (the unbiased estimate of \[Kolmogorov50\]).
 
 use super::comparison::{check_size, check_values, masked_pixels};
-use super::{Epsilon, METRICS, Metric, MetricsError};
+use super::{Epsilon, METRICS, Metric, MetricsError, NoiseEffect};
 use crate::base::glsl::constants::SCRAMBLE_COUNT;
 use crate::base::names::listed;
 use crate::base::pixels::{GrayImage, RgbImage};
@@ -84,14 +84,88 @@ pub fn noise_floor(
         .collect())
 }
 
-/// A score compared with its noise floor.
+/// Largest noise floor of a reference that is as exact as its images need, over the mean square
+/// error without noise.
+pub const NOISE_SHARE: f64 = 0.1;
+
+/// What answers do with the noise floor.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum NoiseUse {
+    /// It stays in the scores: references are exact.
+    Kept,
+    /// It is taken off ([`Metric::without_noise`]).
+    TakenOff,
+}
+
+impl NoiseUse {
+    /// Returns the use under a largest share of noise; exact references have none.
+    pub fn of_share(share: Option<f64>) -> Self {
+        share.map_or(Self::Kept, |_| Self::TakenOff)
+    }
+
+    /// Returns a score as answers have it, given its noise floor.
+    pub fn answered(self, metric: &Metric, score: f64, floor: Option<f64>) -> f64 {
+        match self {
+            Self::Kept => score,
+            Self::TakenOff => metric.without_noise(score, floor),
+        }
+    }
+
+    /// Least resolved mean square error, in mean square noise.
+    fn resolved_from(self) -> f64 {
+        match self {
+            Self::Kept => 100.0,
+            Self::TakenOff => 1.0 + 1.0 / NOISE_SHARE,
+        }
+    }
+}
+
+impl Metric {
+    /// Squares a score, unless it is a mean square already.
+    fn squared(&self, score: f64) -> f64 {
+        score.abs().powf(2.0 / self.power)
+    }
+
+    /// Takes the reference's noise off a score whose floor is `floor`, as far as the formula
+    /// allows: scores of other metrics and without a floor stay.
+    ///
+    /// With s the square of the score and n of the floor, the result is the root of
+    /// `max(s - n, s / 2)`: unbiased from `s = 2 n` on, and never zero or negative below, where
+    /// the score says only that the error is of the order of the noise.
+    pub fn without_noise(&self, score: f64, floor: Option<f64>) -> f64 {
+        let Some(floor) = floor.filter(|_| self.noise == NoiseEffect::Adds) else {
+            return score;
+        };
+        let square = self.squared(score);
+        let rest = (square - self.squared(floor)).max(0.5 * square);
+        rest.powf(0.5 * self.power)
+    }
+
+    /// Returns the noise floor over the error without noise, both as mean squares: from 0 to
+    /// infinity, where the score is not above the floor. 0 if the noise does not add to scores.
+    pub fn noise_share(&self, score: f64, floor: f64) -> f64 {
+        let noise = self.squared(floor);
+        if self.noise != NoiseEffect::Adds || noise == 0.0 {
+            return 0.0;
+        }
+        let rest = self.squared(score) - noise;
+        if rest > 0.0 {
+            noise / rest
+        } else {
+            f64::INFINITY
+        }
+    }
+}
+
+/// A score compared with its noise floor, both as mean squares.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Verdict {
-    /// At most twice the floor: like an exact test.
+    /// At most four floors: like an exact test.
     EqualWithinNoise,
-    /// Below ten times the floor: the reference contributes.
+    /// Below 100 floors, or 11 if answers take the floor off: the reference contributes.
     ReferenceLimited,
-    /// The reference adds at most 1 % to the mean square error.
+    /// The reference adds at most 1 % to the mean square error, or at most a tenth, which answers
+    /// take off.
     Resolved,
 }
 
@@ -101,15 +175,15 @@ listed!(Verdict, "verdict", {
     "resolved": Resolved,
 });
 
-const EQUAL_BELOW: f64 = 2.0;
-const RESOLVED_FROM: f64 = 10.0;
+/// Largest mean square error that an exact test may have, in mean square noise.
+const EQUAL_BELOW: f64 = 4.0;
 
-/// Compares a score with its floor in units of the difference, so that `rmse` and `relmse` agree.
-pub fn verdict(metric: &Metric, value: f64, floor: f64) -> Verdict {
-    let floors = |count: f64| floor * count.powf(metric.power);
+/// Compares a score with its floor as mean squares, so that `rmse` and `relmse` agree.
+pub fn verdict(metric: &Metric, value: f64, floor: f64, noise: NoiseUse) -> Verdict {
+    let floors = |squares: f64| floor * squares.powf(0.5 * metric.power);
     if value.abs() <= floors(EQUAL_BELOW) {
         Verdict::EqualWithinNoise
-    } else if value.abs() < floors(RESOLVED_FROM) {
+    } else if value.abs() < floors(noise.resolved_from()) {
         Verdict::ReferenceLimited
     } else {
         Verdict::Resolved

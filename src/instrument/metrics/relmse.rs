@@ -4,7 +4,7 @@
 //! `tone_mapped_mse` bounds each pixel.
 
 use super::mean::pixel_mean;
-use super::{Epsilon, Metric, Pooling};
+use super::{Epsilon, Metric, NoiseEffect, Pooling};
 
 /// `mean d² / (r² + ε)`; the floor is `mean se² / (r² + ε)`.
 pub static RELMSE: Metric = Metric {
@@ -12,6 +12,7 @@ pub static RELMSE: Metric = Metric {
     parameters: &[("epsilon_share", Epsilon::SHARE)],
     power: 2.0,
     pooling: Pooling::Mean,
+    noise: NoiseEffect::Adds,
     noise_floor: |noise| Some(noise.mean(|r, se| noise.epsilon().relative(se * se, r))),
     ..Metric::linear(
         "relmse",

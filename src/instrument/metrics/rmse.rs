@@ -1,11 +1,12 @@
 //! Root mean square error.
 
 use super::mean::{pixel_mean, rgb_mean};
-use super::{Metric, Pooling};
+use super::{Metric, NoiseEffect, Pooling};
 
 /// `sqrt(mean d²)`, in radiance.
 pub static RMSE: Metric = Metric {
     pooling: Pooling::RootMean,
+    noise: NoiseEffect::Adds,
     noise_floor: |noise| Some(noise.mean(|_, se| se * se).sqrt()),
     ..Metric::linear(
         "rmse",

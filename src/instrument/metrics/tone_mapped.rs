@@ -5,7 +5,7 @@
 //! curve does not matter.
 
 use super::mean::{pixel_mean, rgb_mean};
-use super::{Epsilon, Metric, Pooling};
+use super::{Epsilon, Metric, NoiseEffect, Pooling};
 use crate::instrument::tonemap::{DISPLAY_GAMMA, ToneCurve};
 
 /// The exposure times the mean luminance of the light.
@@ -19,6 +19,7 @@ pub static TONE_MAPPED: Metric = Metric {
     ],
     power: 2.0,
     pooling: Pooling::Mean,
+    noise: NoiseEffect::Adds,
     // Gauss-Legendre quadrature with three nodes over the uniform error; the middle node has no
     // error.
     noise_floor: |noise| {

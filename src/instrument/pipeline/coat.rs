@@ -4,7 +4,7 @@ use super::layers::combined;
 use super::request::Frame;
 use super::{Pipeline, PipelineError, RenderRequest};
 use crate::base::names::Listed;
-use crate::instrument::brdf::Compensation;
+use crate::instrument::brdf::{Compensation, Fresnel};
 use crate::instrument::shade::coat::{CoatWeight, shares};
 use crate::instrument::shade::{Diffuse, Method, NONE, Shading};
 use glam::{DVec2, DVec3};
@@ -16,16 +16,16 @@ impl RenderRequest {
         if !self.scene.has_coat() {
             return None;
         }
-        let base = Self {
-            scene: Arc::new(self.scene.uncoated()),
-            ..self.clone()
-        };
         let Shading {
             coat_layering,
             coat_renderer,
             method,
             ..
         } = self.shading;
+        let base = Self {
+            scene: Arc::new(self.scene.below_coat(coat_renderer.base)),
+            ..self.clone()
+        };
         let f0 = if coat_renderer.lookup.is_none() {
             coat_layering.f0()
         } else {
@@ -40,6 +40,8 @@ impl RenderRequest {
             method: lookup.unwrap_or(method),
             diffuse: Diffuse::listed(NONE),
             compensation: Compensation::None,
+            // The coat has F at n.v, and F0 of its own.
+            fresnel: Fresnel::Schlick,
             ..self.shading
         };
         Some([

@@ -2,6 +2,7 @@
 
 use crate::instrument::gpu::GpuError;
 use crate::instrument::precompute::SettingsError;
+use crate::instrument::scene::NoDielectric;
 use crate::instrument::shade::Method;
 use crate::instrument::shade::reference_pass::PartPair;
 
@@ -30,6 +31,8 @@ pub enum PipelineError {
     Settings(#[from] SettingsError),
     #[error("anisotropy: {0}")]
     Widths(String),
+    #[error("fresnel: exact needs dielectrics of one grey F0 below 1, {0}")]
+    Fresnel(NoDielectric),
     #[error(
         "the driver does not filter cubes across their edges; choose another layout: layout \
          = \"octahedral\""
@@ -53,6 +56,7 @@ impl PipelineError {
             | Self::NoSamples { .. }
             | Self::PartPair(_)
             | Self::Widths(_)
+            | Self::Fresnel(_)
             | Self::Settings(_) => true,
             Self::InvalidRadiance { method, .. } => method.text.is_some(),
             Self::Gpu(_) => false,

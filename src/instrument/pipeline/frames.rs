@@ -273,7 +273,7 @@ impl Pipeline {
                 let under_white = RenderRequest {
                     environment: Arc::new(white),
                     background: false,
-                    ..split_sum
+                    ..split_sum.unlit()
                 };
                 let under_white = under_white.shaded(|s| {
                     s.diffuse = Diffuse::listed(NONE);

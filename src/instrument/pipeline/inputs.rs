@@ -5,6 +5,7 @@
 //! before the key has it.
 
 use super::RenderRequest;
+use crate::base::glsl::constants::FRESNEL_SCHLICK;
 use crate::base::names::Listed;
 use crate::base::pixels::Pixels;
 use crate::instrument::brdf::{Brdf, MaskingShadowing};
@@ -91,6 +92,17 @@ pub(super) fn sh9_key(environment: &Environment, projection: Projection) -> Shar
         kind: "sh9",
         inputs,
         shaders: sh9::pass::SHADERS.map(str::to_owned).to_vec(),
+    }
+}
+
+/// Key of the texture of their irradiance.
+pub(super) fn sh9_texture_key(environment: &Environment, projection: Projection) -> SharedKey {
+    let coefficients = sh9_key(environment, projection);
+    let texture = std::iter::once(sh9::pass::TEXTURE_SHADER.to_owned());
+    SharedKey {
+        kind: "sh9-texture",
+        inputs: format!("{}size={:?}\n", coefficients.inputs, sh9::TEXTURE_SIZE),
+        shaders: coefficients.shaders.into_iter().chain(texture).collect(),
     }
 }
 
@@ -231,6 +243,8 @@ pub(super) struct DfgInputs<'a> {
     pub(super) masking: MaskingShadowing,
     pub(super) side: u32,
     pub(super) axes: DfgAxes,
+    /// The specialization constant.
+    pub(super) fresnel_f0: f32,
     pub(super) sample_count: u32,
     /// A table from files that replaces it.
     pub(super) given: Option<&'a GivenTable>,
@@ -251,6 +265,7 @@ impl<'a> DfgInputs<'a> {
             masking,
             side,
             axes: precompute.dfg_axes,
+            fresnel_f0: request.fresnel_f0(),
             sample_count: precompute.dfg_sample_count,
             given,
         }
@@ -262,6 +277,7 @@ impl<'a> DfgInputs<'a> {
             masking,
             side,
             axes,
+            fresnel_f0,
             sample_count,
             given,
         } = self;
@@ -274,8 +290,13 @@ impl<'a> DfgInputs<'a> {
             };
         }
         let model = brdf.name();
+        let fresnel = if *fresnel_f0 == FRESNEL_SCHLICK {
+            String::new()
+        } else {
+            format!("fresnel_f0={fresnel_f0}\n")
+        };
         let inputs = format!(
-            "brdf={model}\nmasking={masking:?}\nsize={side}\naxes={axes:?}\nsamples={sample_count}\n"
+            "brdf={model}\nmasking={masking:?}\nsize={side}\naxes={axes:?}\nsamples={sample_count}\n{fresnel}"
         );
         SharedKey {
             kind: "dfg",

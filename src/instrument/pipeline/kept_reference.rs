@@ -4,6 +4,7 @@ use super::RenderRequest;
 use super::inputs::{DfgInputs, SharedKey, mips_key};
 use crate::base::names::Listed;
 use crate::base::pixels::RgbImage;
+use crate::instrument::brdf::Fresnel;
 use crate::instrument::gbuffer;
 use crate::instrument::shade::Shading;
 use crate::instrument::shade::pass::{BACKGROUND_SHADER, DIFFUSE_PASS, SPECULAR_PASS};
@@ -28,7 +29,8 @@ pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
         diffuse,
         ..
     } = request.shading;
-    if !request.has_reference_term() || method.has_pass() || diffuse.has_pass() {
+    let is_cheap = !request.has_reference_term() || !request.is_under_environment();
+    if is_cheap || method.has_pass() || diffuse.has_pass() {
         return None;
     }
     let dfg = request
@@ -55,6 +57,20 @@ pub(super) fn key(request: &RenderRequest) -> Option<SharedKey> {
     })
 }
 
+/// Returns everything but the sample count that determines a reference which takes all its samples;
+/// `None` for other frames.
+pub(super) fn rounds_key(request: &RenderRequest) -> Option<String> {
+    if request.reference_error.is_some() {
+        return None;
+    }
+    let mut uncounted = request.clone();
+    uncounted.reference_samples = 0;
+    if uncounted.shading.method.is_integrated() {
+        uncounted.shading.samples = 0;
+    }
+    key(&uncounted).map(|key| key.text())
+}
+
 /// Returns the values that determine a reference, by name; `dfg` is the key of the DFG table that
 /// it reads.
 fn inputs(request: &RenderRequest, dfg: Option<&SharedKey>) -> String {
@@ -72,6 +88,8 @@ fn inputs(request: &RenderRequest, dfg: Option<&SharedKey>) -> String {
         // A given table has its own key, and no reference reads a prefiltered map.
         given: _,
         seed,
+        // Images under direct lights are not kept.
+        illumination: _,
     } = request;
     let ShadingInputs {
         light,
@@ -115,6 +133,7 @@ impl ShadingInputs {
             brdf,
             masking_shadowing,
             compensation,
+            fresnel,
             method,
             diffuse,
             samples,
@@ -141,6 +160,11 @@ impl ShadingInputs {
             precompute.prefilter_level_count,
             precompute.level_mapping.name,
         ));
+        // References by Schlick's keep their keys.
+        let fresnel = match fresnel {
+            Fresnel::Schlick => "",
+            Fresnel::Exact => "fresnel=exact\n",
+        };
         let weight = method
             .uses_weight
             .then_some(precompute.prefilter_weight.name);
@@ -148,7 +172,7 @@ impl ShadingInputs {
             light: format!("placement={placement:?}\nscale={environment_scale}\n"),
             terms: format!(
                 "method={}\ndiffuse={}\nbrdf={}\nmasking={masking_shadowing:?}\n\
-                 compensation={compensation:?}\nsamples={samples}\n",
+                 compensation={compensation:?}\nsamples={samples}\n{fresnel}",
                 method.name,
                 diffuse.name,
                 brdf.name(),

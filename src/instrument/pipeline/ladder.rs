@@ -8,7 +8,7 @@ use crate::base::glsl::constants::ALPHA_MIN;
 use crate::base::math::design;
 use crate::base::names::Listed;
 use crate::base::pixels::Pixels;
-use crate::instrument::brdf::Compensation;
+use crate::instrument::brdf::{Compensation, Fresnel};
 use crate::instrument::environment::layout::FilteredMap;
 use crate::instrument::gpu::{Gpu, Image};
 use crate::instrument::ladder::attribution::{Attribution, Case, attributions};
@@ -44,8 +44,9 @@ impl Pipeline {
         let specular = RenderRequest {
             shading: Shading {
                 diffuse: Diffuse::listed(NONE),
-                // The steps split single scattering.
+                // The steps split single scattering by Schlick's reflectance.
                 compensation: Compensation::None,
+                fresnel: Fresnel::Schlick,
                 ..request.shading
             },
             reference_samples: samples,
@@ -217,6 +218,8 @@ fn steps_key(request: &RenderRequest, alpha: f64) -> String {
                 prefiltered: _,
             },
         seed,
+        // Steps are of the light of the environment.
+        illumination: _,
     } = request;
     let Shading {
         placement,
@@ -226,6 +229,7 @@ fn steps_key(request: &RenderRequest, alpha: f64) -> String {
         precompute,
         // The split sum has these steps, under single scattering and without layers.
         compensation: _,
+        fresnel: _,
         method: _,
         diffuse: _,
         bend: _,

@@ -24,7 +24,7 @@ const ROUGHNESS_LEVELS: f64 = 255.0;
 impl RenderRequest {
     /// Returns the requests of the base and of each layer over it.
     pub(super) fn layers(&self) -> Vec<Self> {
-        let dark = self.dark();
+        let dark = self.unlit().dark();
         match dark.coat_layers().or_else(|| dark.sheen_layers()) {
             Some([base, over]) => {
                 let mut layers = base.layers();
@@ -53,6 +53,10 @@ impl Pipeline {
         &mut self,
         request: &RenderRequest,
     ) -> Result<Frame, PipelineError> {
+        if request.scene.has_lights() {
+            let frame = self.render_layers(&request.unlit())?;
+            return self.with_lights(request, frame);
+        }
         if let Some(layers) = request.coat_layers() {
             return self.render_coated(request, &layers);
         }

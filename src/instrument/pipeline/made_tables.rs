@@ -3,7 +3,7 @@
 use super::PipelineError;
 use super::inputs::{
     DfgInputs, IrradianceInputs, PrefilterInputs, SharedKey, TapTableInputs, filtered_key,
-    mips_key, sh9_key,
+    mips_key, sh9_key, sh9_texture_key,
 };
 use super::resources::{Resources, harmonics};
 use super::shared_work::{Levels, Maker};
@@ -86,6 +86,25 @@ impl Resources {
         )
     }
 
+    /// Returns the texture of irradiance over π of these coefficients.
+    pub(super) fn sh9_texture(
+        &mut self,
+        maker: &mut Maker,
+        environment: &Environment,
+        projection: Projection,
+        coefficients: &Buffer,
+    ) -> Result<Image, PipelineError> {
+        let gpu = maker.gpu;
+        let fill = |texture: &Levels| sh9::pass::evaluate(gpu, coefficients, &texture.image);
+        let made = maker.table(
+            &mut self.tables.irradiance_maps,
+            &sh9_texture_key(environment, projection),
+            || sh9::pass::texture(gpu).map(Levels::all),
+            fill,
+        )?;
+        Ok(made.image)
+    }
+
     pub(super) fn irradiance_map(
         &mut self,
         maker: &mut Maker,
@@ -153,8 +172,8 @@ impl Resources {
             if !is_harmonic {
                 return prefilter::pass::run(gpu, recipe, layout, environment, &points, &map.image);
             }
-            let degree =
-                harmonic::degree_of_map(recipe.mapping.alpha_from_mip(1.0, inputs.level_count));
+            let narrowest = recipe.mapping.narrowest_alpha(inputs.level_count);
+            let degree = harmonic::degree_of_map(narrowest);
             let harmonics = harmonics(transforms, inputs.environment, degree)?;
             prefilter::pass::run_harmonic(
                 gpu,
@@ -187,6 +206,7 @@ impl Resources {
                 inputs.brdf,
                 inputs.masking,
                 inputs.axes,
+                inputs.fresnel_f0,
                 inputs.sample_count,
                 &table.image,
             )

@@ -12,10 +12,12 @@ mod error;
 mod fit;
 pub mod frames;
 mod inputs;
+mod intermediate;
 mod kept_reference;
 mod ladder;
 mod layers;
 mod light_tables;
+mod lights;
 mod made_tables;
 mod occlusion;
 mod passes;
@@ -35,12 +37,14 @@ pub use cache::{CACHE_BYTES, Recent};
 pub use disk_cache::{DiskCache, DiskCacheError, program_hash};
 pub use error::PipelineError;
 pub use fit::{BUFFER_BYTES_EVERYWHERE, BUFFER_BYTES_MAX, image_buffer_bytes};
+pub use intermediate::{Intermediate, IntermediateImage, Selection};
 pub use light_tables::LightTables;
-pub use request::{Frame, FrameTimings, RenderRequest, Steadiness, TimingSamples};
+pub use request::{Frame, FrameTimings, Illumination, RenderRequest, Steadiness, TimingSamples};
 pub use shared_work::SharedWork;
 
 use crate::base::pixels::{Rgb8Image, RgbImage};
 use crate::instrument::gpu::Gpu;
+use crate::instrument::shade::reference_pass::Drawn;
 use crate::instrument::tonemap::{self, ToneCurve};
 use kept_reference::Reference;
 use passes::{RadianceImages, Shaded, read_radiance};
@@ -74,7 +78,19 @@ pub struct Pipeline {
     gpu: Gpu,
     resources: Resources,
     kept: Kept,
+    /// The last reference, to be continued with more samples.
+    begun: Option<Begun>,
 }
+
+/// The sums of a reference that was rendered.
+struct Begun {
+    /// [`kept_reference::rounds_key`] of its request.
+    key: String,
+    drawn: Vec<Drawn>,
+}
+
+/// Most memory of sums that wait to be continued, bytes.
+const BEGUN_BYTES: usize = 64 << 20;
 
 impl Pipeline {
     pub fn new(options: Options) -> Result<Self, PipelineError> {
@@ -87,6 +103,7 @@ impl Pipeline {
         Ok(Self {
             resources: Resources::new(&gpu)?,
             kept: Kept::default(),
+            begun: None,
             gpu,
         })
     }
@@ -159,6 +176,7 @@ impl Pipeline {
         match work(self) {
             Err(PipelineError::Gpu(error)) if error.is_out_of_memory() => {
                 self.resources.forget_all();
+                self.begun = None;
                 work(self)
             }
             result => result,
@@ -181,6 +199,9 @@ impl Pipeline {
 
     /// [`Pipeline::render`] without antialiasing.
     fn render_points(&mut self, request: &RenderRequest) -> Result<Frame, PipelineError> {
+        if let Illumination::Lights(lights) = &request.illumination {
+            return self.render_under_lights(request, lights);
+        }
         let Some(key) = kept_reference::key(request) else {
             return Ok(self.with_memory(|pipeline| pipeline.rendered(request))?.0);
         };
@@ -226,10 +247,18 @@ impl Pipeline {
         request: &RenderRequest,
     ) -> Result<(Frame, BTreeSet<String>), PipelineError> {
         let prepared = self.prepare(request)?;
+        let key = kept_reference::rounds_key(request);
+        let is_same = |begun: &Begun| key.as_ref() == Some(&begun.key);
+        let begun = self.begun.as_ref().filter(|begun| is_same(begun));
         let Shaded {
             report,
             convergences,
-        } = self.shade(request, &prepared)?;
+            drawn,
+        } = self.shade(request, &prepared, begun.map_or(&[], |begun| &begun.drawn))?;
+        if let Some(key) = key {
+            let bytes: usize = drawn.iter().map(Drawn::bytes).sum();
+            self.begun = (bytes <= BEGUN_BYTES).then_some(Begun { key, drawn });
+        }
         let RadianceImages {
             radiance,
             standard_error,

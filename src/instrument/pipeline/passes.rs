@@ -7,13 +7,15 @@ use crate::base::pixels::{Pixels, RgbImage};
 use crate::instrument::gbuffer;
 use crate::instrument::gpu::{Buffer, Gpu, Report};
 use crate::instrument::shade::pass::{DIFFUSE_PASS, Passes, SPECULAR_PASS};
-use crate::instrument::shade::reference_pass::{Convergence, ReferenceRun};
+use crate::instrument::shade::reference_pass::{Convergence, Drawn, ReferenceRun, TermRun};
 
 /// What the passes of a frame report.
 pub(super) struct Shaded {
     pub(super) report: Report,
     /// Where each reference term stopped.
     pub(super) convergences: Vec<Convergence>,
+    /// The sums of each reference term.
+    pub(super) drawn: Vec<Drawn>,
 }
 
 /// Images that the passes of a frame leave on the device.
@@ -24,11 +26,13 @@ pub(super) struct RadianceImages {
 }
 
 impl Pipeline {
-    /// Runs the g-buffer and every shading pass; the radiance stays in the target.
+    /// Runs the g-buffer and every shading pass; the radiance stays in the target. `begun` are sums
+    /// of the reference terms of the same request with fewer samples; empty if there are none.
     pub(super) fn shade(
         &self,
         request: &RenderRequest,
         prepared: &Prepared,
+        begun: &[Drawn],
     ) -> Result<Shaded, PipelineError> {
         let gpu = &self.gpu;
         let passes = passes(request, prepared);
@@ -43,15 +47,21 @@ impl Pipeline {
             }
         }
         let mut convergences = Vec::new();
+        let mut all_drawn = Vec::new();
         if let Some(reference) = &prepared.reference {
             let mut recorder = gpu.record("reference")?;
             recorder.fill(&reference.squared_error, 0);
             report.add(recorder.submit()?);
             let run = reference_run(request, prepared, reference);
-            for lobe in &prepared.lobes {
-                let (times, convergence) = run.run(gpu, *lobe)?;
+            for (index, lobe) in prepared.lobes.iter().enumerate() {
+                let TermRun {
+                    report: times,
+                    convergence,
+                    drawn,
+                } = run.run(gpu, *lobe, begun.get(index))?;
                 report.add(times);
                 convergences.push(convergence);
+                all_drawn.push(drawn);
             }
         }
         for part in gpu.parts(request.size, 1, 1) {
@@ -67,12 +77,13 @@ impl Pipeline {
         Ok(Shaded {
             report,
             convergences,
+            drawn: all_drawn,
         })
     }
 }
 
 /// Draws the g-buffer, which for the scene `design` the host wrote, and clears the radiance.
-fn draw_gbuffer(
+pub(super) fn draw_gbuffer(
     gpu: &Gpu,
     request: &RenderRequest,
     prepared: &Prepared,
@@ -88,13 +99,14 @@ fn draw_gbuffer(
     Ok(recorder.submit()?)
 }
 
-fn passes<'a>(request: &'a RenderRequest, prepared: &'a Prepared) -> Passes<'a> {
+pub(super) fn passes<'a>(request: &'a RenderRequest, prepared: &'a Prepared) -> Passes<'a> {
     let Prepared { tables, target, .. } = prepared;
     Passes {
         shading: &request.shading,
         camera: &request.camera,
         tables,
         gbuffer: &target.gbuffer,
+        fresnel_f0: request.fresnel_f0(),
         tangents: prepared.tangents.as_ref().map(|target| &target.gbuffer),
         radiance: &target.radiance,
     }

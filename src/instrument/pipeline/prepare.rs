@@ -5,6 +5,7 @@ use super::inputs::{DfgInputs, IrradianceInputs, PrefilterInputs, TapTableInputs
 use super::resources::{PointKey, Prepared, ReferenceData, Resources, Target, ViewKey};
 use super::shared_work::{Kept, Maker};
 use super::{PipelineError, RenderRequest};
+use crate::instrument::brdf::Fresnel;
 use crate::instrument::environment::distribution::EnvironmentDistribution;
 use crate::instrument::environment::layout::MapLayout;
 use crate::instrument::gbuffer::design;
@@ -40,7 +41,7 @@ impl Resources {
         let (scene, target) = self.view(gpu, request)?;
         let tangents = self.tangents(gpu, request)?;
         let lobes = request.reference_lobes();
-        let reference = if lobes.is_empty() {
+        let reference = if lobes.is_empty() || !request.is_under_environment() {
             None
         } else {
             Some(self.reference_data(gpu, request)?)
@@ -73,6 +74,7 @@ impl Resources {
 
         let environment = self.environment(maker, &request.environment)?;
         let sh9 = self.sh9(maker, request, &environment)?;
+        let sh9_texture = self.texture_of(maker, request, &sh9)?;
         let filtered = if request.reads_filtered_levels() {
             self.filtered(maker, &request.environment, layout, &environment)?
         } else {
@@ -119,6 +121,7 @@ impl Resources {
             tap_table,
             irradiance_map,
             sh9,
+            sh9_texture,
             points,
             shifts,
         })
@@ -135,6 +138,22 @@ impl Resources {
                 self.coefficients(maker, &request.environment, projection, environment)
             }
             None => Ok(self.blank_buffer.clone()),
+        }
+    }
+
+    /// Returns the irradiance texture of coefficients; blank if the diffuse method does not read it.
+    fn texture_of(
+        &mut self,
+        maker: &mut Maker,
+        request: &RenderRequest,
+        sh9: &Buffer,
+    ) -> Result<Image, PipelineError> {
+        let diffuse = request.shading.diffuse;
+        match diffuse.sh9 {
+            Some(projection) if diffuse.uses_sh9_texture => {
+                self.sh9_texture(maker, &request.environment, projection, sh9)
+            }
+            _ => Ok(self.blank_image.clone()),
         }
     }
 
@@ -285,7 +304,7 @@ fn validate(request: &RenderRequest) -> Result<(), PipelineError> {
     if let Some((field, _)) = counts.into_iter().find(|(_, count)| *count == 0) {
         return Err(PipelineError::NoSamples { field });
     }
-    if request.has_reference_term() {
+    if request.has_reference_term() && request.is_under_environment() {
         pair_count(request.reference_samples)?;
     }
     if request.scene.has_anisotropy()
@@ -294,6 +313,10 @@ fn validate(request: &RenderRequest) -> Result<(), PipelineError> {
             .fault(shading.brdf, shading.masking_shadowing)
     {
         return Err(PipelineError::Widths(fault));
+    }
+    if shading.fresnel == Fresnel::Exact {
+        let dielectric = request.scene.dielectric_f0();
+        dielectric.map_err(PipelineError::Fresnel)?;
     }
     Ok(shading.tables().validate()?)
 }

@@ -1,16 +1,28 @@
 //! Requests to the pipeline, and its results.
 
 use super::antialias::POINTS_PER_SIDE;
+use crate::base::glsl::constants::FRESNEL_SCHLICK;
 use crate::base::pixels::{GrayImage, RgbImage};
+use crate::instrument::brdf::Fresnel;
 use crate::instrument::environment::Environment;
 use crate::instrument::gpu::PassTime;
 use crate::instrument::metrics::Epsilon;
 use crate::instrument::precompute::PrefilterBy;
 use crate::instrument::precompute::given::Given;
-use crate::instrument::scene::{Camera, CameraKind, Scene};
+use crate::instrument::scene::{Camera, CameraKind, Light, Scene};
 use crate::instrument::shade::Shading;
 use crate::instrument::shade::reference_pass::{Convergence, Lobe, Stop};
 use std::sync::Arc;
+
+/// What lights the surfaces of an image.
+#[derive(Clone, Debug, Default)]
+pub enum Illumination {
+    /// The environment, and the lights of the scene if there are any.
+    #[default]
+    Environment,
+    /// These lights alone; each term must be a reference or absent.
+    Lights(Arc<[Light]>),
+}
 
 /// Everything that determines one radiance image.
 #[derive(Clone, Debug)]
@@ -33,6 +45,8 @@ pub struct RenderRequest {
     pub given: Given,
     /// Chooses the scrambles of the reference.
     pub seed: u32,
+    /// [`Illumination::Environment`] but in the pipeline's own requests.
+    pub illumination: Illumination,
 }
 
 impl RenderRequest {
@@ -56,6 +70,7 @@ impl RenderRequest {
             antialias: false,
             given: Given::default(),
             seed: 1,
+            illumination: Illumination::default(),
         }
     }
 
@@ -93,7 +108,12 @@ impl RenderRequest {
             .collect()
     }
 
-    /// Returns the ε of relative metrics under this light.
+    /// Whether the environment lights the surfaces.
+    pub(super) fn is_under_environment(&self) -> bool {
+        matches!(self.illumination, Illumination::Environment)
+    }
+
+    /// Returns the ε of relative metrics under this environment; direct lights do not change it.
     pub fn epsilon(&self) -> Epsilon {
         Epsilon::of_light(
             self.environment.luminance.mean * f64::from(self.shading.environment_scale),
@@ -127,6 +147,14 @@ impl RenderRequest {
             ..
         } = self.shading;
         method.needs_dfg(compensation, diffuse)
+    }
+
+    /// Returns the specialization constant `fresnel_f0`.
+    pub(super) fn fresnel_f0(&self) -> f32 {
+        match (self.shading.fresnel, self.scene.dielectric_f0()) {
+            (Fresnel::Exact, Ok(f0)) => f0,
+            _ => FRESNEL_SCHLICK,
+        }
     }
 
     /// Whether a term is a reference: then the frame has a standard error.

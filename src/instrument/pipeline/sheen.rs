@@ -4,7 +4,9 @@ use super::layers::combined;
 use super::request::Frame;
 use super::{Pipeline, PipelineError, RenderRequest};
 use crate::base::names::Listed;
-use crate::instrument::brdf::{Compensation, MaskingShadowing, SHEEN_ALPHA_MIN, SheenVisibility};
+use crate::instrument::brdf::{
+    Compensation, Fresnel, MaskingShadowing, SHEEN_ALPHA_MIN, SheenVisibility,
+};
 use crate::instrument::precompute::PrefilterBy;
 use crate::instrument::precompute::given::Given;
 use crate::instrument::precompute::prefilter::WEIGHTS;
@@ -34,6 +36,7 @@ impl RenderRequest {
         };
         sheen.shading.diffuse = Diffuse::listed(NONE);
         sheen.shading.compensation = Compensation::None;
+        sheen.shading.fresnel = Fresnel::Schlick;
         // As wide as a diffuse term, whichever method looks it up.
         sheen.shading.specular_occlusion = SpecularOcclusion::Ao;
         sheen.choose_sheen_method();

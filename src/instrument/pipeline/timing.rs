@@ -29,7 +29,7 @@ impl Pipeline {
         for round in 0..warmup + rounds {
             let mut report = Report::default();
             for (layer, prepared) in layers.iter().zip(&prepared) {
-                report.add(self.shade(layer, prepared)?.report);
+                report.add(self.shade(layer, prepared, &[])?.report);
             }
             report.add(tonemap::pass::run(
                 &self.gpu,

@@ -116,6 +116,7 @@ impl PrecomputeSettings {
         self.check_counts()?;
         self.check_faces()?;
         self.check_levels()?;
+        self.check_list()?;
         self.check_harmonic_degree()
     }
 
@@ -202,22 +203,38 @@ impl PrecomputeSettings {
         Ok(())
     }
 
+    /// Checks that a list of levels is one of all levels.
+    fn check_list(&self) -> Result<(), SettingsError> {
+        let levels = self.prefilter_level_count;
+        let listed = self.level_mapping.listed_roughnesses().len();
+        if listed != 0 && listed != levels as usize {
+            return fault(
+                "prefilter_level_count",
+                format!("{levels}, but level_mapping lists {listed} levels; expected {listed}"),
+            );
+        }
+        Ok(())
+    }
+
     /// Checks that harmonics can make the narrowest filtered level.
     fn check_harmonic_degree(&self) -> Result<(), SettingsError> {
         let levels = self.prefilter_level_count;
         let mapping = self.level_mapping;
         if self.prefilter == PrefilterBy::Harmonic
-            && mapping.alpha_from_mip(1.0, levels) < harmonic::ALPHA_MIN
+            && mapping.narrowest_alpha(levels) < harmonic::ALPHA_MIN
         {
             let name = mapping.name;
+            let level = u32::from(mapping.alpha_from_mip(0.0, levels) == 0.0);
             let alpha = harmonic::ALPHA_MIN;
             let degree = harmonic::DEGREE_MAX;
+            let is_listed = !mapping.listed_roughnesses().is_empty();
+            let wider = if is_listed { "wider" } else { "fewer" };
             return fault(
                 "prefilter_level_count",
                 format!(
-                    "{levels}, but level 1 by level_mapping {name} is narrower than alpha \
+                    "{levels}, but level {level} by level_mapping {name} is narrower than alpha \
                      {alpha:.4}, which takes degree {degree}; \
-                     expected fewer levels, or prefilter = sampled"
+                     expected {wider} levels, or prefilter = sampled"
                 ),
             );
         }

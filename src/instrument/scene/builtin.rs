@@ -10,6 +10,8 @@ pub struct SceneEntry {
     pub name: &'static str,
     /// One line for `splitsum list scenes`.
     pub description: &'static str,
+    /// As [`Scene::is_design`] of what `build` makes.
+    pub is_design: bool,
     pub(crate) build: fn() -> Scene,
 }
 
@@ -18,6 +20,7 @@ pub static SCENES: &[SceneEntry] = &[
         name: "sphere",
         description: "the exact unit sphere at the origin, one grey dielectric (f0 0.04, albedo \
                       0.8, alpha 0.25)",
+        is_design: false,
         build: sphere,
     },
     SceneEntry {
@@ -25,24 +28,28 @@ pub static SCENES: &[SceneEntry] = &[
         description: "a grid of exact spheres: alpha 1, 0.5, 0.25, 0.1, 0.05 from left to right, \
                       metallic 0, 0.5, 1 from bottom to top; \
                       the top right one reflects everything",
+        is_design: false,
         build: spheres,
     },
     SceneEntry {
         name: "shader-ball",
         description: "a sphere with an opening that shows a smaller one, in a cup; the material of \
                       `sphere`",
+        is_design: false,
         build: shader_ball,
     },
     SceneEntry {
         name: "design",
         description: "for statistics, not a picture: every pixel has its own mirror direction, n·v \
                       and plane of incidence, spread evenly",
+        is_design: true,
         build: design,
     },
     SceneEntry {
         name: "plane",
         description: "a horizontal rectangle seen at a grazing angle: n_dot_v falls from front to \
                       back under the perspective camera",
+        is_design: false,
         build: plane,
     },
 ];
@@ -58,7 +65,7 @@ const SPHERES_PITCH: f64 = 2.2;
 pub fn is_design(name: &str) -> bool {
     SCENES
         .iter()
-        .any(|scene| scene.name == name && (scene.build)().is_design)
+        .any(|scene| scene.name == name && scene.is_design)
 }
 
 pub(super) fn sphere() -> Scene {

@@ -12,7 +12,7 @@
 //! mapping.
 
 use crate::base::names::listed;
-use crate::instrument::scene::{Mesh, Scene, Sphere};
+use crate::instrument::scene::{Scene, Sphere};
 use glam::{DVec2, DVec3};
 
 /// Vertical field of view of the perspective camera, degrees.
@@ -121,7 +121,7 @@ impl Camera {
         if scene.is_design {
             return Self::of_design();
         }
-        match (scene.spheres.as_slice(), scene.meshes.as_slice()) {
+        match (&scene.spheres[..], &scene.meshes[..]) {
             ([sphere], []) => Self::for_sphere(kind, sphere, aspect),
             _ => Self::fitting(kind, scene, aspect),
         }
@@ -321,15 +321,8 @@ fn perspective(extent_y: f64) -> Projection {
 /// Returns the largest `dot(p, direction)` over all points p; `direction` may have any length.
 fn support(scene: &Scene, direction: DVec3) -> f64 {
     let sphere = |s: &Sphere| s.center.dot(direction) + s.radius * direction.length();
-    let mesh = |m: &Mesh| {
-        m.corners()
-            .map(|p| p.dot(direction))
-            .fold(f64::NEG_INFINITY, f64::max)
-    };
     let spheres = scene.spheres.iter().map(sphere);
-    spheres
-        .chain(scene.meshes.iter().map(mesh))
-        .fold(f64::NEG_INFINITY, f64::max)
+    spheres.fold(scene.meshes.support(direction), f64::max)
 }
 
 /// The extents of a scene along the axes of a camera.

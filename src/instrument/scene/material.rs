@@ -1,6 +1,7 @@
 //! Metallic-workflow materials.
 
 use crate::base::glsl::constants::ALPHA_MIN;
+use crate::instrument::brdf::UnderCoatLaw;
 
 /// F0 of a common dielectric (index of refraction 1.5).
 pub const DEFAULT_F0: f32 = 0.04;
@@ -34,6 +35,13 @@ impl Default for Coat {
             normal_map: None,
         }
     }
+}
+
+/// The coat that changes a base, which has no other coat.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct UnderCoat {
+    pub law: UnderCoatLaw,
+    pub coat: Coat,
 }
 
 /// Sheen over a surface (`crate::instrument::shade::sheen`), with the normal of the surface.
@@ -133,6 +141,7 @@ pub struct Material {
     pub normal_map: Option<usize>,
     pub anisotropy: Anisotropy,
     pub coat: Coat,
+    pub under_coat: Option<UnderCoat>,
     pub sheen: Sheen,
     pub emission: Emission,
     /// Index into `Scene::textures`; red is the share of the image-based light that arrives, in
@@ -142,9 +151,12 @@ pub struct Material {
     pub is_one_sided: bool,
 }
 
+/// Indices into `Scene::textures` for the g-buffer's pass: albedo, metallic, roughness, normal, f0,
+/// specular weight, weight and roughness of the coat that changes the base.
+pub type MaterialMaps = [Option<usize>; 8];
+
 impl Material {
-    /// The maps of the g-buffer's pass: albedo, metallic, roughness, normal, f0, specular weight.
-    pub fn maps(&self) -> [Option<usize>; 6] {
+    pub fn maps(&self) -> MaterialMaps {
         [
             self.albedo_map,
             self.metallic_map,
@@ -152,7 +164,23 @@ impl Material {
             self.normal_map,
             self.f0_map,
             self.specular.map,
+            self.under_coat.and_then(|under| under.coat.weight_map),
+            self.under_coat.and_then(|under| under.coat.roughness_map),
         ]
+    }
+
+    /// The base below the coat.
+    pub(super) fn below_coat(&self, law: UnderCoatLaw) -> Self {
+        let is_changed = self.coat.weight > 0.0 && law != UnderCoatLaw::UNCHANGED;
+        Self {
+            name: self.name.clone(),
+            coat: Coat::default(),
+            under_coat: is_changed.then_some(UnderCoat {
+                law,
+                coat: self.coat,
+            }),
+            ..*self
+        }
     }
 
     /// A surface whose tangent and strength of anisotropy replace normal and alpha.
@@ -267,12 +295,25 @@ impl Default for Material {
             normal_map: None,
             anisotropy: Anisotropy::default(),
             coat: Coat::default(),
+            under_coat: None,
             sheen: Sheen::default(),
             emission: Emission::default(),
             occlusion_map: None,
             is_one_sided: false,
         }
     }
+}
+
+/// A material without the one index of a dielectric.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "and the material {material} {}; set --metallic 0 and --f0 or --ior",
+    if *is_metal { "is a metal" } else { "has another F0, a colour or a map" }
+)]
+pub struct NoDielectric {
+    pub material: String,
+    /// Else its F0 differs.
+    pub is_metal: bool,
 }
 
 /// Values for every material of a scene. Each also replaces the map.

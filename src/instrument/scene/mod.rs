@@ -1,11 +1,14 @@
-//! Scenes: cameras, spheres, meshes, materials.
+//! Scenes: cameras, spheres, meshes, materials, direct lights.
 
 pub mod builtin;
 pub mod camera;
 mod gltf;
+mod hasher;
+pub mod light;
 mod maps;
 pub mod material;
 pub mod mesh;
+mod meshes;
 mod obj;
 mod shader_ball;
 mod source;
@@ -13,15 +16,24 @@ mod tangents;
 
 pub use builtin::{SCENES, SceneEntry, is_design};
 pub use camera::{Camera, CameraKind, Orbit, Projection};
+pub use light::{Light, LightChange};
 pub use maps::Texture;
-pub use material::{Anisotropy, Coat, Emission, Material, MaterialOverride, Sheen, SpecularWeight};
+pub use material::{
+    Anisotropy, Coat, Emission, Material, MaterialMaps, MaterialOverride, NoDielectric, Sheen,
+    SpecularWeight, UnderCoat,
+};
 pub use mesh::Mesh;
+pub use meshes::Meshes;
 pub use source::SceneFiles;
 
+use super::environment::GUIDE;
 use crate::base::names::suggestion;
 use crate::base::pixels::lookup::Wrap;
+use crate::instrument::brdf::UnderCoatLaw;
 use glam::DVec3;
+use hasher::SceneHasher;
 use std::path::Path;
+use std::sync::Arc;
 
 /// An exact sphere, never tessellated.
 #[derive(Clone, Copy, Debug)]
@@ -38,9 +50,10 @@ pub struct Scene {
     /// A built-in name or a path.
     pub name: String,
     pub spheres: Vec<Sphere>,
-    pub meshes: Vec<Mesh>,
+    pub meshes: Meshes,
     pub materials: Vec<Material>,
-    pub textures: Vec<Texture>,
+    pub textures: Arc<[Texture]>,
+    pub lights: Vec<Light>,
     /// Whether each pixel is an independent experiment (`gbuffer::design`).
     pub is_design: bool,
     /// Unit vector to the automatic cameras: +z for spheres, 30 degrees right of it and 20 degrees
@@ -54,16 +67,32 @@ pub struct Scene {
 
 /// Why a scene could not be loaded.
 #[derive(Debug, thiserror::Error)]
-#[error("{0}")]
-pub struct SceneError(String);
+pub enum SceneError {
+    /// A file whose contents cannot be used.
+    #[error("{0} ({GUIDE})")]
+    Unusable(String),
+    /// No file of a known format.
+    #[error("{0}")]
+    NotFound(String),
+}
 
 impl SceneError {
     fn of_file(path: &Path, what: impl std::fmt::Display) -> Self {
-        Self(format!("{}: {what}", path.display()))
+        Self::Unusable(format!("{}: {what}", path.display()))
     }
 
     fn of_line(path: &Path, line: usize, what: impl std::fmt::Display) -> Self {
-        Self(format!("{}:{line}: {what}", path.display()))
+        Self::Unusable(format!("{}:{line}: {what}", path.display()))
+    }
+
+    /// Reads a scene's own file.
+    fn reading(path: &Path, files: &dyn SceneFiles) -> Result<Vec<u8>, Self> {
+        files.read(path).map_err(|error| {
+            Self::NotFound(format!(
+                "{}: cannot read the scene: {error}",
+                path.display()
+            ))
+        })
     }
 }
 
@@ -137,10 +166,13 @@ impl Scene {
         let path = base_dir.join(spec);
         match scene_format(&path) {
             Some(format) => (format.read)(spec, &path, &source::Disk),
-            None if path.extension().is_some() && path.exists() => Err(SceneError::of_file(
-                &path,
-                format!("expected a scene file: {}", scene_extensions()),
-            )),
+            None if path.extension().is_some() && path.exists() => {
+                let expected = scene_extensions();
+                Err(SceneError::NotFound(format!(
+                    "{}: expected a scene file: {expected}",
+                    path.display()
+                )))
+            }
             None => {
                 let names: Vec<&str> = SCENES.iter().map(|entry| entry.name).collect();
                 let known = names.join(", ");
@@ -149,7 +181,7 @@ impl Scene {
                 let what = format!(
                     "neither a built-in scene ({known}) nor the path of a file ({files}){near}"
                 );
-                Err(SceneError(format!("scene \"{spec}\": {what}")))
+                Err(SceneError::NotFound(format!("scene \"{spec}\": {what}")))
             }
         }
     }
@@ -201,6 +233,19 @@ impl Scene {
         self.materials
             .iter()
             .any(|material| material.emission.color != [0.0; 3])
+    }
+
+    pub fn has_lights(&self) -> bool {
+        !self.lights.is_empty()
+    }
+
+    /// Returns the scene with other lights.
+    pub fn lit_by(&self, lights: Vec<Light>) -> Self {
+        Self {
+            lights,
+            ..self.clone()
+        }
+        .hashed()
     }
 
     /// Whether a dielectric reflects a share of its interface only.
@@ -255,13 +300,31 @@ impl Scene {
         self.with_materials(Material::as_tangent)
     }
 
+    /// Returns the F0 of all materials, which are dielectrics; the error names the first that is
+    /// not one, or has another F0.
+    pub fn dielectric_f0(&self) -> Result<f32, NoDielectric> {
+        let [f0, ..] = self.materials[0].f0;
+        for material in &self.materials {
+            let is_metal = material.metallic > 0.0;
+            let is_other = material.f0 != [f0; 3] || material.f0_map.is_some() || f0 >= 1.0;
+            if is_metal || is_other {
+                return Err(NoDielectric {
+                    material: material.name.clone(),
+                    is_metal,
+                });
+            }
+        }
+        Ok(f0)
+    }
+
     /// Returns the scene without coats.
     pub fn uncoated(&self) -> Self {
-        self.with_materials(|material| Material {
-            coat: Coat::default(),
-            name: material.name.clone(),
-            ..*material
-        })
+        self.below_coat(UnderCoatLaw::UNCHANGED)
+    }
+
+    /// Returns the scene without coats, whose bases have what a renderer changes below them.
+    pub fn below_coat(&self, law: UnderCoatLaw) -> Self {
+        self.with_materials(|material| material.below_coat(law))
     }
 
     /// Returns the scene without sheen.
@@ -316,9 +379,10 @@ impl Scene {
         let unhashed = Self {
             name: name.to_owned(),
             spheres,
-            meshes,
+            meshes: meshes.into(),
             materials,
-            textures: Vec::new(),
+            textures: Arc::default(),
+            lights: Vec::new(),
             is_design: false,
             toward_viewer: DVec3::Z,
             hash: String::new(),
@@ -337,120 +401,20 @@ impl Scene {
             hasher.list(&[sphere.material as u64]);
         }
         hasher.list(&[self.spheres.len() as u64, self.meshes.len() as u64]);
-        for mesh in &self.meshes {
-            hasher.list(&mesh.positions);
-            hasher.list(&mesh.normals);
-            hasher.list(&mesh.uvs);
-            hasher.list(&mesh.tangents);
-            hasher.list(&mesh.indices);
-            hasher.list(&[mesh.material as u64]);
-        }
+        let mut hasher = self.meshes.hashed_after(hasher);
         hasher.list(&[self.materials.len() as u64]);
         for material in &self.materials {
             hasher.material(material);
         }
-        for texture in &self.textures {
+        for texture in self.textures.iter() {
             let Wrap(u, v) = texture.wrap;
             hasher.list(&[texture.levels[0].width, u as u32, v as u32]);
             hasher.list(&texture.levels[0].data);
         }
+        for light in &self.lights {
+            hasher.list(&light.numbers());
+        }
         self.hash = hasher.0.finalize().to_hex().to_string();
         self
-    }
-}
-
-/// Hashes lists with their lengths, which keep different scenes from feeding equal bytes.
-struct SceneHasher(blake3::Hasher);
-
-impl SceneHasher {
-    fn list<T: bytemuck::NoUninit>(&mut self, values: &[T]) {
-        self.0.update(&(values.len() as u64).to_ne_bytes());
-        self.0.update(bytemuck::cast_slice(values));
-    }
-
-    /// Hashes the presence and index of each map.
-    fn maps<const N: usize>(&mut self, maps: [Option<usize>; N]) {
-        self.list(&maps.map(|map| map.map_or(0, |map| map as u64 + 1)));
-    }
-
-    /// Hashes a material; a layer without effect leaves the hash as it was before the layer
-    /// existed.
-    fn material(&mut self, material: &Material) {
-        self.list(&material.albedo);
-        self.list(&[material.metallic, material.alpha]);
-        self.list(&material.f0);
-        self.maps([
-            material.albedo_map,
-            material.metallic_map,
-            material.roughness_map,
-            material.normal_map,
-        ]);
-        self.list(&[u8::from(material.is_one_sided)]);
-        self.anisotropy(&material.anisotropy);
-        self.coat(&material.coat);
-        self.sheen(&material.sheen);
-        self.emission(&material.emission);
-        self.specular(material);
-        if material.occlusion_map.is_some() {
-            self.maps([material.occlusion_map]);
-        }
-    }
-
-    fn emission(&mut self, emission: &Emission) {
-        let Emission { color, map } = *emission;
-        if color != [0.0; 3] {
-            self.list(&[color, [0.0; 3]].concat());
-            self.maps([map]);
-        }
-    }
-
-    /// Hashes what `KHR_materials_specular` adds.
-    fn specular(&mut self, material: &Material) {
-        let SpecularWeight { factor, map } = material.specular;
-        if !material.specular.is_full() || material.f0_map.is_some() {
-            self.list(&[factor]);
-            self.maps([map, material.f0_map]);
-        }
-    }
-
-    fn anisotropy(&mut self, anisotropy: &Anisotropy) {
-        let Anisotropy {
-            strength,
-            turn,
-            map,
-            is_shown,
-        } = *anisotropy;
-        if strength > 0.0 || is_shown {
-            self.list(&[strength, turn]);
-            let map = map.map_or(0, |map| map as u64 + 1);
-            self.list(&[map, u64::from(is_shown)]);
-        }
-    }
-
-    fn coat(&mut self, coat: &Coat) {
-        let Coat {
-            weight,
-            weight_map,
-            alpha,
-            roughness_map,
-            normal_map,
-        } = *coat;
-        if weight > 0.0 {
-            self.list(&[weight, alpha]);
-            self.maps([weight_map, roughness_map, normal_map]);
-        }
-    }
-
-    fn sheen(&mut self, sheen: &Sheen) {
-        let Sheen {
-            color,
-            color_map,
-            alpha,
-            roughness_map,
-        } = *sheen;
-        if color != [0.0; 3] {
-            self.list(&[color, [alpha, 0.0, 0.0]].concat());
-            self.maps([color_map, roughness_map]);
-        }
     }
 }

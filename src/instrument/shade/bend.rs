@@ -10,6 +10,7 @@
 
 use crate::base::glsl::constants as code;
 use crate::base::names::listed;
+use crate::instrument::brdf::Widths;
 
 /// How an engine parametrises the two widths. Its alpha also indexes both tables.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -128,7 +129,53 @@ bends! {
 
 listed!(Bend, "bend", BENDS);
 
+/// A lobe of two widths as a renderer parametrises it.
+#[derive(Clone, Copy, Debug)]
+pub struct OneWidth {
+    pub alpha: f64,
+    /// From 0, a round lobe, to 1.
+    pub strength: f64,
+}
+
+impl Parameters {
+    /// Returns the parameters of two widths.
+    pub fn of(self, widths: Widths) -> OneWidth {
+        let [x, y] = widths.0.to_array();
+        match self {
+            Self::Narrow => OneWidth {
+                alpha: y,
+                strength: if x > y {
+                    ((x - y) / (1.0 - y)).sqrt()
+                } else {
+                    0.0
+                },
+            },
+            Self::Mean => OneWidth {
+                alpha: 0.5 * (x + y),
+                strength: (x - y) / (x + y),
+            },
+            Self::Geometric => OneWidth {
+                alpha: (x * y).sqrt(),
+                strength: ((1.0 - y / x) / 0.9).min(1.0),
+            },
+            Self::Square => OneWidth {
+                alpha: widths.mean(),
+                strength: 0.0,
+            },
+        }
+    }
+}
+
 impl Bend {
+    /// Returns the alpha at which the DFG table is read: for the specular term, and for a
+    /// compensation and the diffuse term beside it.
+    pub fn table_alpha(&self, widths: Widths) -> f64 {
+        match self.dfg {
+            DfgWidth::Level => self.parameters.of(widths).alpha,
+            DfgWidth::Square => widths.mean(),
+        }
+    }
+
     /// Returns the specialization constant `bend`.
     pub fn code(&self) -> u32 {
         self.parameters as u32

@@ -14,7 +14,7 @@
 //! layers are left out.
 
 use crate::base::names::listed;
-use crate::instrument::brdf::f_schlick;
+use crate::instrument::brdf::{RoughnessUnderCoat, UnderCoatLaw, f_schlick};
 use glam::{DVec2, DVec3};
 
 /// F0 of every coat: index of refraction 1.5.
@@ -87,7 +87,15 @@ pub struct CoatRenderer {
     pub specular_power: i32,
     /// Power for the diffuse term.
     pub diffuse_power: i32,
+    /// What it does to F0 and roughness of the base.
+    pub base: UnderCoatLaw,
 }
+
+/// F0 of a base below a coat of index 1.5, as Filament's `f0ClearCoatToSurface` and Babylon.js'
+/// `getR0RemappedForClearCoat` fit `((n - 1.5)/(n + 1.5))²`, n the index of the F0 in air.
+const F0_OF_FILAMENT: [f32; 4] = [-0.028_599_8, 0.346_479, 0.941_892, -0.263_008];
+/// Another fit of it: `ConvertF0ForAirInterfaceToF0ForClearCoat15` of Unity's core library.
+const F0_OF_UNITY: [f32; 4] = [-0.025_686_8, 0.326_846, 0.978_946, -0.283_835];
 
 const EXACT: CoatRenderer = CoatRenderer {
     name: "exact",
@@ -98,6 +106,7 @@ const EXACT: CoatRenderer = CoatRenderer {
     loss: CoatWeight::Fresnel,
     specular_power: 1,
     diffuse_power: 1,
+    base: UnderCoatLaw::UNCHANGED,
 };
 
 /// Every renderer; the first is exact. Sources at the versions that `docs/coat.md` names.
@@ -105,8 +114,18 @@ pub static COAT_RENDERERS: &[CoatRenderer] = &[
     EXACT,
     CoatRenderer {
         name: "filament",
-        about: "evaluateClearCoatIBL of Filament; also the glTF Sample Renderer and PlayCanvas: c \
-                F P along r",
+        about: "evaluateClearCoatIBL of Filament: c F P along r over a base of less F0, at least as \
+                rough as the coat",
+        lookup: Some("split-sum"),
+        base: UnderCoatLaw {
+            f0: F0_OF_FILAMENT,
+            roughness: RoughnessUnderCoat::AtLeastCoat,
+        },
+        ..EXACT
+    },
+    CoatRenderer {
+        name: "khronos",
+        about: "the glTF Sample Renderer and PlayCanvas: c F P along r over the plain base",
         lookup: Some("split-sum"),
         ..EXACT
     },
@@ -120,12 +139,16 @@ pub static COAT_RENDERERS: &[CoatRenderer] = &[
     },
     CoatRenderer {
         name: "unity",
-        about: "EvaluateBSDF_Env of HDRP's Lit: a mirror, the specular term attenuated twice and \
-                the diffuse term never",
+        about: "EvaluateBSDF_Env of HDRP's Lit: a mirror over a base of less F0, widened by \
+                refraction, its specular term attenuated twice and its diffuse term never",
         lookup: Some("split-sum"),
         alpha: |_| crate::base::glsl::constants::ALPHA_MIN,
         specular_power: 2,
         diffuse_power: 0,
+        base: UnderCoatLaw {
+            f0: F0_OF_UNITY,
+            roughness: RoughnessUnderCoat::Refracted,
+        },
         ..EXACT
     },
     CoatRenderer {
@@ -133,6 +156,17 @@ pub static COAT_RENDERERS: &[CoatRenderer] = &[
         about: "RE_IndirectSpecular_Physical of three.js: c (0.04 A + B) P, bent to n by alpha^2",
         lookup: Some("split-sum-filament"),
         scale: CoatWeight::Albedo,
+        ..EXACT
+    },
+    CoatRenderer {
+        name: "babylon",
+        about: "clearcoatBlock of Babylon.js: c (0.04 A + B) P along r over a base of less F0",
+        lookup: Some("split-sum"),
+        scale: CoatWeight::Albedo,
+        base: UnderCoatLaw {
+            f0: F0_OF_FILAMENT,
+            ..UnderCoatLaw::UNCHANGED
+        },
         ..EXACT
     },
     CoatRenderer {

@@ -4,6 +4,8 @@ pub mod bend;
 pub mod coat;
 pub mod diffuse;
 pub mod frames;
+#[cfg(feature = "gpu")]
+pub mod lights;
 pub mod method;
 pub mod occlusion;
 #[cfg(feature = "gpu")]

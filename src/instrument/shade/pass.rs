@@ -2,15 +2,16 @@
 
 use super::{Method, Shading};
 use crate::base::glsl::constants::{ANISOTROPY_NONE, SHADE_FLAG_NO_SPECULAR};
-use crate::base::glsl::layout::{BackgroundParams, ShadeParams, SharedStruct};
+use crate::base::glsl::layout::{BackgroundParams, LightData, ShadeParams, SharedStruct};
 use crate::base::glsl::specialization::Specialization;
 use crate::instrument::brdf::Brdf;
 use crate::instrument::environment::layout::MapLayout;
 use crate::instrument::gbuffer::pass::GbufferImages;
 use crate::instrument::gpu::{
-    Bind, Buffer, Filter, GpuError, Image, Part, Recorder, Sampler, Wrap, has_shader,
+    Bind, Buffer, Filter, Gpu, GpuError, Image, Part, Recorder, Sampler, Wrap, has_shader,
 };
 use crate::instrument::precompute::points::{PointRange, Points};
+use crate::instrument::scene::light::{Emitter, Light};
 use crate::instrument::scene::{Camera, Projection};
 use glam::DVec3;
 
@@ -25,6 +26,8 @@ pub struct Tables {
     pub tap_table: Image,
     pub irradiance_map: Image,
     pub sh9: Buffer,
+    /// Equirectangular irradiance over π of the coefficients.
+    pub sh9_texture: Image,
     pub points: Points,
     /// Shift of each pixel's points, as fixed point; read only in sequences of frames.
     pub shifts: Buffer,
@@ -37,6 +40,8 @@ pub struct Passes<'a> {
     pub camera: &'a Camera,
     pub tables: &'a Tables,
     pub gbuffer: &'a GbufferImages,
+    /// The specialization constant.
+    pub fresnel_f0: f32,
     /// The g-buffer of [`crate::instrument::scene::Scene::tangents`], if lobes have two widths.
     pub tangents: Option<&'a GbufferImages>,
     /// A vec4 per pixel.
@@ -56,6 +61,8 @@ pub(super) const TABLE: Sampler = Sampler(Filter::Linear, Wrap::CLAMP);
 /// The timed passes that shade surfaces: the only ones whose cost depends on the method.
 pub const SPECULAR_PASS: &str = "shade-specular";
 pub const DIFFUSE_PASS: &str = "shade-diffuse";
+/// The pass of direct lights, the same for every method.
+pub const LIGHTS_PASS: &str = "shade-lights";
 
 pub const BACKGROUND_SHADER: &str = "shade/background.comp";
 
@@ -72,6 +79,53 @@ pub fn specular_shader(layout: &MapLayout, method: &Method, brdf: &dyn Brdf) -> 
         special
     } else {
         general
+    }
+}
+
+/// Direct lights on the device.
+pub struct LightBuffer {
+    buffer: Buffer,
+    count: u32,
+}
+
+impl LightBuffer {
+    /// Uploads at least one light; their units must be absolute.
+    pub fn new(gpu: &Gpu, lights: &[Light]) -> Result<Self, GpuError> {
+        let bytes: Vec<u8> = lights
+            .iter()
+            .flat_map(|light| light_data(light).to_bytes())
+            .collect();
+        Ok(Self {
+            buffer: gpu.buffer_from("lights", &bytes)?,
+            count: lights.len() as u32,
+        })
+    }
+
+    pub fn count(&self) -> u32 {
+        self.count
+    }
+}
+
+fn light_data(light: &Light) -> LightData {
+    // Without a cone: 2 - |l|²/2 is above 1.
+    const NO_CONE: [f64; 2] = [2.0, 1.0];
+    let vec4 = |v: DVec3, w: f64| v.extend(w).as_vec4().to_array();
+    let place = match light.emitter {
+        Emitter::Directional { direction } => vec4(-direction, 0.0),
+        Emitter::Point { position } | Emitter::Spot { position, .. } => vec4(position, 1.0),
+    };
+    let (axis, [outer_versine, scale]) = match light.emitter {
+        Emitter::Spot {
+            direction, cone, ..
+        } => (direction, cone.falloff_terms()),
+        _ => (DVec3::ZERO, NO_CONE),
+    };
+    let [r, g, b] = light.color;
+    LightData {
+        place,
+        color: [r, g, b, light.range.map_or(0.0, |range| 1.0 / range) as f32],
+        axis: vec4(axis, scale),
+        outer_versine: outer_versine as f32,
     }
 }
 
@@ -130,6 +184,7 @@ impl<'a> Passes<'a> {
             pair_count: 0,
             point_count: 0,
             slot_count: 0,
+            light_count: 0,
         }
     }
 
@@ -196,6 +251,7 @@ impl<'a> Passes<'a> {
         };
         let specialization = Specialization {
             anisotropy: self.anisotropy(),
+            fresnel_f0: self.fresnel_f0,
             ..self.shading.specialization()
         };
         recorder.dispatch(
@@ -217,12 +273,14 @@ impl<'a> Passes<'a> {
             irradiance_map,
             dfg,
             sh9,
+            sh9_texture,
             ..
         } = self.tables;
         let rest = [
             Bind::Sample(irradiance_map, Sampler::MAP),
             Bind::Sample(dfg, TABLE),
             Bind::Read(sh9),
+            Bind::Sample(sh9_texture, Sampler::MAP),
         ];
         let push = self.params(part.first_row).to_bytes();
         let shader = format!(
@@ -231,6 +289,28 @@ impl<'a> Passes<'a> {
         );
         let specialization = self.shading.table_specialization();
         self.dispatch(recorder, &shader, specialization, &rest, &push, part)
+    }
+
+    /// Adds the light of direct lights that a lobe of the reference reflects; `shader` and
+    /// `specialization` are the lobe's.
+    pub fn lights(
+        &self,
+        recorder: &mut Recorder,
+        shader: &str,
+        specialization: Specialization,
+        lights: &'a LightBuffer,
+        part: Part,
+    ) -> Result<(), GpuError> {
+        let rest = [
+            Bind::Sample(&self.tables.dfg, TABLE),
+            Bind::Read(&lights.buffer),
+        ];
+        let push = ShadeParams {
+            light_count: lights.count,
+            ..self.params(part.first_row)
+        }
+        .to_bytes();
+        self.dispatch(recorder, shader, specialization, &rest, &push, part)
     }
 
     /// Shows the environment in pixels where nothing is hit.

@@ -7,13 +7,14 @@
 //!   20];
 //! - diffuse of albedo 1: `1/π ∫ (1 - F(v·h)) L n_dot_l dl`; with `F = 0` it is Lambert's.
 //!
-//! Schlick's `F = f0 + (1 - f0) (1 - v·h)⁵` is linear in `f0`, so two integrals of each kind serve
-//! every `f0`. See `examples/integrate_pixel.rs`.
+//! `F = f0 + (1 - f0) Fc` is linear in `f0`, with Fc Schlick's `(1 - v·h)⁵` or the weight of a
+//! dielectric ([`FresnelWeight`]), so two integrals of each kind serve every `f0`. See
+//! `examples/integrate_pixel.rs`.
 
 use crate::base::math::equirect_quadrature::{EquirectQuadrature, Focus};
 use crate::base::math::frame::Frame;
 use crate::base::math::quadrature::{Bounded, Estimate, Tolerance};
-use crate::instrument::brdf::{Brdf, MaskingShadowing, Stretch, Widths, reflect, schlick_weight};
+use crate::instrument::brdf::{Brdf, FresnelWeight, MaskingShadowing, Stretch, Widths, reflect};
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -29,6 +30,8 @@ pub struct Surface {
     pub stretch: Option<Stretch>,
     /// Reflectance at normal incidence, linear RGB.
     pub f0: DVec3,
+    /// The weight of f90.
+    pub fresnel: FresnelWeight,
     pub n: DVec3,
     pub v: DVec3,
 }
@@ -48,6 +51,7 @@ impl Surface {
             alpha,
             stretch: None,
             f0,
+            fresnel: FresnelWeight::Schlick,
             n,
             v,
         }
@@ -120,9 +124,9 @@ pub fn integrate(
     surface: &Surface,
     tolerance: Tolerance,
 ) -> Answer {
-    let Surface { f0, n, v, .. } = *surface;
+    let f0 = surface.f0;
     let specular = specular(environment, surface, tolerance);
-    let diffuse = diffuse(environment, n, v, tolerance);
+    let diffuse = diffuse(environment, surface, tolerance);
     Answer {
         specular_white: specular.combine([DVec3::ONE, DVec3::ZERO]),
         specular: specular.combine([f0, DVec3::ONE - f0]),
@@ -131,14 +135,18 @@ pub fn integrate(
     }
 }
 
-/// Integrates `∫ f L n·l dl` with F = 1 and with `F = Fc = (1 - v·h)⁵`.
+/// Integrates `∫ f L n·l dl` with F = 1 and with `F = Fc`.
 pub fn specular(
     environment: &EquirectQuadrature,
     surface: &Surface,
     tolerance: Tolerance,
 ) -> Estimate<2> {
     let Surface {
-        model, masking, v, ..
+        model,
+        masking,
+        fresnel,
+        v,
+        ..
     } = *surface;
     let frame = surface.frame();
     let widths = surface.widths();
@@ -151,26 +159,26 @@ pub fn specular(
         let f = widths.lobe(model, v_local, l_local, masking);
         [
             f,
-            f * schlick_weight(v_local.dot((v_local + l_local).normalize())),
+            f * fresnel.at(v_local.dot((v_local + l_local).normalize())),
         ]
     };
     surface.focused(|focus| environment.integrate(kernel, Some(focus), tolerance))
 }
 
-/// Integrates `∫ n·l L dl / π` and `∫ Fc n·l L dl / π`, `Fc = (1 - v·h)⁵`.
+/// Integrates `∫ n·l L dl / π` and `∫ Fc n·l L dl / π`.
 pub fn diffuse(
     environment: &EquirectQuadrature,
-    n: DVec3,
-    v: DVec3,
+    surface: &Surface,
     tolerance: Tolerance,
 ) -> Estimate<2> {
+    let Surface { n, v, fresnel, .. } = *surface;
     let kernel = |l: DVec3| {
         let n_dot_l = n.dot(l);
         if n_dot_l <= 0.0 {
             return [0.0; 2];
         }
         let f = n_dot_l / PI;
-        [f, f * schlick_weight(v.dot((v + l).normalize()))]
+        [f, f * fresnel.at(v.dot((v + l).normalize()))]
     };
     environment.integrate(kernel, None, tolerance)
 }

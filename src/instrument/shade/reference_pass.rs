@@ -26,17 +26,26 @@ pub enum Lobe {
 impl Lobe {
     /// Returns the specialization constants of both passes of the lobe.
     fn specialization(self, gpu: &Gpu, passes: &Passes) -> Specialization {
+        Specialization {
+            exact_filter: u32::from(gpu.info().has_exact_filter),
+            ..self.shading_specialization(passes)
+        }
+    }
+
+    /// Returns the specialization constants that the lobe reads.
+    pub fn shading_specialization(self, passes: &Passes) -> Specialization {
         let shading = passes.shading;
         let general = Specialization {
-            exact_filter: u32::from(gpu.info().has_exact_filter),
             anisotropy: passes.anisotropy(),
+            fresnel_f0: passes.fresnel_f0,
             ..shading.table_specialization()
         };
         match self {
             Self::Diffuse(_) => general,
             Self::Specular(_) => Specialization {
                 masking: shading.masking_shadowing as u32,
-                level_bend: shading.precompute.level_mapping.bend as f32,
+                level_bend: shading.precompute.level_mapping.bend() as f32,
+                level_roughnesses: shading.precompute.level_mapping.device_list(),
                 prefilter_weight: shading.precompute.prefilter_weight.code,
                 sheen_visibility: shading.sheen_visibility as u32,
                 ..general
@@ -46,11 +55,20 @@ impl Lobe {
 
     /// Names the shaders that take the samples and that add the term to the image.
     pub fn shaders(self, brdf: &dyn Brdf) -> [String; 2] {
+        ["reference", "reference_resolve"].map(|entry| self.shader(entry, brdf))
+    }
+
+    /// Names the shader of the lobe under direct lights.
+    pub fn lights_shader(self, brdf: &dyn Brdf) -> String {
+        self.shader("lights", brdf)
+    }
+
+    fn shader(self, entry: &str, brdf: &dyn Brdf) -> String {
         let permutation = match self {
             Self::Specular(lobe) if lobe != Method::SHEEN.name => format!("{lobe}:{}", brdf.name()),
             Self::Specular(lobe) | Self::Diffuse(lobe) => lobe.into(),
         };
-        ["reference", "reference_resolve"].map(|entry| format!("shade/{entry}.comp:{permutation}"))
+        format!("shade/{entry}.comp:{permutation}")
     }
 
     fn pass_name(self) -> &'static str {
@@ -95,7 +113,7 @@ pub struct PartPair {
 }
 
 /// Samples before the error is first checked.
-const PILOT_SAMPLES: u32 = 64;
+pub const PILOT_SAMPLES: u32 = 64;
 /// The variance of scrambled nets falls with about this power of the count (measured, 256 to
 /// 11,520: 1.39, 1.55).
 const VARIANCE_EXPONENT: f64 = 1.4;
@@ -149,26 +167,50 @@ pub struct Convergence {
 /// Sums of every scramble of the current term: two vec4 per pixel and scramble.
 pub struct Sums(Buffer);
 
+/// The sums of a term before it was added to the image: a reference with more samples continues
+/// them.
+pub struct Drawn {
+    pair_count: u32,
+    sums: Vec<[[f32; 4]; 2]>,
+}
+
+impl Drawn {
+    pub fn bytes(&self) -> usize {
+        size_of_val(&self.sums[..])
+    }
+}
+
 impl Sums {
     pub fn new(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<Self, GpuError> {
         let bytes = 32 * u64::from(SCRAMBLE_COUNT) * u64::from(width) * u64::from(height);
         Ok(Self(gpu.buffer("reference sums", bytes)?))
     }
 
-    /// Computes [`Convergence::relative_error`] of the current sums; an estimate is `scale` times
-    /// its sum.
-    fn relative_error(
-        &self,
-        gpu: &Gpu,
-        mask: &GrayImage,
-        scale: f64,
-        epsilon: Epsilon,
-    ) -> Result<f64, GpuError> {
-        let sums: Vec<[[f32; 4]; 2]> = gpu.read_buffer(&self.0)?;
+    fn read(&self, gpu: &Gpu) -> Result<Vec<[[f32; 4]; 2]>, GpuError> {
+        gpu.read_buffer(&self.0)
+    }
+
+    /// Writes earlier sums back; returns whether they fit.
+    fn write(&self, gpu: &Gpu, sums: &[[[f32; 4]; 2]]) -> Result<bool, GpuError> {
+        let bytes: &[u8] = bytemuck::cast_slice(sums);
+        let fits = bytes.len() as u64 == self.0.size();
+        if fits {
+            gpu.write_buffer(&self.0, bytes)?;
+        }
+        Ok(fits)
+    }
+}
+
+impl Drawn {
+    /// Computes [`Convergence::relative_error`]; an estimate is `scale` times its sum.
+    fn relative_error(&self, mask: &GrayImage, scale: f64, epsilon: Epsilon) -> f64 {
         let scrambles = f64::from(SCRAMBLE_COUNT);
         let mut sum = 0.0;
         let mut count = 0u64;
-        let pixels = sums.chunks_exact(SCRAMBLE_COUNT as usize).zip(&mask.data);
+        let pixels = self
+            .sums
+            .chunks_exact(SCRAMBLE_COUNT as usize)
+            .zip(&mask.data);
         for (estimates, _) in pixels.filter(|(_, hit)| **hit > 0.0) {
             for channel in 0..3 {
                 let estimate = |[high, low]: &[[f32; 4]; 2]| {
@@ -183,11 +225,11 @@ impl Sums {
             }
             count += 3;
         }
-        Ok(if count > 0 {
+        if count > 0 {
             (sum / count as f64).sqrt()
         } else {
             0.0
-        })
+        }
     }
 }
 
@@ -226,23 +268,39 @@ pub struct ReferenceRun<'a> {
     pub squared_error: &'a Buffer,
 }
 
+/// What one reference term leaves besides its image.
+pub struct TermRun {
+    pub report: Report,
+    pub convergence: Convergence,
+    pub drawn: Drawn,
+}
+
 impl ReferenceRun<'_> {
-    /// Adds one term to the radiance and its squared standard error to `squared_error`.
-    pub fn run(&self, gpu: &Gpu, lobe: Lobe) -> Result<(Report, Convergence), GpuError> {
+    /// Adds one term to the radiance and its squared standard error to `squared_error`; `begun` are
+    /// earlier sums of the same term.
+    pub fn run(&self, gpu: &Gpu, lobe: Lobe, begun: Option<&Drawn>) -> Result<TermRun, GpuError> {
         let mut total = Report::default();
-        let mut done = 0;
         let mut samples = self.stop.first();
+        let mut done = 0;
+        let usable = begun.filter(|begun| begun.pair_count <= samples / SAMPLES_PER_PAIR);
+        if let Some(begun) = usable
+            && self.sums.write(gpu, &begun.sums)?
+        {
+            done = begun.pair_count;
+        }
         let scale = f64::from(self.passes.shading.environment_scale);
-        let relative_error = loop {
+        let (relative_error, drawn) = loop {
             let pairs = samples / SAMPLES_PER_PAIR;
             total.add(self.integrate(gpu, lobe, done..pairs)?);
             done = pairs;
-            let error =
-                self.sums
-                    .relative_error(gpu, self.mask, scale / f64::from(done), self.epsilon)?;
+            let drawn = Drawn {
+                pair_count: done,
+                sums: self.sums.read(gpu)?,
+            };
+            let error = drawn.relative_error(self.mask, scale / f64::from(done), self.epsilon);
             match self.stop.next(samples, error) {
                 Some(more) => samples = more,
-                None => break error,
+                None => break (error, drawn),
             }
         };
         total.add(self.resolve(gpu, lobe, done)?);
@@ -255,7 +313,11 @@ impl ReferenceRun<'_> {
                 .relative_error
                 .is_none_or(|wanted| relative_error <= wanted),
         };
-        Ok((total, convergence))
+        Ok(TermRun {
+            report: total,
+            convergence,
+            drawn,
+        })
     }
 
     /// Returns the term by scramble and pixel, at exactly `pair_count` pairs: the same points for

@@ -11,7 +11,7 @@ use crate::base::glsl::specialization::Specialization;
 use crate::base::math::sequence::{FramePoints, PixelPoints, R2_OF_FRAMES, SEQUENCES, Sequence};
 use crate::base::names::Listed;
 use crate::instrument::brdf::{
-    Brdf, Compensation, Ggx, MaskingShadowing, SheenVisibility, WidthLaw,
+    Brdf, Compensation, Fresnel, Ggx, MaskingShadowing, SheenVisibility, WidthLaw,
 };
 use crate::instrument::environment::Placement;
 use crate::instrument::precompute::PrecomputeSettings;
@@ -33,6 +33,7 @@ pub struct Shading {
     pub brdf: &'static dyn Brdf,
     pub masking_shadowing: MaskingShadowing,
     pub compensation: Compensation,
+    pub fresnel: Fresnel,
     pub method: &'static Method,
     pub diffuse: &'static Diffuse,
     /// Samples a pixel of a sampled method.
@@ -69,6 +70,7 @@ impl Default for Shading {
             brdf: &Ggx,
             masking_shadowing: MaskingShadowing::default(),
             compensation: Compensation::default(),
+            fresnel: Fresnel::default(),
             method: Method::listed("split-sum"),
             diffuse: Diffuse::listed(NONE),
             samples: 64,
@@ -100,24 +102,33 @@ impl Shading {
     pub fn specialization(&self) -> Specialization {
         Specialization {
             masking: self.masking_shadowing as u32,
-            level_bend: self.precompute.level_mapping.bend as f32,
+            level_bend: self.precompute.level_mapping.bend() as f32,
+            level_roughnesses: self.precompute.level_mapping.device_list(),
             pixel_points: match self.points_of_frame() {
                 None => self.pixel_points as u32,
                 Some(FramePoints::Owen) => PixelPoints::Owen as u32,
                 Some(FramePoints::R2 | FramePoints::Blue) => PIXEL_POINTS_SHIFTED,
             },
-            bend: self.bend.code(),
             sheen_lookup: self.sheen_lookup.code(),
             ..self.table_specialization()
         }
     }
 
-    /// Returns the specialization constants of passes that read no map of the lobe.
+    /// Returns the specialization constants of passes that read no map of the lobe. The default of
+    /// `bend` reads the DFG table at the surface's alpha.
     pub(super) fn table_specialization(&self) -> Specialization {
-        Specialization {
+        let general = Specialization {
             compensation: self.compensation as u32,
             dfg_axes: self.precompute.dfg_axes as u32,
             ..Specialization::default()
+        };
+        Specialization {
+            bend: if self.method.uses_bend {
+                self.bend.code()
+            } else {
+                general.bend
+            },
+            ..general
         }
     }
 

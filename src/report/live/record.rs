@@ -1,6 +1,7 @@
 //! The content of `live.json`: packed tables and scenes.
 
 use super::model::{LiveModel, models};
+use crate::base::glsl::constants::LEVELS_MAX;
 use crate::base::names::Listed;
 use crate::base::pixels::{HALF_MAX, Pixels, RgbImage, packed};
 use crate::experiment::axis::{AxisId, BRDF, ENVIRONMENT, Named, Point, Settings};
@@ -59,6 +60,9 @@ pub struct LiveEnvironment {
     pub layout: String,
     /// b of `precompute::prefilter::LevelMapping`.
     pub level_bend: f64,
+    /// The roughness of each level if they are listed, zeros behind; else zeros.
+    #[serde(default)]
+    pub level_roughnesses: [f32; LEVELS_MAX as usize],
     /// The faces of a level are below each other.
     pub levels: Vec<PackedImage>,
     /// Radiance coefficients in the order of `shaders/lib/sh.glsl`.
@@ -206,7 +210,8 @@ impl LiveEnvironment {
             scale,
             mean_luminance: case.request.environment.luminance.mean,
             layout: tables.layout.name.to_owned(),
-            level_bend: tables.level_mapping.bend,
+            level_bend: tables.level_mapping.bend(),
+            level_roughnesses: tables.level_mapping.device_list(),
             levels: pack_all(&tables.environment, scale),
             sh9: tables.sh9.iter().map(|c| c.map(|x| x / scale)).collect(),
             prefiltered: Vec::new(),

@@ -56,14 +56,17 @@ pub struct LiveMethod {
     pub name: String,
     pub title: String,
     pub is_sampled: bool,
+    pub uses_bend: bool,
 }
 
 impl LiveMethod {
     fn new(name: &str, is_sampled: bool) -> Self {
+        let method = Method::listed(name);
         Self {
             name: name.to_owned(),
-            title: Method::listed(name).title.to_owned(),
+            title: method.title.to_owned(),
             is_sampled,
+            uses_bend: method.uses_bend,
         }
     }
 
@@ -185,6 +188,13 @@ impl Light {
     /// The tables of the first run that has some, within `budget` bytes.
     pub fn collect(runs: &[PageRun], budget: usize) -> Self {
         let mut notes = Vec::new();
+        let has_lights = |run: &PageRun| {
+            let config = run.finished.config.as_ref();
+            config.is_some_and(|config| !config.lights.is_empty())
+        };
+        if runs.iter().any(has_lights) {
+            notes.push("Direct lights are not part of this view.".to_owned());
+        }
         let record = first_record(runs, &mut notes);
         let mut methods = LiveMethod::split_sums(record.as_ref());
         let mut shaders = BTreeMap::new();

@@ -338,7 +338,7 @@ impl Model<'_> {
             json!(cell.id),
             json!(image),
             json!(reference),
-            json!(self.verdict(cell, floor)),
+            json!(self.verdict(run, cell, floor)),
             number(floor),
         ];
         for axis in self.axes.iter().filter(|axis| !axis.is_constant) {
@@ -355,7 +355,7 @@ impl Model<'_> {
     }
 
     /// Whether the error of a cell exceeds its noise floor, in a word.
-    fn verdict(&self, cell: &FinishedCell, floor: Option<f64>) -> &'static str {
+    fn verdict(&self, run: usize, cell: &FinishedCell, floor: Option<f64>) -> &'static str {
         if cell.is_failed {
             return FAILED;
         }
@@ -363,7 +363,10 @@ impl Model<'_> {
             return UNSCORED;
         }
         match (score(cell, self.headline), floor) {
-            (Some(score), Some(floor)) => verdict(self.headline, score, floor).name(),
+            (Some(score), Some(floor)) => {
+                let noise_use = self.page_runs[run].finished.noise_use();
+                verdict(self.headline, score, floor, noise_use).name()
+            }
             _ => NO_FLOOR,
         }
     }

@@ -3,6 +3,7 @@
 //! The device belongs to this thread. Other threads make scores and files, in any order; the record
 //! of a cell is written after its files.
 
+use super::references::Held;
 use super::{Progress, Run, RunError, of_cell};
 use crate::base::files::content_hash;
 use crate::base::pixels::Rgb8Image;
@@ -11,10 +12,13 @@ use crate::experiment::plan::{Cell, Plan, ReferenceGroup};
 use crate::instrument::ladder::BANDS;
 use crate::instrument::pipeline::{DeviceInfo, Frame};
 use crate::instrument::tonemap::ToneCurve;
+use crate::run::cell_fault::CellFault;
 use crate::run::images;
+use crate::run::reference_image::ReferenceImage;
 use crate::run::renderer::Renderer;
-use crate::run::scoring::{CellFault, Judge, ReferenceImage, Rendered};
-use crate::run::store::{CellRecord, StepRecord, Store, StoreError};
+use crate::run::scoring::{Judge, Rendered};
+use crate::run::store::{CellRecord, ReferenceRecord, StepRecord, StopReason, Store, StoreError};
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, Sender, SyncSender, channel, sync_channel};
@@ -102,27 +106,28 @@ impl<'p> Run<'p> {
         progress: &mut dyn Progress,
     ) -> Result<(), RunError> {
         let cells: Vec<&Cell> = group.cells().collect();
-        let Some(first) = self.open_cells(&cells).first().copied() else {
-            return Ok(());
-        };
-        if self.is_stopped() {
+        if self.open_cells(&cells).is_empty() || self.is_stopped() {
             return Ok(());
         }
-        let mut reference = match group.reference {
-            None => None,
-            Some(id) => {
-                let point = self.plan.reference_point(&first.point);
-                match of_cell(self.reference(id, &point, renderer))? {
-                    Ok(image) => Some(GroupReference {
-                        image: Arc::new(image),
-                        pictures: Vec::new(),
-                    }),
-                    Err(reason) => {
-                        return self.fail(&cells, &format!("its reference: {reason}"), progress);
-                    }
+        let mut held = Held::default();
+        let mut reference = None;
+        if let Some(id) = group.reference {
+            match of_cell(self.group_reference(id, group, &mut held, renderer, progress))? {
+                Ok(Some(image)) => {
+                    let pictures = Vec::new();
+                    reference = Some(GroupReference { image, pictures });
+                }
+                Ok(None) => {
+                    let fatal = held.fatal.take();
+                    return fatal.map_or(Ok(()), |(cell, reason)| {
+                        self.fail(&[cell], &reason, progress)
+                    });
+                }
+                Err(reason) => {
+                    return self.fail(&cells, &format!("its reference: {reason}"), progress);
                 }
             }
-        };
+        }
         for radiance in &group.radiances {
             let open = self.open_cells(&radiance.cells);
             let Some(first) = open.first() else {
@@ -139,7 +144,10 @@ impl<'p> Run<'p> {
                     frame: frame.clone(),
                     steps: Arc::default(),
                 }),
-                None => of_cell(self.radiance(&first.point, renderer))?,
+                None => {
+                    let known = held.take(radiance.id);
+                    of_cell(self.made(&first.point, known, renderer))?
+                }
             };
             self.image(
                 &open,
@@ -197,15 +205,33 @@ impl<'p> Run<'p> {
         open.collect()
     }
 
-    /// Renders a point, with its ladder if the experiment asks for it.
-    fn radiance(&self, point: &Point, renderer: &mut dyn Renderer) -> Result<Made, CellFault> {
-        let request = self.plan.request(point);
-        let frame = Arc::new(renderer.render(&request)?);
+    /// Renders a point.
+    pub(super) fn frame(
+        &self,
+        point: &Point,
+        renderer: &mut dyn Renderer,
+    ) -> Result<Arc<Frame>, CellFault> {
+        Ok(Arc::new(renderer.render(&self.plan.request(point))?))
+    }
+
+    /// Renders a point, unless its frame or why it failed is `known`, with its ladder if the
+    /// experiment asks for it.
+    fn made(
+        &self,
+        point: &Point,
+        known: Option<Result<Arc<Frame>, String>>,
+        renderer: &mut dyn Renderer,
+    ) -> Result<Made, CellFault> {
+        let frame = match known {
+            Some(frame) => frame.map_err(CellFault::Cell)?,
+            None => self.frame(point, renderer)?,
+        };
         let mut made = Made {
             frame,
             steps: Arc::default(),
         };
         if let Some(samples) = self.plan.ladder_of(point) {
+            let request = self.plan.request(point);
             let steps = renderer.attributions(&request, samples, &BANDS)?;
             made.steps = Arc::new(StepRecord::of_attributions(&steps));
         }
@@ -232,28 +258,45 @@ impl<'p> Run<'p> {
         Ok(false)
     }
 
-    /// Reads the reference of a group back, or renders it.
-    fn reference(
+    /// Reads a reference with at most `samples` a pixel back, or renders it. The record of an exact
+    /// one is written.
+    pub(super) fn reference(
         &mut self,
         id: &str,
         point: &Point,
+        samples: u32,
         renderer: &mut dyn Renderer,
-    ) -> Result<ReferenceImage, CellFault> {
+    ) -> Result<Arc<ReferenceImage>, CellFault> {
         let name = images::radiance_name(point, id);
         let path = self.store.image_path(&name);
-        let request = self.plan.reference_request(point);
-        let stop = self.store.reference(id)?;
-        if self.is_as_recorded(id, &name, &path)?
+        let request = self.plan.reference_round(point, samples);
+        let is_exact = self.plan.reference_counts(point).len() == 1;
+        let record = self.store.reference(id)?;
+        let stop = record.map(|record| record.stop);
+        let has_samples = stop
+            .as_ref()
+            .is_some_and(|stop| stop.samples == u64::from(samples));
+        if (is_exact || has_samples)
+            && self.is_as_recorded(id, &name, &path)?
             && let Some(reference) = ReferenceImage::read(&path, &request, stop)
         {
-            return Ok(reference);
+            return Ok(Arc::new(reference));
         }
         let frame = Arc::new(renderer.render(&request)?);
-        let reference = ReferenceImage::of_frame(frame, &request);
-        if let Some(stop) = &reference.stop {
-            self.store.write_reference(id, stop)?;
+        let mut reference = ReferenceImage::of_frame(frame, &request);
+        if let Some(stop) = &mut reference.stop {
+            let stated = self.plan.config.reference.samples;
+            if !is_exact && samples < stated {
+                stop.stopped_by = StopReason::NoiseShare;
+            }
+            if is_exact {
+                let needs = BTreeMap::new();
+                let stop = stop.clone();
+                self.store
+                    .write_reference(id, &ReferenceRecord { stop, needs })?;
+            }
         }
-        Ok(reference)
+        Ok(Arc::new(reference))
     }
 
     /// The display image of a cell, and the reference with its own.

@@ -4,6 +4,7 @@
 mod cells;
 mod merge;
 mod outcome;
+mod references;
 mod session;
 mod timed;
 
@@ -14,13 +15,13 @@ use crate::base::csv;
 use crate::base::files::holds;
 use crate::experiment::plan::{Cell, Plan, ReferenceGroup};
 use crate::instrument::metrics::METRICS;
+use crate::run::cell_fault::CellFault;
 use crate::run::environments;
 use crate::run::estimate::{Ahead, Forecast};
 use crate::run::images;
 use crate::run::provenance::device_words;
 use crate::run::recovery::{self, RECOVERY_FILE};
 use crate::run::renderer::{RenderFault, Renderer};
-use crate::run::scoring::CellFault;
 use crate::run::split::Share;
 use crate::run::store::{CELLS_FOLDER, CellRecord, FailureRecord, KeptCell, Store};
 use crate::run::tables::{self, CellResult, Results};
@@ -260,8 +261,8 @@ impl<'p> Run<'p> {
             let mut cells = group.cells();
             let first = cells.clone().find(|cell| !self.is_done(cell))?;
             let request = || {
-                self.plan
-                    .reference_request(&self.plan.reference_point(&first.point))
+                let point = self.plan.reference_point(&first.point);
+                self.plan.least_reference(&point)
             };
             (cells.any(|cell| self.results.contains_key(&cell.id)) || renderer.has_kept(&request()))
                 .then(|| id.to_owned())

@@ -46,6 +46,8 @@ pub trait Progress {
     fn start(&mut self, total: usize, done: usize, ahead: Ahead);
     /// A step ended; `failure` says why it failed.
     fn step(&mut self, label: &str, failure: Option<&str>, ahead: Ahead);
+    /// Finished steps count as open again.
+    fn open_again(&mut self, _count: usize) {}
     /// A line for the user.
     fn note(&mut self, text: &str);
 }

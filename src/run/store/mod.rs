@@ -6,8 +6,8 @@ mod identity;
 mod lock;
 
 pub use super::record::{
-    BinRecord, CellRecord, Exact, FailureRecord, KeptCell, ReferenceStop, Scores, SteadinessScores,
-    StepRecord, StopReason,
+    BinRecord, CellRecord, Exact, FailureRecord, KeptCell, ReferenceRecord, ReferenceStop, Scores,
+    SteadinessScores, StepRecord, StopReason,
 };
 pub use fault::StoreError;
 
@@ -158,12 +158,12 @@ impl Store {
         self.write_sealed(&self.record_path(FAILED_FOLDER, &record.cell), record)
     }
 
-    pub fn reference(&self, id: &str) -> Result<Option<ReferenceStop>, StoreError> {
+    pub fn reference(&self, id: &str) -> Result<Option<ReferenceRecord>, StoreError> {
         usable(self.record(REFERENCES_FOLDER, id))
     }
 
-    pub fn write_reference(&self, id: &str, stop: &ReferenceStop) -> Result<(), StoreError> {
-        self.write_named(REFERENCES_FOLDER, id, stop)
+    pub fn write_reference(&self, id: &str, record: &ReferenceRecord) -> Result<(), StoreError> {
+        self.write_named(REFERENCES_FOLDER, id, record)
     }
 
     pub fn timing<T: DeserializeOwned>(&self, id: &str) -> Result<Option<T>, StoreError> {

@@ -9,7 +9,7 @@ pub use weighted::check_weight;
 use crate::experiment::axis::{AXES, ENVIRONMENT, ENVIRONMENT_SCALE, Point, SCENE};
 use crate::experiment::config::Config;
 use crate::experiment::value::Value;
-use crate::instrument::metrics::{Epsilon, METRICS, Weight};
+use crate::instrument::metrics::{Epsilon, METRICS, Metric, NoiseUse, Weight};
 use crate::instrument::scene::is_design;
 use crate::run::columns::UNSCORED;
 use crate::run::provenance::{Provenance, device_words};
@@ -155,6 +155,19 @@ impl Finished {
         self.light(point).map_or(Epsilon::ABSOLUTE, |light| {
             Epsilon::of_light(light.mean * scale)
         })
+    }
+
+    /// What its answers do with the noise floors.
+    pub fn noise_use(&self) -> NoiseUse {
+        self.provenance.reference.noise_use()
+    }
+
+    /// The score of a cell as answers have it: without the reference's noise, unless references are
+    /// exact. `None` for a failed cell.
+    pub fn score(&self, cell: &FinishedCell, metric: &Metric) -> Option<f64> {
+        let score = cell.scores.as_ref()?.get(metric.name)?;
+        let floor = cell.noise_floors.get(metric.name);
+        Some(self.noise_use().answered(metric, score, floor))
     }
 
     /// The devices of all sessions with their drivers, each once.

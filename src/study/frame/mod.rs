@@ -98,8 +98,9 @@ impl<'f> Frame<'f> {
         Some(self.metric.error(self.score(row)?))
     }
 
+    /// The score of a row, without noise if answers take it off ([`Finished::score`]).
     pub fn score(&self, row: &Row) -> Option<f64> {
-        row.score(self.metric_name())
+        self.run.score(row.cell, self.metric)
     }
 
     /// Expected score of an exact image.
@@ -110,9 +111,12 @@ impl<'f> Frame<'f> {
     /// Whether the error is resolved against the reference's noise; always, for metrics without a
     /// noise floor.
     pub fn is_resolved(&self, row: &Row) -> bool {
-        match (self.score(row), self.noise_floor(row)) {
-            (Some(error), Some(floor)) => verdict(self.metric, error, floor) == Verdict::Resolved,
-            (error, _) => error.is_some(),
+        let noise_use = self.run.noise_use();
+        match (row.score(self.metric_name()), self.noise_floor(row)) {
+            (Some(score), Some(floor)) => {
+                verdict(self.metric, score, floor, noise_use) == Verdict::Resolved
+            }
+            (score, _) => score.is_some(),
         }
     }
 
@@ -256,8 +260,8 @@ impl Row<'_> {
             .collect()
     }
 
-    /// `None` for a failed cell.
-    pub fn score(&self, metric: &str) -> Option<f64> {
+    /// The score as measured; `None` for a failed cell.
+    fn score(&self, metric: &str) -> Option<f64> {
         self.cell.scores.as_ref()?.get(metric)
     }
 

@@ -27,11 +27,13 @@ const ERROR: Column = column(
 );
 const NOISE_FLOOR: Column = column(
     "noise_floor",
-    "Error that an exact image would have, from the reference's own noise.",
+    "Error that an exact image would have, from the reference's own noise; taken off the error \
+     unless references are exact.",
 );
 const IS_RESOLVED: Column = column(
     "is_resolved",
-    "1 if the error is ten standard errors above that noise, else 0.",
+    "1 if the mean square error is at least 11 times that noise, or 100 times with exact references, \
+     else 0.",
 );
 const SAMPLED: Column = column("sampled", "The sampling method.");
 const FIXED: Column = column("fixed", "The method without samples.");
@@ -62,6 +64,7 @@ questions! {
     ladder,
     n_dot_v,
     visibility,
+    key_light,
     pictures,
     recovery,
     times,

@@ -116,7 +116,10 @@ fn bin_errors<'r, 'f>(frame: &Frame, images: &VariantImages<'r, 'f>) -> Vec<BinE
 
 fn bin_error(frame: &Frame, row: &Row, bin: [f64; 2]) -> Option<f64> {
     let known = row.cell.bins.iter().find(|known| known.lo == bin[0])?;
-    let score = known.scores.get(frame.metric_name())?;
+    let name = frame.metric_name();
+    let floor = known.noise_floors.get(name);
+    let noise_use = frame.run.noise_use();
+    let score = noise_use.answered(frame.metric, known.scores.get(name)?, floor);
     Some(frame.metric.error(score)).filter(|error| error.is_finite())
 }
 

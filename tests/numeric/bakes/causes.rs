@@ -7,8 +7,8 @@ use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 use splitsum::bake::convention::{Axes, PRESETS};
 use splitsum::bake::judge::{
-    Cause, ChainSlip, Doubt, FaceTurn, Judged, Mips, SourceSlip, TableFlags, TableSlip, TexelGrid,
-    Truth, Verdict, WidthLaw, WrongBorders, table,
+    Cause, ChainSlip, Doubt, FaceTurn, Judged, MipSource, Mips, SourceSlip, TableFlags, TableSlip,
+    TexelGrid, Truth, Verdict, WidthLaw, WrongBorders, table,
 };
 use splitsum::bake::make::dfg;
 use splitsum::bake::{Bake, Map};
@@ -27,7 +27,7 @@ fn truth(light: &Environment) -> Truth<'_> {
     Truth::new(light, Kernel::cosine(&Ggx), &ALPHAS)
 }
 
-fn causes_of(judged: &Judged, level: usize) -> &[Cause] {
+pub fn causes_of(judged: &Judged, level: usize) -> &[Cause] {
     judged.levels[level].verdict.causes()
 }
 
@@ -217,7 +217,7 @@ fn half_a_texel_that_level_0_hands_on_is_named() {
 }
 
 /// Half vectors of GGX on a Hammersley grid, as bakers draw them.
-fn half_vectors(count: u32, alpha: f64) -> Vec<DVec3> {
+pub fn half_vectors(count: u32, alpha: f64) -> Vec<DVec3> {
     (0..count)
         .map(|i| {
             let xi = f64::from(i.reverse_bits()) / 2f64.powi(32);
@@ -229,34 +229,47 @@ fn half_vectors(count: u32, alpha: f64) -> Vec<DVec3> {
         .collect()
 }
 
-/// A level of 1024 samples that blur the light as linear lookups do `levels` too high: by a
-/// Gaussian about each, whose variance along an axis is a quarter of the texels' solid angle. Eight
+/// What 1024 samples make of the light that each blurs as linear lookups do `levels` too high: by a
+/// Gaussian about it, whose variance along an axis is a quarter of the texels' solid angle. Eight
 /// directions at `√2 σ` have this variance.
+pub fn coarse_texel(
+    light: &Environment,
+    halves: &[DVec3],
+    alpha: f64,
+    levels: f64,
+    n: DVec3,
+) -> DVec3 {
+    let (t, b) = n.any_orthonormal_pair();
+    let mut sum = DVec3::ZERO;
+    let mut whole = 0.0;
+    for h in halves {
+        let h_world = t * h.x + b * h.y + n * h.z;
+        let l = 2.0 * n.dot(h_world) * h_world - n;
+        let n_dot_l = n.dot(l);
+        if n_dot_l > 0.0 {
+            let pdf = Ggx.d(*h, alpha) / 4.0;
+            let omega = 4f64.powf(levels) / (1024.0 * pdf);
+            sum += n_dot_l * blurred(light, l, omega);
+            whole += n_dot_l;
+        }
+    }
+    sum / whole
+}
+
+/// The light along l, by a lookup in texels of this solid angle.
+pub fn blurred(light: &Environment, l: DVec3, omega: f64) -> DVec3 {
+    let radius = (2.0 * omega / 4.0).sqrt();
+    let (right, up) = l.any_orthonormal_pair();
+    let around = |k: u32| {
+        let (sin, cos) = (PI * f64::from(k) / 4.0).sin_cos();
+        light.radiance(l + radius.tan() * (right * cos + up * sin))
+    };
+    (0..8).map(around).sum::<DVec3>() / 8.0
+}
+
 fn coarse_level(light: &Environment, alpha: f64, levels: f64) -> Vec<RgbImage> {
     let halves = half_vectors(1024, alpha);
-    let texel = |n: DVec3| {
-        let (t, b) = n.any_orthonormal_pair();
-        let mut sum = DVec3::ZERO;
-        let mut whole = 0.0;
-        for h in &halves {
-            let h_world = t * h.x + b * h.y + n * h.z;
-            let l = 2.0 * n.dot(h_world) * h_world - n;
-            let n_dot_l = n.dot(l);
-            if n_dot_l > 0.0 {
-                let pdf = Ggx.d(*h, alpha) / 4.0;
-                let omega = 4f64.powf(levels) / (1024.0 * pdf);
-                let radius = (2.0 * omega / 4.0).sqrt();
-                let (right, up) = l.any_orthonormal_pair();
-                let around = |k: u32| {
-                    let (sin, cos) = (PI * f64::from(k) / 4.0).sin_cos();
-                    light.radiance(l + radius.tan() * (right * cos + up * sin))
-                };
-                sum += n_dot_l * (0..8).map(around).sum::<DVec3>() / 8.0;
-                whole += n_dot_l;
-            }
-        }
-        sum / whole
-    };
+    let texel = |n: DVec3| coarse_texel(light, &halves, alpha, levels, n);
     faces(&LAYOUTS[0], [8; 2], texel)
 }
 
@@ -269,10 +282,11 @@ fn samples_that_read_mips_too_coarse_are_named_with_their_levels() {
             .to_vec(),
     );
     let judged = judged(&light, map, Some(&ALPHAS));
-    let [Cause::CoarseMips { levels }] = causes_of(&judged, 1) else {
+    let [Cause::CoarseMips { levels, source }] = causes_of(&judged, 1) else {
         panic!("{:?}: {}", judged.levels, judged.verdict());
     };
     assert!((levels - 2.5).abs() < 0.4, "{levels}");
+    assert_eq!(*source, MipSource::Cube);
     let has_gain = judged
         .causes()
         .iter()
@@ -298,7 +312,7 @@ fn law_of(judged: &Judged) -> Option<WidthLaw> {
 }
 
 /// Ten lamps of 3 degrees on a dim sky.
-fn lamps() -> Environment {
+pub fn lamps() -> Environment {
     let lamp = |k: u32| {
         let k = f64::from(k);
         DVec3::new((2.4 * k).cos(), 0.9 - 0.2 * k, (2.4 * k).sin()).normalize()
@@ -325,7 +339,7 @@ fn chains_of_other_widths_are_named_beside_coarse_mips() {
     let vtk = coarse_chain(&light, 5, 5.0, 3.0);
     assert_eq!(law_of(&vtk), Some(WidthLaw::OverCount), "{}", vtk.verdict());
     let fixed = vtk.fixed.as_ref().unwrap();
-    let [Cause::CoarseMips { levels }] = causes_of(fixed, 1) else {
+    let [Cause::CoarseMips { levels, .. }] = causes_of(fixed, 1) else {
         panic!("{}", vtk.verdict());
     };
     assert!((levels - 3.0).abs() < 0.4, "{levels}");
@@ -347,10 +361,11 @@ fn chains_of_other_widths_are_named_beside_coarse_mips() {
 fn coarse_mips_of_right_widths_are_not_another_chain() {
     let judged = coarse_chain(&lamps(), 5, 4.0, 3.0);
     assert!(judged.chain.is_none(), "{}", judged.verdict());
-    let [Cause::CoarseMips { levels }] = causes_of(&judged, 1) else {
+    let [Cause::CoarseMips { levels, source }] = causes_of(&judged, 1) else {
         panic!("{}", judged.verdict());
     };
     assert!((levels - 3.0).abs() < 0.4, "{levels}");
+    assert_eq!(*source, MipSource::Cube);
 }
 
 /// The last level is up to 12 % too dark towards -y, as no known slip makes it.

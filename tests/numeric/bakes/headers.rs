@@ -132,6 +132,26 @@ fn stated_colours_are_converted_to_linear_rec709() {
     assert!(refused.contains("PQ EOTF (code 10)"), "{refused}");
 }
 
+/// KDF 1.4: the models 163 to 168 are transcoded before they are drawn.
+#[test]
+fn universal_texels_are_refused_by_name() {
+    for (model, name) in [(163, "ETC1S"), (166, "UASTC"), (167, "UASTC HDR of 4x4")] {
+        let level = vec![vec![floats(&[1.0; 4])]];
+        let mut file = ktx2_with(texel("rgba32f"), 1, &level, [model, 1, 2, 0], &[]);
+        // Such files have no Vulkan format; ETC1S is packed by BasisLZ.
+        file[12..16].copy_from_slice(&0u32.to_le_bytes());
+        file[44..48].copy_from_slice(&u32::from(model == 163).to_le_bytes());
+        let message = from_bytes(Path::new("x.ktx2"), &file)
+            .unwrap_err()
+            .to_string();
+        assert!(
+            message.contains(&format!("its texels are {name}")),
+            "{message}"
+        );
+        assert!(message.contains("ktx create --format"), "{message}");
+    }
+}
+
 #[test]
 fn levels_packed_by_zlib_are_read() {
     let plain = files::ktx2(texel("rgba32f"), 2, &numbered(), false);

@@ -264,7 +264,7 @@ fn nvdiffrec_gets_levels_and_taps_of_its_spacing() {
     for (alpha, roughness) in alphas.iter().zip(&due) {
         assert!((alpha.as_f64().unwrap().sqrt() - roughness).abs() < 1e-12);
     }
-    let spacing = LevelSpacing::listed(due).unwrap();
+    let spacing = LevelSpacing::listed(&due).unwrap();
     let kernel = Kernel::new(
         &Ggx,
         Preset::listed("nvdiffrec").convention().weight,
@@ -300,7 +300,7 @@ fn listed_widths_of_a_preset_need_as_many_levels() {
             .convention()
             .spacing(3)
             .unwrap()
-            .level_count(),
+            .level_count,
         3
     );
     let fault = preset("[0.01, 0.25, 1.0]", 4).unwrap_err();

@@ -5,6 +5,7 @@ use super::files::faces;
 use super::scores::marked_light;
 use glam::{DVec2, DVec3};
 use image::{ImageFormat, Rgba, RgbaImage};
+use rayon::prelude::*;
 use serde_json::json;
 use splitsum::bake::ENVIRONMENT_FORMATS;
 use splitsum::bake::convention::{Axes, Preset};
@@ -25,7 +26,7 @@ use std::f64::consts::PI;
 use std::io::Cursor;
 use std::path::Path;
 
-fn judged_file(light: &Environment, path: &Path) -> Judged {
+pub fn judged_file(light: &Environment, path: &Path) -> Judged {
     let bake = read(&[path.display().to_string()], Reading::default()).unwrap();
     let judging = Judging::stated(&bake.stated).unwrap();
     judging.judge(light, &bake, |_| ()).unwrap()
@@ -195,11 +196,24 @@ fn an_exact_env_of_babylon_is_good() {
     refused(&renamed, "its images are image/bmp");
 }
 
-/// RGBP: roots over a scale of whole bytes that brings the largest below 1.
-fn rgbp(color: DVec3) -> Rgba<u8> {
+/// How an encoder rounds the scale of RGBP to a byte.
+#[derive(Clone, Copy, PartialEq)]
+pub enum RgbpScale {
+    /// Brings the largest root below 1.
+    RoundedDown,
+    /// As PlayCanvas 2.23.3 does: the largest root is cut at 1.
+    RoundedUp,
+}
+
+/// RGBP: roots over a scale of whole bytes.
+fn rgbp(color: DVec3, rounding: RgbpScale) -> Rgba<u8> {
     let root = color.map(f64::sqrt);
     let largest = root.max_element().clamp(1.0, 8.0);
-    let scale = (255.0 * (1.0 - (largest - 1.0) / 7.0)).floor() / 255.0;
+    let scale = 255.0 * (1.0 - (largest - 1.0) / 7.0);
+    let scale = match rounding {
+        RgbpScale::RoundedDown => scale.floor(),
+        RgbpScale::RoundedUp => scale.ceil(),
+    } / 255.0;
     let byte = |value: f64| (255.0 * (value / (8.0 - 7.0 * scale)).min(1.0)).round() as u8;
     Rgba([
         byte(root.x),
@@ -221,26 +235,46 @@ const RECTANGLES: [[u32; 4]; 7] = [
     [128, 384, 64, 32],
 ];
 
-/// An atlas of levels for these widths; texture coordinates reach from border to border.
+/// An atlas of exact levels for these widths.
 fn atlas(light: &Environment, alphas: [f64; 6]) -> RgbaImage {
     let truth = Truth::new(light, Kernel::cosine(&Ggx), &alphas);
+    let maps: Vec<_> = alphas[1..]
+        .iter()
+        .map(|alpha| truth.prefiltered(*alpha))
+        .collect();
+    atlas_of(light, RgbpScale::RoundedDown, |k, d| match k {
+        0 => light.radiance(d),
+        _ => maps[k - 1].value(d),
+    })
+}
+
+/// An atlas whose levels hold `value`; texture coordinates reach from border to border.
+pub fn atlas_of(
+    light: &Environment,
+    scale: RgbpScale,
+    value: impl Fn(usize, DVec3) -> DVec3 + Sync,
+) -> RgbaImage {
     let (kernel, alpha) = Truth::of_irradiance();
     let irradiance = Truth::new(light, kernel, &[alpha]).prefiltered(alpha);
     let mut image = RgbaImage::from_pixel(512, 512, Rgba([0, 0, 0, 255]));
     for (k, [left, top, width, height]) in RECTANGLES.into_iter().enumerate() {
-        let map = (1..6).contains(&k).then(|| truth.prefiltered(alphas[k]));
         let inner = DVec2::new(f64::from(width - 2), f64::from(height - 2));
-        for y in 0..height {
-            for x in 0..width {
-                let uv = (DVec2::new(x.into(), y.into()) - 0.5) / inner;
-                let d = direction_from_uv(uv);
-                let value = match (k, &map) {
-                    (6, _) => irradiance.value(d),
-                    (_, Some(map)) => map.value(d),
-                    _ => light.radiance(d),
-                };
-                image.put_pixel(left + x, top + y, rgbp(value));
-            }
+        let texel = |(x, y): (u32, u32)| {
+            let uv = (DVec2::new(x.into(), y.into()) - 0.5) / inner;
+            let d = direction_from_uv(uv);
+            let value = if k == 6 {
+                irradiance.value(d)
+            } else {
+                value(k, d)
+            };
+            (left + x, top + y, rgbp(value, scale))
+        };
+        let places: Vec<(u32, u32)> = (0..height)
+            .flat_map(|y| (0..width).map(move |x| (x, y)))
+            .collect();
+        let texels: Vec<_> = places.into_par_iter().map(texel).collect();
+        for (x, y, pixel) in texels {
+            image.put_pixel(x, y, pixel);
         }
     }
     image

@@ -93,7 +93,7 @@ fn files_hold_the_tables_in_f64() {
             count,
         )
         .texels;
-        let spacing = LevelSpacing::Mapped {
+        let spacing = LevelSpacing {
             mapping: linear,
             level_count: 5,
         };
@@ -120,5 +120,49 @@ fn files_hold_the_tables_in_f64() {
                 halves[..]
             );
         }
+    }
+}
+
+/// The first level of a list has a width; its harmonics go as far as its lobe needs.
+#[test]
+fn a_listed_first_level_is_the_exact_integral() {
+    let dir = tempfile::tempdir().unwrap();
+    let environment = Environment::open("builtin:studio").unwrap();
+    let mapping = LevelMapping::of_list(&[0.12, 0.6, 1.0]).unwrap();
+    let settings = PrecomputeSettings {
+        prefilter_size: [16; 2],
+        prefilter_level_count: 3,
+        level_mapping: mapping,
+        dfg_size: 4,
+        ..PrecomputeSettings::default()
+    };
+    let baking = Baking {
+        environment: &environment,
+        settings,
+        brdfs: &[&Ggx as &dyn Brdf],
+        masking: MaskingShadowing::Correlated,
+    };
+    baking.bake(dir.path()).unwrap();
+    let level = exr::read(&dir.path().join("prefiltered_ggx_0.exr"))
+        .unwrap()
+        .rgb;
+    let quadrature = exact_quadrature(&environment.image);
+    let tolerance = Tolerance {
+        relative: 1e-5,
+        max_part_count: 100_000,
+    };
+    let alpha = mapping.alpha_from_mip(0.0, 3);
+    let largest = level.data.iter().flatten().fold(0.0, |a: f32, b| a.max(*b));
+    for index in (0..level.data.len() as u32).step_by(61) {
+        let [x, y] = [index % 16, index / 16];
+        let uv = glam::DVec2::new(f64::from(x) + 0.5, f64::from(y % 16) + 0.5) / 16.0;
+        let direction = (settings.layout.direction)(y / 16, uv);
+        let kernel = Kernel::cosine(&Ggx);
+        let exact = reference::prefilter(&quadrature, kernel, alpha, direction, tolerance).value;
+        let found = glam::DVec3::from_array(level.get(x, y).map(f64::from));
+        assert!(
+            (found - exact).abs().max_element() < 1e-4 * f64::from(largest),
+            "{x} {y}: {found} for {exact}"
+        );
     }
 }

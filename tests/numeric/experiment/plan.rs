@@ -5,11 +5,12 @@ use super::planned;
 use crate::occluded::{OCCLUDED, occluded_scene};
 use splitsum::bake::container::{Encoding, FORMATS, TEXELS};
 use splitsum::base::pixels::RgbImage;
-use splitsum::experiment::axis::{AXES, Axis, Layer, Part, SCENE};
+use splitsum::experiment::axis::{AXES, Axis, AxisId, Layer, Part, SCENE};
 use splitsum::experiment::plan::Source;
 use splitsum::experiment::value::Kind;
 use splitsum::experiment::{Cell, Plan};
 use splitsum::instrument::environment::LoadOptions;
+use splitsum::instrument::precompute::prefilter::LevelMapping;
 use splitsum::run::timing;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
@@ -229,6 +230,22 @@ fn ids_depend_on_everything_that_determines_pixels() {
     );
 }
 
+/// The steps lead from the reference to the textbook's split sum on the scene of statistics.
+#[test]
+fn only_the_textbooks_split_sum_has_steps() {
+    let methods = "method = [\"split-sum\", \"split-sum-two\", \"sampled\"]";
+    let plan = plan(&format!(
+        "name = \"x\"\n[axes]\nscene = [\"design\", \"sphere\"]\n{methods}\nsamples = [8]\ndiffuse = \
+         [\"none\"]\nsize = [[64, 64]]\n[ladder]\nsamples = 128\n"
+    ));
+    for cell in &plan.cells {
+        let [scene, method] = ["scene", "method"].map(|axis| cell.point.get(axis).text());
+        let expected = (scene == "design" && method == "split-sum").then_some(128);
+        assert_eq!(plan.ladder_of(&cell.point), expected, "{scene} {method}");
+    }
+    assert_eq!(plan.cells.len(), 6);
+}
+
 /// Two values of an axis have two cells each. They have two references if the axis distinguishes
 /// cases; else one reference judges both. Tables without a coat and sheen have the columns that
 /// they had before both.
@@ -270,7 +287,7 @@ fn the_reference_inherits_the_axes_of_cases_alone() {
             Kind::Input => "\"builtin:sky\", \"builtin:studio\"".to_owned(),
             Kind::Pair { .. } => "[64, 64], [128, 128]".to_owned(),
             Kind::Count { .. } => "2, 3".to_owned(),
-            Kind::Name { names, .. } => names()[..2]
+            Kind::Name { names, .. } | Kind::NameOrList { names, .. } => names()[..2]
                 .iter()
                 .map(|name| format!("{name:?}"))
                 .collect::<Vec<_>>()
@@ -287,6 +304,11 @@ fn the_reference_inherits_the_axes_of_cases_alone() {
             let value = if layer == Layer::Frames { 2 } else { 1 };
             format!("{} = [{value}]\n", layer.name())
         });
+        let lights = if Layer::Lights.has(AxisId::find(axis.name).unwrap()) {
+            "[[lights]]\nkind = \"directional\"\ndirection = [0, -1, 0]\n"
+        } else {
+            ""
+        };
         // These depend on another value, too.
         let more = match axis.name {
             "ema_factor" => "accumulation = [\"ema\"]\n",
@@ -295,7 +317,7 @@ fn the_reference_inherits_the_axes_of_cases_alone() {
             _ => "",
         };
         let plan = plan(&format!(
-            "name = \"x\"\n[axes]\n{by}{layer}{more}{} = [{values}]\nmethod = \
+            "name = \"x\"\n{lights}[axes]\n{by}{layer}{more}{} = [{values}]\nmethod = \
              [\"sampled\", \"split-sum\", \"split-sum-bent\"]\nsamples = [4]\n\
                  diffuse = [\"irradiance-map\"]\n",
             axis.name
@@ -614,4 +636,40 @@ fn tables_of_other_tools_count_by_their_content() {
         error.contains("e.toml:3:23: ") && error.contains("c.ktx: cannot be read"),
         "{error}"
     );
+}
+
+/// A list of levels is one value of the axis, in every place that takes it.
+#[test]
+fn level_mapping_takes_a_list_of_roughnesses() {
+    const LIST: &str = "0.08:0.3:1";
+    let list = LevelMapping::of_list(&[0.08, 0.3, 1.0]).unwrap();
+    let mappings = |text: &str, set: &[&str]| {
+        let plan = planned(text, set).unwrap();
+        let of_cell = |cell: &Cell| {
+            let name = cell.point.get("level_mapping").to_string();
+            (name, plan.request(&cell.point).shading.precompute)
+        };
+        plan.cells.iter().map(of_cell).collect::<Vec<_>>()
+    };
+    let sweep = "name = \"x\"\n[axes]\nmethod = [\"split-sum\"]\nprefilter_level_count = [3]\n";
+    let written = format!("{sweep}level_mapping = [\"linear\", [0.08, 0.30, 1]]\n");
+    let whole = format!("{sweep}[precompute]\nlevel_mapping = [0.08, 0.3, 1.0]\n");
+    for (cells, expected) in [
+        (mappings(&written, &[]), &["linear", LIST][..]),
+        (mappings(&whole, &[]), &[LIST][..]),
+        (
+            mappings(sweep, &[&format!("level_mapping={LIST}")]),
+            &[LIST][..],
+        ),
+        (
+            mappings(sweep, &[&format!("level_mapping=unity,{LIST}")]),
+            &["unity", LIST][..],
+        ),
+    ] {
+        let names: Vec<&str> = cells.iter().map(|(name, _)| name.as_str()).collect();
+        assert_eq!(names, expected);
+        let (_, settings) = cells.last().unwrap();
+        assert_eq!(settings.level_mapping, list);
+        assert!((settings.level_mapping.alpha_from_mip(0.0, 3) - 0.0064).abs() < 1e-12);
+    }
 }

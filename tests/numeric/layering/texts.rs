@@ -110,6 +110,11 @@ const FORMATS: &[[&str; 3]] = &[
         r##""#?""##,
         "header of Radiance",
     ],
+    [
+        "src/base/pixels/radiance/header.rs",
+        r#""-vt""#,
+        "views of Radiance",
+    ],
     ["src/cli/bake.rs", r#"".toml""#, "extension"],
     [
         "src/cli/check_shader.rs",

@@ -502,6 +502,35 @@ fn colour_labels_are_read_in_the_order_of_openexr() {
     );
 }
 
+/// OpenImageIO's name of a space does not count in OpenEXR; whole numbers are rarely light.
+#[test]
+fn foreign_labels_and_whole_numbers_are_named() {
+    let by_oiio = |space: &str| attribute("oiio:ColorSpace", "string", space.as_bytes());
+    let warnings = labelled(&by_oiio("ACEScg")).unwrap().warnings;
+    assert!(
+        warnings[0].contains("oiio:ColorSpace is \"ACEScg\""),
+        "{warnings:?}"
+    );
+    assert!(
+        labelled(&by_oiio("scene_linear"))
+            .unwrap()
+            .warnings
+            .is_empty()
+    );
+    // Chromaticities say more.
+    let both = [by_oiio("ACEScg"), chromaticities(ACESCG)].concat();
+    let warnings = labelled(&both).unwrap().warnings;
+    assert!(
+        warnings.iter().all(|warning| !warning.contains("oiio")),
+        "{warnings:?}"
+    );
+
+    let whole = ["B", "G", "R"].map(|name| channel(name, 0, |_, _| 7.0));
+    let (file, _) = handmade(&whole, [0, 0, 0, 0], [0, 0, 0, 0], &[]);
+    let warnings = read(&file).unwrap().warnings;
+    assert!(warnings[0].contains("whole numbers (uint)"), "{warnings:?}");
+}
+
 #[test]
 fn headers_that_scale_or_turn_are_named() {
     let scaled = labelled(&attribute(

@@ -163,6 +163,25 @@ fn odd_exposures_and_first_lines_are_read_with_a_warning() {
     }
 }
 
+/// Radiance's views are not lat-long maps, and its pixels may not be square.
+#[test]
+fn views_and_pixel_aspects_are_named() {
+    let warnings = |field: &str| {
+        let header = format!("{MAGIC}{field}\n\n-Y 1 +X 1\n");
+        read(&header, &[128, 128, 128, 128]).unwrap().warnings
+    };
+    assert!(warnings("VIEW= -vta -vh 180 -vv 180")[0].contains("an angular fisheye (-vta)"));
+    assert!(warnings("VIEW= -vp 0 0 0 -vtv -vh 45")[0].contains("a perspective view"));
+    assert!(warnings("PIXASPECT=2.0")[0].contains("pixel aspect ratio 2.0"));
+    for harmless in [
+        "VIEW= -vtc -vh 360 -vv 180",
+        "VIEW= -vp 0 0 0",
+        "PIXASPECT= 1.000",
+    ] {
+        assert!(warnings(harmless).is_empty(), "{harmless}");
+    }
+}
+
 #[test]
 fn headers_that_are_odd_but_legal() {
     let expected = read(&format!("{MAGIC}\n-Y 1 +X 1\n"), &ONE).unwrap().rgb;
@@ -170,7 +189,7 @@ fn headers_that_are_odd_but_legal() {
         "#?RGBE\n\n-Y 1 +X 1\n".to_owned(),
         "#?RADIANCE\r\nFORMAT=32-bit_rle_rgbe\r\n\r\n-Y 1 +X 1\r\n".to_owned(),
         format!(
-            "{MAGIC}# comment\nVIEW= -vtv\nGAMMA=1\nPRIMARIES=0 0 0 0 0 0 0 0\nSOFTWARE=x\n\n-Y 1 \
+            "{MAGIC}# comment\nVIEW= -vtc\nGAMMA=1\nPRIMARIES=0 0 0 0 0 0 0 0\nSOFTWARE=x\n\n-Y 1 \
              +X 1\n"
         ),
         format!("{MAGIC}PRIMARIES=.640 .330 .290 .600 .150 .060 .333 .333\n\n-Y 1 +X 1\n"),

@@ -34,6 +34,9 @@ pub struct Log {
     pub broken: Option<fn(&RenderRequest) -> bool>,
     /// Relative error of `split-sum`, if it is not [`SPLIT_SUM_ERROR`].
     pub split_sum_error: Option<fn(&RenderRequest) -> f32>,
+    /// Relative standard error of a reference by its samples, if it is not [`NOISE`]; its pixels
+    /// then err by as much.
+    pub noise: Option<fn(u32) -> f32>,
     /// Renders until the device is lost.
     pub renders_left: Option<usize>,
     /// Name of the device, if it is not `fake`.
@@ -76,6 +79,13 @@ fn set_error(set: u32) -> f32 {
         set if set.is_multiple_of(2) => SET_ERROR,
         _ => -SET_ERROR,
     }
+}
+
+/// 1 or -1, equally often and in no order.
+fn sign([x, y]: [u32; 2]) -> f32 {
+    let mixed =
+        (x.wrapping_mul(0x9e37_79b9) ^ y.wrapping_mul(0x85eb_ca6b)).wrapping_mul(0xc2b2_ae35);
+    if mixed >> 31 == 0 { 1.0 } else { -1.0 }
 }
 
 /// A number in [0, 1) of a text and of what a request asks for.
@@ -216,13 +226,15 @@ impl Renderer for Fake {
         );
         let dice_of_image = ["phase", "error"].map(|what| dice(request, what));
         // Some errors are within the noise.
-        let noise = if log.is_scrambled {
-            0.1 * dice(request, "noise").powi(2) as f32
-        } else {
-            NOISE
+        let noise = match log.noise {
+            Some(noise) => noise(request.reference_samples),
+            None if log.is_scrambled => 0.1 * dice(request, "noise").powi(2) as f32,
+            None => NOISE,
         };
+        let is_noisy = log.noise.is_some() && request.shading.method.name == "reference";
         let factor = |at: [u32; 2], k: usize| match log.is_scrambled {
             true => scrambled(dice_of_image, factor - 1.0, at, k),
+            false if is_noisy => 1.0 + noise * sign(at),
             false => factor,
         };
         let radiance = RgbImage::from_fn(width, height, |x, y| {

@@ -14,7 +14,7 @@ use std::sync::atomic::AtomicBool;
 /// cheapest.
 const SWEEP: &str = r#"
 name = "sweep"
-reference = { samples = 4096 }
+reference = { samples = 4096, noise_share = 0 }
 [axes]
 environment = ["builtin:sky", "builtin:studio", "builtin:constant"]
 alpha = [0.1, 0.25, 0.4, 0.6, 0.8, 1.0]
@@ -116,7 +116,7 @@ fn shared_work_counts_once_and_kept_references_not_at_all() {
             "method = [\"sampled\"]\nsamples = [1]\nframes = [4]\nmotion = [\"{motion}\"]\n"
         );
         let plan = self::plan(&format!(
-            "name = \"frames\"\nreference = {{ samples = 32 }}\n[axes]\n{axes}"
+            "name = \"frames\"\nreference = {{ samples = 32, noise_share = 0 }}\n[axes]\n{axes}"
         ));
         Steps::new(&plan, &[], plan.cells[0].reference.clone()).cell(&plan.cells[0])
     };

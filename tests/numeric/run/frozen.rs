@@ -10,7 +10,7 @@ use splitsum::run::frozen;
 use std::path::Path;
 
 const EXPERIMENT: &str = "name = \"files\"\nsize = [16, 16]\nscene = \"ball.obj\"\nreference = { \
-                          samples = 32 }\n[axes]\n\
+                          samples = 32, noise_share = 0 }\n[axes]\n\
                           environment = [\"maps/a.exr\", \"builtin:constant\"]\nmethod = \
                           [\"split-sum\"]\nalpha = [0.1, 0.5]\n";
 const BALL: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 1\nf 1//1 2//1 3//1\n";

@@ -191,6 +191,11 @@ pub fn finished(plan: &Plan, dir: &Path) -> PathBuf {
 pub fn assert_like_whole(dir: &Path, plan: &Plan) {
     let whole = tempfile::tempdir().unwrap();
     finished(plan, whole.path());
+    assert_alike(dir, whole.path(), plan);
+}
+
+/// Checks that two folders of a plan have the same tables, images and records.
+pub fn assert_alike(dir: &Path, whole: &Path, plan: &Plan) {
     let is_alike = |name: &String| {
         let differs = [
             "provenance.json",
@@ -210,7 +215,7 @@ pub fn assert_like_whole(dir: &Path, plan: &Plan) {
             .filter(|(name, _)| is_alike(name))
             .collect::<BTreeMap<_, _>>()
     };
-    let (found, due) = (left(dir), left(whole.path()));
+    let (found, due) = (left(dir), left(whole));
     let odd = |a: &BTreeMap<String, Vec<u8>>, b: &BTreeMap<String, Vec<u8>>| -> Vec<String> {
         a.keys()
             .filter(|name| !b.contains_key(*name))
@@ -227,7 +232,7 @@ pub fn assert_like_whole(dir: &Path, plan: &Plan) {
     }
     let ids =
         |dir: &Path| [CELLS_FOLDER, TIMINGS_FOLDER].map(|folder| Store::read_only(dir).ids(folder));
-    assert_eq!(ids(dir), ids(whole.path()));
+    assert_eq!(ids(dir), ids(whole));
     for cell in &plan.cells {
         let record = |dir: &Path| {
             Store::read_only(dir)
@@ -235,7 +240,7 @@ pub fn assert_like_whole(dir: &Path, plan: &Plan) {
                 .unwrap()
                 .expect("a record")
         };
-        let [mut found, due] = [record(dir), record(whole.path())];
+        let [mut found, due] = [record(dir), record(whole)];
         found.device = due.device.clone();
         // A second tone curve gives every cell a further file.
         assert_eq!(found, due);

@@ -19,7 +19,7 @@ const EXPERIMENT: &str = r#"
 name = "tiny"
 question = "When does sampling win?"
 size = [24, 24]
-reference = { samples = 64 }
+reference = { samples = 64, noise_share = 0 }
 [axes]
 alpha = [0.1, 0.5]
 environment = ["builtin:sky", "builtin:constant"]
@@ -370,7 +370,7 @@ fn every_cell_is_in_one_part_and_parts_have_no_image_in_common() {
 #[test]
 fn as_many_parts_as_references_hold_one_each() {
     let plan = plan(
-        "name = \"even\"\nreference = { samples = 32 }\n[axes]\nmethod = [\"sampled\"]\nf0 = [0.1, \
+        "name = \"even\"\nreference = { samples = 32, noise_share = 0 }\n[axes]\nmethod = [\"sampled\"]\nf0 = [0.1, \
          0.2, 0.3, 0.4]\n",
     );
     let sizes = |count| {

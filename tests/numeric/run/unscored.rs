@@ -125,8 +125,11 @@ fn summary_and_report_say_once_that_nothing_is_scored() {
 
 #[test]
 fn an_unscored_plan_is_cheaper_and_splits_by_image() {
-    let [scored, unscored] =
-        [experiment("reference = { samples = 64 }\n"), unscored()].map(|text| plan(&text));
+    let [scored, unscored] = [
+        experiment("reference = { samples = 64, noise_share = 0 }\n"),
+        unscored(),
+    ]
+    .map(|text| plan(&text));
     let seconds = |plan: &Plan| {
         let cells: Vec<_> = plan.cells.iter().collect();
         Forecast::new(plan, &cells, &[], []).ahead(0.0).seconds

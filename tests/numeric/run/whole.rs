@@ -10,7 +10,7 @@ pub const EXPERIMENT: &str = r#"
 name = "tiny"
 question = "When does sampling win?"
 size = [24, 24]
-reference = { samples = 64 }
+reference = { samples = 64, noise_share = 0 }
 [axes]
 environment = ["builtin:constant"]
 brdf = ["ggx", "phong"]

@@ -168,7 +168,7 @@ fn every_form_of_a_mesh_gives_the_same_triangles() {
     assert_eq!(triangle_corners(&loaded(&named).meshes[0]), expected);
 
     // Interleaved positions and normals; a sparse element moves the last corner.
-    let bent = loaded(&sheet()).meshes.remove(0);
+    let bent = loaded(&sheet()).meshes[0].clone();
     let rows: Vec<f32> = (0..4)
         .flat_map(|i| [bent.positions[i], bent.normals[i]].concat())
         .collect();
@@ -455,7 +455,9 @@ fn a_flat_normal_map_changes_nothing() {
         decoded[..2].iter().all(|x| (x - 1.0 / 255.0).abs() < 1e-6) && decoded[2] == 1.0,
         "{decoded:?}"
     );
-    mapped.textures[0] = Texture::new(RgbImage::filled(2, 2, [0.0, 0.0, 1.0]), Wrap::REPEAT);
+    let mut textures = mapped.textures.to_vec();
+    textures[0] = Texture::new(RgbImage::filled(2, 2, [0.0, 0.0, 1.0]), Wrap::REPEAT);
+    mapped.textures = textures.into();
     let tangents = &mapped.meshes[0].tangents;
     assert!(
         tangents
@@ -592,6 +594,9 @@ fn unsupported_and_broken_files_are_refused() {
                 .remove("bufferView");
         }),
         ("version 1", |m| m["asset"]["version"] = json!("1.0")),
+        ("a later version that is needed", |m| {
+            m["asset"] = json!({ "version": "2.1", "minVersion": "2.1" });
+        }),
         ("a ring of nodes", |m| {
             m["nodes"][0]["children"] = json!([0])
         }),
@@ -698,17 +703,55 @@ fn unsupported_and_broken_files_are_refused() {
 fn ignored_features_cause_a_warning() {
     let mut model = quad();
     model["materials"] = json!([{ "alphaMode": "MASK" }]);
-    model["extensionsUsed"] = json!(["KHR_lights_punctual"]);
+    model["extensionsUsed"] = json!(["KHR_materials_iridescence"]);
     assert_eq!(
         loaded(&model).warnings,
-        ["not read: KHR_lights_punctual, transparency"]
+        ["not read: KHR_materials_iridescence, transparency"]
     );
     model["materials"][0] =
         json!({ "extensions": { "KHR_materials_clearcoat": { "clearcoatFactor": 2 } } });
     assert_eq!(
         loaded(&model).warnings,
-        ["not read: KHR_lights_punctual, factors outside [0, 1] (clamped)"]
+        ["not read: KHR_materials_iridescence, factors outside [0, 1] (clamped)"]
     );
+}
+
+/// Extensions of materials and nodes count without being listed as used.
+#[test]
+fn extensions_that_are_not_listed_are_named() {
+    let mut model = quad();
+    model["asset"] = json!({ "version": "2.1", "minVersion": "2.0" });
+    model["materials"] = json!([{ "extensions": {
+        "KHR_materials_transmission": { "transmissionFactor": 1 },
+        "KHR_materials_clearcoat": { "clearcoatFactor": 1 },
+    } }]);
+    model["nodes"][0]["extensions"] = json!({ "KHR_node_visibility": { "visible": false } });
+    let scene = loaded(&model);
+    assert_eq!(
+        scene.warnings,
+        ["not read: KHR_materials_transmission, KHR_node_visibility"]
+    );
+    assert!(scene.has_coat());
+}
+
+/// One of four normals has no direction: it is the mean of its triangles', and the others stay.
+#[test]
+fn normals_of_zero_length_are_computed_with_a_warning() {
+    let positions = [-1., 1., 0., -1., -1., 0., 1., -1., 0., 1., 1., 0.];
+    let normals = [0., 0., 0., 0.6, 0., 0.8, 0., 0., 1., f32::NAN, 0., 0.];
+    let model = mesh(
+        &[("POSITION", 3, &positions), ("NORMAL", 3, &normals)],
+        &[0, 1, 2, 0, 2, 3],
+    );
+    let scene = loaded(&model);
+    assert_eq!(
+        scene.warnings,
+        ["computed 2 normals that are zero or not finite in the file"]
+    );
+    let right = [[0., 0., 1.], [0.6, 0., 0.8], [0., 0., 1.], [0., 0., 1.]];
+    for (found, right) in scene.meshes[0].normals.iter().zip(right) {
+        assert!((vector(*found) - vector(right)).length() < F32, "{found:?}");
+    }
 }
 
 /// Chunks of unknown types are skipped, wherever the binary one is.

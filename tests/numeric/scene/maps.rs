@@ -289,7 +289,7 @@ fn too_many_maps_are_made_coarser() {
             "{:?}",
             scene.warnings
         );
-        for map in &scene.textures {
+        for map in scene.textures.iter() {
             let level = &map.levels[0];
             let wanted = (0..level.data.len() as u32).map(|i| {
                 if 2 * (i % level.width) < level.width {

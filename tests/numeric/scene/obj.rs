@@ -66,7 +66,7 @@ fn every_form_of_a_face_gives_the_same_square() {
         format!("\u{feff}# C:\\models\\\n{QUAD}o a\ng b c\ns 1\nf 1 2 3 4\n"),
         format!("{QUAD}f 1 2 3 4\n").replace('\n', "\r\n"),
         format!("{QUAD}\tf\t1  2\t3 4  \n").replace("v ", "v\t"),
-        "v 0 0 0 1 0 0\nv 1. +0 0\nv 1e0 10E-1 .0 1\nv 0 1 0 0.5 0.5\nf 1 2 3 4\n".to_owned(),
+        "v 0 0 0 1\nv 1. +0 0\nv 1e0 10E-1 .0 1\nv 0 1 0 0.5 0.5\nf 1 2 3 4\n".to_owned(),
     ];
     for text in forms {
         let scene = loaded(&text);
@@ -125,6 +125,7 @@ fn wrong_files_are_refused_with_the_line() {
         "Kd 1 1",
         "Kd 1 1 x",
         "Kd spectral a.rfl",
+        "Ke xyz 0.3 0.3 0.3",
         "Ns inf",
         "Ns 1e999",
         "Pr",
@@ -635,6 +636,70 @@ fn an_albedo_map_is_not_occlusion() {
     assert!(warnings.contains("not read: map_Ka"), "{warnings}");
     let empty = of_material("map_Ka").unwrap_err();
     assert!(empty.contains("expected a file"), "{empty}");
+}
+
+/// One number is a grey, as of the format's description.
+#[test]
+fn colours_of_one_number_are_grey() {
+    let scene = of_material("Kd 0.25\nKe 0.5").expect("a readable file");
+    assert_eq!(scene.materials[0].albedo, [0.25; 3]);
+    assert_eq!(scene.materials[0].emission.color, [0.5; 3]);
+    assert!(scene.warnings.is_empty(), "{:?}", scene.warnings);
+}
+
+/// Forms of statements that let light through or tint the reflection.
+#[test]
+fn statements_of_glass_and_metal_are_named() {
+    for (line, name) in [
+        ("d -halo 0.5", "d"),
+        ("d 0.5 # half", "d"),
+        ("Tf xyz 0.2 0.2 0.2", "Tf"),
+        ("Tf spectral glass.rfl", "Tf"),
+        ("Tf 0.5", "Tf"),
+        ("illum 7", "illum"),
+        ("Ks 0.9 0.6 0.2", "Ks"),
+    ] {
+        let warnings = of_material(line).expect(line).warnings;
+        let ending = format!("not read: {name}");
+        assert!(
+            warnings.len() == 1 && warnings[0].ends_with(&ending),
+            "{line}: {warnings:?}"
+        );
+    }
+    for line in [
+        "d 1",
+        "d -halo 1",
+        "Tf 1 1 1",
+        "Tf 1",
+        "illum 2",
+        "Ks 0.5 0.5 0.5",
+        "Ks 0.5",
+    ] {
+        let warnings = of_material(line).expect(line).warnings;
+        assert!(warnings.is_empty(), "{line}: {warnings:?}");
+    }
+}
+
+/// Colours behind positions, ZBrush's comment, and normals without a direction.
+#[test]
+fn vertex_colours_and_zero_normals_are_named() {
+    let colored = QUAD.replace(" 0\n", " 0 1 0 0\n");
+    let warnings = loaded(&format!("{colored}f 1 2 3 4\n")).warnings;
+    assert_eq!(warnings, ["not read: vertex colours"]);
+    let weighted = QUAD.replace(" 0\n", " 0 2\n");
+    assert!(
+        loaded(&format!("{weighted}f 1 2 3 4\n"))
+            .warnings
+            .is_empty()
+    );
+    let warnings = loaded(&format!("{QUAD}#MRGB ffff0000\nf 1 2 3 4\n")).warnings;
+    assert_eq!(warnings, ["statements that are not read: 1 x #MRGB"]);
+    let scene = loaded(&format!("{QUAD}vn 0 0 0\nf 1//1 2//1 3//1 4//1\n"));
+    assert_eq!(
+        scene.warnings,
+        ["4 normals of zero length are computed from the faces"]
+    );
+    assert_eq!(scene.hash, loaded(&format!("{QUAD}f 1 2 3 4\n")).hash);
 }
 
 /// Statements in the wrong file, and names that nobody knows, are named in a warning.

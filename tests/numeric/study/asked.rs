@@ -316,7 +316,7 @@ fn an_irradiance_map_of_another_size_is_compared_with_coefficients() {
     let text = |point: &Point, name: &str| point.get(name).to_string();
     let run = super::paper::finished_of(
         &format!(
-            "name = \"made\"\nsize = [16, 16]\nreference = {{ samples = 32 }}\n[axes]\ndiffuse = \
+            "name = \"made\"\nsize = [16, 16]\nreference = {{ samples = 32, noise_share = 0 }}\n[axes]\ndiffuse = \
              [\"sh9\", \"irradiance-map\"]\n{axes}"
         ),
         |point| {

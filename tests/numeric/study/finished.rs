@@ -2,7 +2,7 @@
 
 use crate::run::runs::{finished, invoke, log, plan, read};
 use crate::run::whole::EXPERIMENT;
-use splitsum::experiment::axis::FRAMES;
+use splitsum::experiment::axis::AXES;
 use splitsum::experiment::value::Value;
 use splitsum::run::columns::{Columns, StepColumns};
 use splitsum::run::store::Store;
@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 
 /// A run of one case: the split sum and three counts.
 fn whole(dir: &Path) -> PathBuf {
-    let text = "name = \"x\"\nsize = [16, 16]\nreference = { samples = 32 }\n[axes]\nmethod = \
+    let text = "name = \"x\"\nsize = [16, 16]\nreference = { samples = 32, noise_share = 0 }\n[axes]\nmethod = \
                 [\"split-sum\", \"sampled\"]\n\
                 samples = [1, 4, 16]\ndiffuse = [\"none\"]\n";
     finished(&plan(text), dir)
@@ -178,7 +178,9 @@ fn a_run_reads_back_as_it_was_scored() {
     for (read, planned) in run.cells.iter().zip(&plan.cells) {
         // Tables have the axis of a layer only if the experiment names it.
         let mut point = planned.point.clone();
-        point[FRAMES] = Value::Unset;
+        for axis in AXES.ids().filter(|axis| !plan.columns.contains(axis)) {
+            point[axis] = Value::Unset;
+        }
         assert_eq!((&read.id, &read.point), (&planned.id, &point));
         assert!(
             read.scores

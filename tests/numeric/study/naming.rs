@@ -26,7 +26,7 @@ const METHODS: &str = "method = [\"split-sum\", \"split-sum-one\"]\nalbedo = [0]
 
 fn answered(head: &str, axes: &str) -> (Finished, Finding) {
     let text = format!(
-        "{head}name = \"made\"\nsize = [16, 16]\nreference = {{ samples = 32 }}\n[axes]\ndiffuse = \
+        "{head}name = \"made\"\nsize = [16, 16]\nreference = {{ samples = 32, noise_share = 0 }}\n[axes]\ndiffuse = \
          [\"none\"]\n{METHODS}{axes}"
     );
     let run = super::paper::finished_of(&text, made);

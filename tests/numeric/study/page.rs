@@ -78,7 +78,7 @@ const EXPERIMENT: &str = r#"
 name = "tiny"
 question = "When does sampling win?"
 size = [200, 200]
-reference = { samples = 64 }
+reference = { samples = 64, noise_share = 0 }
 [axes]
 environment = ["builtin:constant"]
 alpha = [0.1, 0.5]

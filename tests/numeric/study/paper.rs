@@ -53,7 +53,7 @@ fn cell_of(id: String, point: Point) -> FinishedCell {
     }
 }
 
-pub const HEAD: &str = "name = \"made\"\nsize = [16, 16]\nreference = { samples = 32 \
+pub const HEAD: &str = "name = \"made\"\nsize = [16, 16]\nreference = { samples = 32, noise_share = 0 \
                         }\n[axes]\ndiffuse = [\"none\"]\n";
 
 /// Synthetic data of a cell.

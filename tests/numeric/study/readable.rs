@@ -115,7 +115,8 @@ fn method(point: &Point) -> String {
     point.get("method").to_string()
 }
 
-const HEAD: &str = "name = \"made\"\nsize = [16, 16]\nreference = { samples = 32 }\n";
+const HEAD: &str =
+    "name = \"made\"\nsize = [16, 16]\nreference = { samples = 32, noise_share = 0 }\n";
 
 /// Two methods under six skies; the bins of n·v below and above 0.5 have 2 and 0.5 times the error.
 fn curves() -> Finished {
@@ -368,6 +369,34 @@ fn frames_reads() {
                sampled-vndf by 0.2 / frames, plus a lag of 0.02 k under a turning light; the \
                flicker is half the lag plus 0.001";
     assert_reads("frames", law, &finding(&run, "frames"));
+}
+
+#[test]
+fn key_light_reads() {
+    let text = format!(
+        "{HEAD}[[lights]]\nkind = \"directional\"\ndirection = [0, -1, -1]\nunit = \
+         \"map\"\n[axes]\n{}\ndiffuse = [\"none\"]\nalpha = [0.1, 0.5]\nmethod = \
+         [\"split-sum\"]\nlight_intensity = [0, 1, 16]\nlight_turn_deg = [0, 90]\nexposure = \
+         [1, 4, 100]\n",
+        skies(6)
+    );
+    let run = finished_of(&text, |point| {
+        let turned = number(point, "light_turn_deg") / 90.0;
+        let width = if number(point, "alpha") < 0.2 {
+            1.0
+        } else {
+            0.5
+        };
+        let flip = 0.08 * width * number(point, "exposure") * k(point) / 3.5 * (0.9 + 0.2 * turned)
+            / (1.0 + number(point, "light_intensity"));
+        Some(Made {
+            flip,
+            ..Made::error(0.01 * flip)
+        })
+    });
+    let law = "under sky k of 6 FLIP is 0.08 k / 3.5 times the exposure, half of it at alpha 0.5, \
+               over 1 + the intensity; a tenth less or more by the turn of the light";
+    assert_reads("key_light", law, &finding(&run, "key-light"));
 }
 
 #[test]

@@ -202,7 +202,7 @@ fn weighted_noise_floors_are_the_scores_of_an_exact_image() {
 #[test]
 fn recorded_bins_determine_scores_and_floors() {
     let bench = Bench::finished(
-        "name = \"bins\"\nscene = \"design\"\nsize = [24, 24]\nreference = { samples = 64 \
+        "name = \"bins\"\nscene = \"design\"\nsize = [24, 24]\nreference = { samples = 64, noise_share = 0 \
          }\n[axes]\nmethod = [\"split-sum\"]\ndiffuse = [\"none\"]\n",
     );
     let run = Finished::read(bench.dir.path()).unwrap();

@@ -126,8 +126,39 @@ pub(super) fn conversion(
             }
         }
     }
+    if chromaticities.is_none() {
+        warnings.extend(other_label(header));
+    }
     let foreign = chromaticities.filter(|found| !found.is_close_to(&REC709));
     Ok(foreign.and_then(|found| found.to_rec709_with_warning("chromaticities", warnings)))
+}
+
+/// Attributes of programs that name a colour space; OpenEXR does not define them.
+const OTHER_LABELS: [&str; 3] = ["oiio:ColorSpace", "colorSpace", "ColorSpace"];
+/// Names of linear Rec.709 in such attributes.
+const OTHER_REC709: [&str; 6] = [
+    "lin_rec709",
+    "lin_srgb",
+    "linear",
+    "scene_linear",
+    "linear rec.709 (srgb)",
+    "lin_rec709_scene",
+];
+
+/// Warns of a colour space that only an attribute of another program names.
+fn other_label(header: &Header) -> Option<String> {
+    let mut labels = OTHER_LABELS.iter();
+    labels.find_map(|name| {
+        let space = text(header, name)?;
+        let is_rec709 = OTHER_REC709.contains(&&*space.to_lowercase());
+        (!is_rec709).then(|| {
+            format!(
+                "The header's {name} is {space:?}, which OpenEXR does not define; Rec.709 was \
+                 assumed. `oiiotool in.exr --iscolorspace NAME --tocolorspace lin_rec709_scene -o \
+                 out.exr` converts the colours."
+            )
+        })
+    })
 }
 
 /// Takes the space of an attribute that wins over chromaticities, and warns of a conversion and of

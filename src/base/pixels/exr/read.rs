@@ -127,6 +127,7 @@ fn decode(bytes: &[u8], layer: Option<&str>, most_texels: u64) -> Result<Decoded
     warnings.extend(oddities(header));
     warnings.extend(other_layers);
     warnings.extend(missing_channels(&layer));
+    warnings.extend(whole_numbers(header, &layer));
     if let Some(to_rec709) = to_rec709 {
         convert(&mut planes.rgb, to_rec709, &mut warnings);
     }
@@ -248,6 +249,16 @@ fn missing_channels(layer: &Layer) -> impl Iterator<Item = String> {
         .zip(layer.rgb)
         .filter(|(_, channel)| channel.is_none())
         .map(|(name, _)| format!("Channel {name} is missing; it was set to 0."))
+}
+
+/// Warns of integers, which are numbers of objects more often than light.
+fn whole_numbers(header: &Header, layer: &Layer) -> Option<String> {
+    let is_whole = |channel: &usize| header.channels.list[*channel].sample_type == SampleType::U32;
+    let mut channels = layer.rgb.iter().flatten();
+    channels.any(is_whole).then(|| {
+        "The channels hold whole numbers (uint), as of objects; they were read as radiance."
+            .to_owned()
+    })
 }
 
 /// Returns the bytes of a part's block, at least 1. Refuses parts that need too much memory or

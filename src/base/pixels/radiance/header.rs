@@ -134,6 +134,20 @@ impl Fields {
                 self.primaries = parse_primaries(value)?;
                 Ok(())
             }
+            "PIXASPECT" => {
+                let aspect = value.trim();
+                if aspect.parse() != Ok(1.0) {
+                    self.warnings.push(format!(
+                        "The pixel aspect ratio {} is ignored; pixels are taken as square.",
+                        shorten(aspect)
+                    ));
+                }
+                Ok(())
+            }
+            "VIEW" => {
+                self.warnings.extend(other_view(value));
+                Ok(())
+            }
             _ => Ok(()),
         }
     }
@@ -161,6 +175,23 @@ impl Fields {
         self.exposure *= DVec3::splat(factors::<1>("EXPOSURE", first_word)?[0]);
         Ok(())
     }
+}
+
+/// Warns of a view of Radiance's programs, none of which is a lat-long map.
+fn other_view(value: &str) -> Option<String> {
+    let mut words = value.split_whitespace();
+    let kind = words.find_map(|word| word.strip_prefix("-vt"))?;
+    let name = match kind.chars().next()? {
+        'v' => "a perspective view",
+        'l' => "a parallel view",
+        'a' => "an angular fisheye",
+        'h' => "a hemispherical fisheye",
+        's' => "a planisphere",
+        _ => return None,
+    };
+    Some(format!(
+        "The header's VIEW says that the picture is {name} (-vt{kind}); it was read as a lat-long map."
+    ))
 }
 
 fn factors<const N: usize>(name: &str, text: &str) -> Result<[f64; N], Fault> {

@@ -8,7 +8,7 @@ pub(super) mod map;
 pub(super) mod view;
 
 use super::mean::pixel_mean;
-use super::{Metric, Space};
+use super::{Metric, NoiseEffect, Space};
 
 /// Pixels per degree of visual angle: distance · pixels / width · π / 180.
 pub const PIXELS_PER_DEGREE: f32 = 67.020_645;
@@ -17,6 +17,7 @@ pub const PIXELS_PER_DEGREE: f32 = 67.020_645;
 pub static FLIP: Metric = Metric {
     space: Space::Display,
     version: 2,
+    noise: NoiseEffect::Fades,
     parameters: &[("pixels_per_degree", PIXELS_PER_DEGREE as f64)],
     ..Metric::linear(
         "flip",

@@ -15,12 +15,13 @@ pub fn table(gpu: &Gpu, side: u32) -> Result<Image, GpuError> {
 }
 
 /// Fills `table` by quadrature with `sample_count` nodes per texel (a multiple of 32; others round
-/// down).
+/// down). `fresnel_f0` is the specialization constant.
 pub fn run(
     gpu: &Gpu,
     brdf: &dyn Brdf,
     masking_shadowing: MaskingShadowing,
     axes: DfgAxes,
+    fresnel_f0: f32,
     sample_count: u32,
     table: &Image,
 ) -> Result<Report, GpuError> {
@@ -29,6 +30,7 @@ pub fn run(
     let specialization = Specialization {
         masking: masking_shadowing as u32,
         dfg_axes: axes as u32,
+        fresnel_f0,
         ..Specialization::default()
     };
     let mut total = Report::default();

@@ -13,7 +13,9 @@
 use super::DfgAxes;
 use crate::base::math::quadrature::{Bounded, Rectangle, Tolerance, integrate_columns};
 use crate::base::pixels::Pixels;
-use crate::instrument::brdf::{Brdf, MaskingShadowing, g1, g2_from_g1, schlick_weight};
+use crate::instrument::brdf::{
+    Brdf, FresnelWeight, MaskingShadowing, g1, g2_from_g1, schlick_weight,
+};
 use crate::instrument::precompute::prefilter::Kernel;
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
@@ -48,6 +50,24 @@ pub fn dfg(model: &'static dyn Brdf, masking: MaskingShadowing, n_dot_v: f64, al
     dfg_within(model, masking, n_dot_v, alpha, EXACT)
 }
 
+/// Integrates A and B with another weight of f90, Fc.
+pub fn dfg_of(
+    model: &'static dyn Brdf,
+    masking: MaskingShadowing,
+    fresnel: FresnelWeight,
+    n_dot_v: f64,
+    alpha: f64,
+) -> Dfg {
+    dfg_weighted(
+        model,
+        masking,
+        n_dot_v,
+        [alpha, alpha],
+        EXACT,
+        |v_dot_h, _| [v_dot_h, fresnel.at(v_dot_h)],
+    )
+}
+
 /// Integrates A and B within a relative error.
 pub fn dfg_within(
     model: &'static dyn Brdf,
@@ -78,6 +98,28 @@ pub fn dfg_by(
     model: &'static dyn Brdf,
     masking: MaskingShadowing,
     n_dot_v: f64,
+    widths: [f64; 2],
+    relative: f64,
+    facet: impl Fn(f64, f64) -> [f64; 2],
+) -> Dfg {
+    dfg_weighted(
+        model,
+        masking,
+        n_dot_v,
+        widths,
+        relative,
+        |v_dot_h, n_dot_h| {
+            let [factor, cos] = facet(v_dot_h, n_dot_h);
+            [factor, schlick_weight(cos)]
+        },
+    )
+}
+
+/// Integrates A and B with the factor for v·h and Fc that `facet` returns for v·h and n·h.
+fn dfg_weighted(
+    model: &'static dyn Brdf,
+    masking: MaskingShadowing,
+    n_dot_v: f64,
     [alpha, of_masking]: [f64; 2],
     relative: f64,
     facet: impl Fn(f64, f64) -> [f64; 2],
@@ -89,9 +131,9 @@ pub fn dfg_by(
         } else {
             0.0
         };
-        let [factor, cos] = facet(v_dot_h, h.z);
+        let [factor, fc] = facet(v_dot_h, h.z);
         let weight = g2_from_g1(g1_v, g1_l, masking) * factor / (n_dot_v * h.z);
-        DVec3::new(weight, weight * schlick_weight(cos), 0.0)
+        DVec3::new(weight, weight * fc, 0.0)
     });
     let [albedo, f90_scale, _] = integral.value.to_array();
     Dfg {

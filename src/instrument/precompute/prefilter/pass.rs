@@ -105,7 +105,7 @@ pub fn run(
     Ok(total)
 }
 
-/// As [`run`], with all levels but the mirror synthesised on the host; reports the host's time.
+/// As [`run`], with all levels but a mirror synthesised on the host; reports the host's time.
 pub fn run_harmonic(
     gpu: &Gpu,
     recipe: Recipe,
@@ -114,12 +114,24 @@ pub fn run_harmonic(
     (points, harmonics): (&Points, &Harmonics),
     map: &Image,
 ) -> Result<Report, GpuError> {
-    let mut total = sample(gpu, recipe, layout, environment, points, map, 0)?;
-    for level in 1..map.mip_count() {
+    let mut total = Report::default();
+    for level in 0..map.mip_count() {
         let start = Instant::now();
         let alpha = recipe
             .mapping
             .alpha_from_mip(f64::from(level), map.mip_count());
+        if alpha == 0.0 {
+            total.add(sample(
+                gpu,
+                recipe,
+                layout,
+                environment,
+                points,
+                map,
+                level,
+            )?);
+            continue;
+        }
         let texels = harmonic::level(harmonics, recipe.kernel, alpha, layout, map.mip_size(level));
         gpu.write_image(map, level, &texels)?;
         let ms = 1e3 * start.elapsed().as_secs_f64();

@@ -1,9 +1,13 @@
 //! SH9 coefficients in f64, for each reading of the map.
 
+use super::TEXTURE_SIZE;
+use crate::base::math::equirect::{direction_from_uv, uv_from_direction};
 use crate::base::math::equirect_quadrature::EquirectQuadrature;
 use crate::base::math::quadrature::{Estimate, Tolerance};
-use crate::base::math::spherical_harmonics::{COUNT, basis};
-use glam::DVec3;
+use crate::base::math::spherical_harmonics::{COUNT, basis, irradiance};
+use crate::base::pixels::Pixels;
+use glam::{DVec2, DVec3};
+use std::f64::consts::PI;
 
 /// Nine coefficients of radiance, linear RGB.
 pub type Sh9 = [DVec3; COUNT];
@@ -24,4 +28,33 @@ pub fn project_bilinear_bounded(environment: &EquirectQuadrature) -> Estimate<CO
             max_part_count: 100_000,
         },
     )
+}
+
+/// Returns the texel of the irradiance texture at a column and row: irradiance over π of the
+/// direction at its centre, floored at 0.
+fn texture_texel(coefficients: &Sh9, x: u32, y: u32) -> DVec3 {
+    let [width, height] = TEXTURE_SIZE.map(f64::from);
+    let uv = DVec2::new((f64::from(x) + 0.5) / width, (f64::from(y) + 0.5) / height);
+    (irradiance(coefficients, direction_from_uv(uv)) / PI).max(DVec3::ZERO)
+}
+
+/// Makes the texture of irradiance over π.
+pub fn texture(coefficients: &Sh9) -> Pixels<DVec3> {
+    let [width, height] = TEXTURE_SIZE;
+    Pixels::from_fn(width, height, |x, y| texture_texel(coefficients, x, y))
+}
+
+/// Looks up the texture bilinearly at a unit normal; only the four texels around it are made.
+pub fn texture_lookup(coefficients: &Sh9, n: DVec3) -> DVec3 {
+    let [width, height] = TEXTURE_SIZE;
+    let place = uv_from_direction(n) * DVec2::new(width.into(), height.into()) - 0.5;
+    let corner = place.floor();
+    let share = place - corner;
+    let column = |step: i64| (corner.x as i64 + step).rem_euclid(width.into()) as u32;
+    let row = |step: i64| (corner.y as i64 + step).clamp(0, i64::from(height) - 1) as u32;
+    let across = |y: i64| {
+        let texel = |x: i64| texture_texel(coefficients, column(x), row(y));
+        texel(0).lerp(texel(1), share.x)
+    };
+    across(0).lerp(across(1), share.y)
 }

@@ -34,7 +34,7 @@ impl Chain {
     pub fn new(kernel: Kernel, mapping: &'static LevelMapping, level_count: u32) -> Self {
         Self::spaced(
             kernel,
-            LevelSpacing::Mapped {
+            LevelSpacing {
                 mapping,
                 level_count,
             },
@@ -43,7 +43,7 @@ impl Chain {
 
     /// Takes levels of any roughness.
     pub fn spaced(kernel: Kernel, spacing: LevelSpacing) -> Self {
-        let level_count = spacing.level_count();
+        let level_count = spacing.level_count;
         let has_mirror = spacing.alpha_from_level(0.0) < ALPHA_MIN.into();
         let first: Vec<f64> = if has_mirror {
             (1..PARTS_OF_LEVEL_1)
@@ -82,7 +82,7 @@ impl Chain {
 
     /// Returns the index of the roughest level.
     pub fn last(&self) -> f64 {
-        f64::from(self.spacing.level_count() - 1)
+        f64::from(self.spacing.level_count - 1)
     }
 
     /// Returns the real level of a width.

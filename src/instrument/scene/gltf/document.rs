@@ -4,8 +4,10 @@ use super::extensions;
 use ::gltf::json::{Root, validation::Checked};
 use ::gltf::{Document, Glb, Gltf};
 use serde::Deserialize;
+use serde::de::IgnoredAny;
 use serde_json::Value;
 use std::borrow::Cow;
+use std::collections::{BTreeMap, BTreeSet};
 
 /// Largest weight of the text, 16 per object and 1 per quotation mark: below 1 GiB, since an object
 /// takes up to 1 KiB.
@@ -21,17 +23,32 @@ struct Head {
     used: Vec<String>,
     #[serde(default)]
     materials: Vec<Value>,
+    #[serde(default)]
+    nodes: Vec<Extended>,
+}
+
+/// An object of which only the names of its extensions are read.
+#[derive(Deserialize)]
+struct Extended {
+    #[serde(default)]
+    extensions: BTreeMap<String, IgnoredAny>,
 }
 
 #[derive(Deserialize)]
 struct Asset {
     version: String,
+    /// Lowest version that can read the file.
+    #[serde(rename = "minVersion")]
+    min_version: Option<String>,
     generator: Option<String>,
 }
 
 /// Chunk types of a `.glb`.
 const JSON_CHUNK: &[u8] = b"JSON";
 const BINARY_CHUNK: &[u8] = b"BIN\0";
+
+/// The version that is read.
+const READ: &str = "2.0";
 
 /// The extension whose source replaces a texture's.
 const WEBP: &str = "EXT_texture_webp";
@@ -56,6 +73,8 @@ pub struct Parsed<'b> {
     pub generator: String,
     /// Members of each core material that are not read.
     pub unread_members: Vec<Vec<String>>,
+    /// Extensions of materials and nodes that `extensionsUsed` does not list and that are not read.
+    pub unlisted_extensions: Vec<String>,
 }
 
 /// Parses and checks a file.
@@ -103,9 +122,22 @@ pub fn parse(bytes: &[u8]) -> Result<Parsed<'_>, String> {
         document,
         blob,
         warnings: unread_chunks.into_iter().map(chunk_warning).collect(),
-        generator: head.asset.generator.unwrap_or_default(),
         unread_members: head.materials.iter().map(unread_members).collect(),
+        unlisted_extensions: unlisted_extensions(&head),
+        generator: head.asset.generator.unwrap_or_default(),
     })
+}
+
+fn unlisted_extensions(head: &Head) -> Vec<String> {
+    let of_materials = head
+        .materials
+        .iter()
+        .filter_map(|material| material.get("extensions")?.as_object())
+        .flat_map(|extensions| extensions.keys());
+    let of_nodes = head.nodes.iter().flat_map(|node| node.extensions.keys());
+    let is_unlisted = |name: &&String| !head.used.contains(name) && !extensions::is_read(name);
+    let names: BTreeSet<&String> = of_materials.chain(of_nodes).filter(is_unlisted).collect();
+    names.into_iter().cloned().collect()
 }
 
 /// Names the members of a core material that are not read.
@@ -217,6 +249,16 @@ fn check_head(head: &Head) -> Result<(), String> {
             head.asset.version
         ));
     }
+    if let Some(version) = head
+        .asset
+        .min_version
+        .as_ref()
+        .filter(|version| *version != READ)
+    {
+        return Err(format!(
+            "its minVersion is {version:?}; expected {READ}: export it as glTF {READ}"
+        ));
+    }
     match unread_extensions(&head.required).as_slice() {
         [] => Ok(()),
         [name] => Err(format!(
@@ -233,7 +275,7 @@ fn unread_extensions(names: &[String]) -> Vec<&str> {
     names
         .iter()
         .map(String::as_str)
-        .filter(|name| !extensions::is_accepted(name))
+        .filter(|name| !extensions::is_read(name))
         .collect()
 }
 

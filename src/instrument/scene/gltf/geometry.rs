@@ -5,6 +5,7 @@ use crate::instrument::scene::mesh::{Mesh, is_degenerate, position};
 use crate::instrument::scene::tangents;
 use ::gltf::mesh::Mode;
 use glam::{DAffine2, DMat3, DMat4, DVec3, Vec2, Vec3};
+use std::collections::BTreeMap;
 
 /// Largest coordinate: its square is finite in f32.
 const MAX_COORDINATE: f64 = 1e15;
@@ -95,6 +96,8 @@ pub struct Placed {
     pub mesh: Mesh,
     /// Skipped triangles without area.
     pub degenerate_count: usize,
+    /// Vertices whose normal in the file is zero or not finite, and was computed.
+    pub replaced_normal_count: usize,
     /// Corners whose tangent in the file is zero, not finite or along the normal.
     pub replaced_tangent_count: usize,
 }
@@ -136,12 +139,12 @@ impl Attributes {
         let triangles = triangles(mode, &self.indices);
         let degenerate_count = add_triangles(&mut mesh, triangles, placement.is_mirroring());
 
-        let has_normal = |index: &u32| {
-            mesh.normals
-                .get(*index as usize)
-                .is_some_and(|normal| *normal != [0.0; 3])
+        let is_flat = mesh.normals.is_empty();
+        let replaced_normal_count = if is_flat {
+            0
+        } else {
+            replace_zero_normals(&mut mesh)
         };
-        let is_flat = !mesh.indices.iter().all(has_normal);
         let is_unusable = |index: &&u32| mesh.tangents[**index as usize] == [0.0; 4];
         let unusable_count = mesh.indices.iter().filter(is_unusable).count();
         let lacks_tangents = needs_tangents && (is_flat || unusable_count > 0);
@@ -159,9 +162,34 @@ impl Attributes {
         Ok(Placed {
             mesh,
             degenerate_count,
+            replaced_normal_count,
             replaced_tangent_count,
         })
     }
+}
+
+/// Replaces the normals of zero length of used vertices by the mean of their triangles', weighted by
+/// area, and counts them.
+fn replace_zero_normals(mesh: &mut Mesh) -> usize {
+    let is_zero: Vec<bool> = mesh.normals.iter().map(|n| *n == [0.0; 3]).collect();
+    if !is_zero.contains(&true) {
+        return 0;
+    }
+    let mut sums: BTreeMap<usize, DVec3> = BTreeMap::new();
+    for triangle in mesh.triangles() {
+        let [a, b, c] = triangle.map(|index| position(&mesh.positions, index));
+        let area = (b - a).cross(c - a);
+        for vertex in triangle.map(|index| index as usize) {
+            if is_zero[vertex] {
+                *sums.entry(vertex).or_default() += area;
+            }
+        }
+    }
+    for (vertex, sum) in &sums {
+        // Opposite triangles have no mean.
+        mesh.normals[*vertex] = sum.normalize_or(DVec3::Z).as_vec3().to_array();
+    }
+    sums.len()
 }
 
 /// Transforms texture coordinates and lets v point up; (0, 0) without any.

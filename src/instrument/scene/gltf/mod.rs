@@ -1,5 +1,5 @@
-//! glTF 2.0 files, `.glb` and `.gltf` [GlTF20]: the triangles of the default scene; see
-//! [`material`] for materials.
+//! glTF 2.0 files, `.glb` and `.gltf` [GlTF20]: the triangles and [`lights`] of the default scene;
+//! see [`material`] for materials.
 //!
 //! Read: lists, strips and fans of triangles; positions, normals, tangents and one set of texture
 //! coordinates, also quantized (`KHR_mesh_quantization`), sparse and interleaved; buffers and
@@ -8,16 +8,17 @@
 //! determines the front; a mirroring transform flips it.
 //!
 //! Refused: morph targets, skins, and required extensions that [`extensions`] does not accept.
-//! Other features (transparency, vertex colours, animations, lights) only
-//! cause a warning.
+//! Other features (transparency, vertex colours, animations) only cause a warning.
 
 mod buffers;
 mod document;
 mod extensions;
 mod geometry;
+mod lights;
 mod material;
 mod textures;
 
+use super::light::Light;
 use super::maps::ReadMaps;
 use super::mesh::Mesh;
 use super::source::SceneFiles;
@@ -44,22 +45,23 @@ const MAX_VERTICES: usize = 1 << 23;
 /// Loads the scene at `path`; `spec` is its name.
 pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Scene, SceneError> {
     let fault = |what: String| SceneError::of_file(path, printable(&what));
-    let bytes = files
-        .read(path)
-        .map_err(|error| fault(format!("cannot read the scene: {error}")))?;
+    let bytes = SceneError::reading(path, files)?;
     let Parsed {
         document,
         blob,
         warnings,
         generator,
         unread_members,
+        unlisted_extensions,
     } = document::parse(&bytes).map_err(fault)?;
     let mut reader = Reader {
         buffers: Buffers::read(&document, blob, path, files).map_err(fault)?,
         materials: Materials::default(),
         meshes: Vec::new(),
+        lights: Vec::new(),
         vertices_left: MAX_VERTICES,
         degenerate_count: 0,
+        replaced_normal_count: 0,
         replaced_tangent_count: 0,
         unread: BTreeSet::new(),
     };
@@ -75,14 +77,18 @@ pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Sc
         ));
     }
     reader.add_unread(&document);
+    let unlisted = unlisted_extensions.iter();
+    reader.unread.extend(unlisted.map(|name| printable(name)));
     let left = Left {
         unread: reader.unread,
         degenerate_count: reader.degenerate_count,
+        replaced_normal_count: reader.replaced_normal_count,
         replaced_tangent_count: reader.replaced_tangent_count,
     };
     let mut scene = Scene::assemble(spec, Vec::new(), reader.meshes, materials);
     let ReadMaps { textures, warning } = maps.finish();
-    scene.textures = textures;
+    scene.textures = textures.into();
+    scene.lights = reader.lights;
     scene.toward_viewer = toward_viewer_of_files();
     scene.warnings.extend(warnings);
     scene.warnings.extend(warning);
@@ -101,6 +107,7 @@ struct Left {
     /// Names of the skipped features.
     unread: BTreeSet<String>,
     degenerate_count: usize,
+    replaced_normal_count: usize,
     replaced_tangent_count: usize,
 }
 
@@ -114,6 +121,12 @@ impl Left {
         if self.degenerate_count > 0 {
             let count = self.degenerate_count;
             warnings.push(format!("skipped {count} triangles without area"));
+        }
+        if self.replaced_normal_count > 0 {
+            warnings.push(format!(
+                "computed {} normals that are zero or not finite in the file",
+                self.replaced_normal_count
+            ));
         }
         if self.replaced_tangent_count > 0 {
             warnings.push(format!(
@@ -130,8 +143,10 @@ struct Reader<'a> {
     materials: Materials<'a>,
     /// One for each material, in order of first use.
     meshes: Vec<Mesh>,
+    lights: Vec<Light>,
     vertices_left: usize,
     degenerate_count: usize,
+    replaced_normal_count: usize,
     replaced_tangent_count: usize,
     /// Names of the skipped features.
     unread: BTreeSet<String>,
@@ -168,6 +183,8 @@ impl<'a> Reader<'a> {
                         .map_err(|error| format!("{name}: {error}"))?;
                 }
             }
+            let light = lights::of_node(document, &node, to_world, &mut self.unread)?;
+            self.lights.extend(light);
             let first = open.len();
             open.extend(node.children().map(|child| (child, to_world)));
             open[first..].reverse();
@@ -206,6 +223,7 @@ impl<'a> Reader<'a> {
         let Placed {
             mesh,
             degenerate_count,
+            replaced_normal_count,
             replaced_tangent_count,
         } = attributes.placed(
             primitive.mode(),
@@ -215,6 +233,7 @@ impl<'a> Reader<'a> {
             needs_tangents,
         )?;
         self.degenerate_count += degenerate_count;
+        self.replaced_normal_count += replaced_normal_count;
         self.replaced_tangent_count += replaced_tangent_count;
         let size = mesh.positions.len().max(mesh.indices.len().div_ceil(3));
         self.vertices_left = self

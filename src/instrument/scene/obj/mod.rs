@@ -1,7 +1,7 @@
 //! Wavefront OBJ files: polygons with materials ([`mtl`]), read by the crate `tobj`.
 //!
 //! Read: `v`, `vt`, `vn`, `f` (any corner form), `s`, `usemtl`, `mtllib`. Skipped: points, lines,
-//! curves, vertex colours. Indices, also negative ones, refer to elements above the face. Polygons
+//! curves. Named in a warning: vertex colours, normals of zero length. Indices, also negative ones, refer to elements above the face. Polygons
 //! may be concave ([`triangulate`]). Normals or texture coordinates that only some faces of a
 //! material have are ignored in its group of faces. Missing texture coordinates are (0, 0).
 //!
@@ -34,17 +34,21 @@ use std::path::{Path, PathBuf};
 /// Largest coordinate: the squares of differences must stay far below the largest f32.
 const MAX_COORDINATE: f32 = 1e15;
 const CORNERS_MAX: usize = 1 << 16;
+/// Values of a vertex with a colour; a fourth value alone is a weight of rational curves.
+const COLORED_VALUES: usize = 6;
 
 /// Loads the scene at `path`; `spec` is its name.
 pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Scene, SceneError> {
     let file_error = |what: String| SceneError::of_file(path, what);
-    let bytes = files
-        .read(path)
-        .map_err(|error| file_error(format!("cannot read the scene: {error}")))?;
+    let bytes = SceneError::reading(path, files)?;
     let statements = Statements::new(&bytes, role);
     check_statements(&statements, path)?;
 
     let mut warnings: Vec<String> = skipped_statements(&statements).into_iter().collect();
+    let value_count = statements.longest.get("v").copied().unwrap_or_default();
+    if value_count >= COLORED_VALUES {
+        warnings.push("not read: vertex colours".to_owned());
+    }
     let libraries = read_libraries(files, &statements, path, &mut warnings)?;
     let slots: HashMap<String, usize> = libraries
         .iter()
@@ -87,7 +91,7 @@ pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Sc
     let mut scene = Scene::assemble(spec, Vec::new(), meshes, materials);
     let ReadMaps { textures, warning } = map_files.maps.finish();
     warnings.extend(warning);
-    scene.textures = textures;
+    scene.textures = textures.into();
     scene.warnings = warnings;
     scene.toward_viewer = toward_viewer_of_files();
     Ok(scene.hashed())
@@ -299,6 +303,7 @@ struct Assembly {
     /// Smoothing group of each vertex, by mesh: an index of `group_names`.
     groups: Vec<Vec<u32>>,
     group_names: Vec<String>,
+    zero_normal_count: usize,
     degenerate_count: usize,
     crossing_count: usize,
     incomplete_count: usize,
@@ -366,8 +371,11 @@ impl Assembly {
         if normals.len() == positions.len() {
             // Zero marks a normal to compute.
             let unit = |normal: &[f32; 3]| Vec3::from(*normal).as_dvec3().normalize_or_zero();
+            let units: Vec<DVec3> = normals.iter().map(unit).collect();
+            let zero_count = units.iter().filter(|unit| **unit == DVec3::ZERO).count();
+            self.zero_normal_count += zero_count;
             mesh.normals
-                .extend(normals.iter().map(|n| unit(n).as_vec3().to_array()));
+                .extend(units.iter().map(|unit| unit.as_vec3().to_array()));
         }
         let vertex_count = mesh.positions.len();
         mesh.uvs.resize(vertex_count, [0.0; 2]);
@@ -421,6 +429,10 @@ impl Assembly {
             }
         };
         warn(self.degenerate_count, "triangles without area are skipped");
+        warn(
+            self.zero_normal_count,
+            "normals of zero length are computed from the faces",
+        );
         warn(
             self.crossing_count,
             "faces cross themselves; their triangles overlap",

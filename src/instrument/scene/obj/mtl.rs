@@ -2,7 +2,7 @@
 //!
 //! | read | becomes | without it |
 //! |---|---|---|
-//! | `Kd` (three numbers) | albedo | 0.8 grey, white under a `map_Kd` |
+//! | `Kd` (three numbers, or one grey) | albedo | 0.8 grey, white under a `map_Kd` |
 //! | `Pm` | metallic | 0 |
 //! | `Pr` | alpha = Pr² | from `Ns` |
 //! | `Ns` | alpha = sqrt(2 / (Ns + 2)), the width of a Phong lobe of that exponent | 0.25 |
@@ -10,7 +10,7 @@
 //! | `Pc`, `Pcr` | weight of a clear coat, its alpha = Pcr² | 0 |
 //! | `Ps` | grey of a sheen of alpha 0.25 | 0 |
 //! | `aniso`, `anisor` | strength of the anisotropy, its turn in whole turns | 0 |
-//! | `Ke` (three numbers) | emission | 0, white under a `map_Ke` |
+//! | `Ke` (three numbers, or one grey) | emission | 0, white under a `map_Ke` |
 //! | `map_Kd`, `map_Ke` | colour maps (sRGB); multiply `Kd`, `Ke` | none |
 //! | `map_Pr` (green), `map_Pm` (blue) | multiply `Pr`, `Pm`, which are then 1 by default | none |
 //! | `norm` | normal map | none |
@@ -23,10 +23,11 @@
 //! Other writers' `Ks` is ignored, since they rarely write a reflectance there, as are `Ka` and
 //! `illum`. `Ni 1` counts as missing: exporters write it when they know no index of refraction.
 //! Values outside their range are clamped with a warning; values that are not numbers are refused.
-//! Other statements with an effect (`d`, `Tf`, other maps) are named in a warning.
+//! Other statements with an effect (`d`, `Tf`, `illum` of glass, coloured `Ks`, other maps) are named
+//! in a warning.
 
 use super::map_text::{BUMP_MAPS, MapText};
-use super::statements::{Role, Statements, check_numbers};
+use super::statements::{Role, Statements, check_color, check_numbers};
 use crate::base::glsl::constants::ALPHA_MIN;
 use crate::instrument::brdf;
 use crate::instrument::scene::SceneError;
@@ -54,12 +55,18 @@ const BLENDER_PC: f32 = 4.0;
 /// `illum` of Blender's metals, opaque and transparent.
 const BLENDER_METALS: [f32; 2] = [3.0, 6.0];
 
+/// `illum` of glass.
+const GLASS: [f32; 4] = [4.0, 6.0, 7.0, 9.0];
+
 fn role(keyword: &str) -> Role {
     match keyword {
-        "Kd" | "Ke" | "Ka" | "Ks" | "Tf" => Role::Numbers(3),
-        "Ns" | "Ni" | "Pr" | "Pm" | "Pc" | "Pcr" | "Ps" | "aniso" | "anisor" | "d" | "Tr"
-        | "illum" => Role::Numbers(1),
-        "newmtl" | "map_Kd" | "map_Ke" | "map_Ka" | "map_Pr" | "map_Pm" | "norm" => Role::Text,
+        "Kd" | "Ke" | "Ka" | "Ks" => Role::Numbers(3),
+        "Ns" | "Ni" | "Pr" | "Pm" | "Pc" | "Pcr" | "Ps" | "aniso" | "anisor" | "Tr" | "illum" => {
+            Role::Numbers(1)
+        }
+        "newmtl" | "map_Kd" | "map_Ke" | "map_Ka" | "map_Pr" | "map_Pm" | "norm" | "d" | "Tf" => {
+            Role::Text
+        }
         _ if BUMP_MAPS.contains(&keyword) => Role::Text,
         _ => Role::Unread,
     }
@@ -172,7 +179,7 @@ fn check_values(keyword: &str, values: &str) -> Result<(), String> {
         "map_Kd" | "map_Ke" | "map_Ka" | "map_Pr" | "map_Pm" | "norm" if values.is_empty() => {
             Err("expected a file".to_owned())
         }
-        "Kd" | "Ke" => check_numbers(values, 3, MAX_VALUE),
+        "Kd" | "Ke" => check_color(values, MAX_VALUE),
         "Ns" | "Ni" | "Pr" | "Pm" | "Pc" | "Pcr" | "Ps" | "aniso" | "anisor" => {
             check_numbers(values, 1, MAX_VALUE)
         }
@@ -299,7 +306,11 @@ impl Source {
     }
 
     fn triple(&self, keyword: &str) -> Option<[f32; 3]> {
-        self.numbers(keyword).try_into().ok()
+        match self.numbers(keyword)[..] {
+            [grey] => Some([grey; 3]),
+            [red, green, blue] => Some([red, green, blue]),
+            _ => None,
+        }
     }
 
     /// Clamps each parameter to its range, with a warning.
@@ -440,17 +451,37 @@ impl Source {
         [(self.specular_level() * f0).min(1.0); 3]
     }
 
+    /// Whether `d` or `Tf` lets light through: a number below 1, behind words such as `-halo` and
+    /// `xyz`, or a spectrum in a file.
+    fn is_clear_by(&self, keyword: &str) -> bool {
+        let Some(values) = self.values.get(keyword) else {
+            return false;
+        };
+        let is_below_one = |word: &str| word.parse().is_ok_and(|x: f32| x < 1.0);
+        values
+            .split_whitespace()
+            .take_while(|word| *word != "#")
+            .any(|word| word == "spectral" || is_below_one(word))
+    }
+
     /// Names statements with an effect that are not shaded.
     fn unread(&self) -> Vec<&'static str> {
-        let is_below_one = |keyword: &str| self.numbers(keyword).iter().any(|x| *x < 1.0);
         let mut unread = Vec::new();
-        unread.extend(is_below_one("d").then_some("d"));
-        unread.extend(is_below_one("Tf").then_some("Tf"));
+        unread.extend(self.is_clear_by("d").then_some("d"));
+        unread.extend(self.is_clear_by("Tf").then_some("Tf"));
         let is_clear = self.number("Tr").is_some_and(|x| x > 0.0);
         unread.extend(is_clear.then_some("Tr"));
         let is_repeated = self.values.contains_key("map_Ka") && !self.has_occlusion();
         unread.extend(is_repeated.then_some("map_Ka"));
         if self.writer == Writer::Other {
+            let is_glass = |illum: f32| GLASS.contains(&illum);
+            unread.extend(
+                self.number("illum")
+                    .is_some_and(is_glass)
+                    .then_some("illum"),
+            );
+            let is_colored = |[red, green, blue]: [f32; 3]| red != green || green != blue;
+            unread.extend(self.triple("Ks").is_some_and(is_colored).then_some("Ks"));
             let is_present = |keyword: &&str| self.values.contains_key(*keyword);
             unread.extend(BUMP_MAPS.into_iter().filter(is_present));
         }

@@ -27,6 +27,9 @@ pub enum Role {
     Unread,
 }
 
+/// The comment in which ZBrush stores colours of vertices.
+const POLYPAINT: &str = "#MRGB";
+
 /// The roles of the keywords of a kind of file.
 pub type Roles = fn(&str) -> Role;
 
@@ -39,6 +42,8 @@ pub struct Statements {
     pub first_comment: String,
     /// One statement in the line where it begins.
     text: String,
+    /// Largest number of values of each keyword of numbers, also of values that are not kept.
+    pub longest: BTreeMap<String, usize>,
     /// Number of skipped statements of each keyword.
     pub skipped: BTreeMap<String, usize>,
 }
@@ -76,6 +81,9 @@ impl Statements {
 
     fn add(&mut self, statement: &str, roles: Roles) {
         let (keyword, rest) = split_keyword(statement);
+        if keyword == POLYPAINT {
+            *self.skipped.entry(keyword.to_owned()).or_default() += 1;
+        }
         if keyword.is_empty() || keyword.starts_with('#') {
             return;
         }
@@ -85,8 +93,15 @@ impl Statements {
             Role::Text => self.text.extend([keyword, " ", rest]),
             Role::Numbers(count) => {
                 self.text.push_str(keyword);
-                let numbers = numbers.split_whitespace().take(count);
-                numbers.for_each(|number| self.text.extend([" ", number]));
+                let kept = numbers.split_whitespace().take(count);
+                kept.for_each(|number| self.text.extend([" ", number]));
+                let value_count = numbers.split_whitespace().count();
+                match self.longest.get_mut(keyword) {
+                    Some(longest) => *longest = value_count.max(*longest),
+                    None => {
+                        self.longest.insert(keyword.to_owned(), value_count);
+                    }
+                }
             }
             Role::Smoothing => {
                 let group = numbers.trim();
@@ -176,5 +191,16 @@ pub fn check_numbers(values: &str, count: usize, limit: f32) -> Result<(), Strin
         Err(format!("{found} values; expected {count}"))
     } else {
         Ok(())
+    }
+}
+
+/// Checks a colour: three numbers, or one for a grey.
+pub fn check_color(values: &str, limit: f32) -> Result<(), String> {
+    match values.split_whitespace().next() {
+        Some(form @ ("spectral" | "xyz")) => Err(format!(
+            "a colour by {form} is not read; expected red, green and blue"
+        )),
+        Some(only) if only == values => check_numbers(values, 1, limit),
+        _ => check_numbers(values, 3, limit),
     }
 }

@@ -22,6 +22,8 @@ pub struct Diffuse {
     pub uses_irradiance_map: bool,
     /// How texels count in the coefficients, if it reads them.
     pub sh9: Option<Projection>,
+    /// Whether it reads the coefficients from a texture of their irradiance.
+    pub uses_sh9_texture: bool,
     /// The integrand if the passes of the reference estimate the term without bias: a file of
     /// `shaders/shade/lobe/`.
     pub lobe: Option<&'static str>,
@@ -32,6 +34,7 @@ pub struct Diffuse {
 pub static DIFFUSE: &[Diffuse] = &[
     sh9::DIFFUSE,
     sh9::AT_CENTRES,
+    sh9::TEXTURE,
     irradiance_map::DIFFUSE,
     INTEGRATED,
     fresnel_inside::DIFFUSE,
@@ -59,6 +62,7 @@ impl Diffuse {
             twin,
             uses_irradiance_map: false,
             sh9: None,
+            uses_sh9_texture: false,
             lobe: None,
         }
     }

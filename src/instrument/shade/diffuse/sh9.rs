@@ -4,6 +4,7 @@
 use super::Diffuse;
 use crate::base::math::spherical_harmonics::irradiance;
 use crate::instrument::precompute::sh9::Projection;
+use crate::instrument::precompute::sh9::reference::texture_lookup;
 use crate::instrument::shade::twin::{DiffuseTwin, Twin};
 use glam::DVec3;
 use std::f64::consts::PI;
@@ -24,6 +25,17 @@ pub const AT_CENTRES: Diffuse = Diffuse {
         "sh9-centres",
         "as sh9, with coefficients summed at texel centres: wrong under maps of few rows",
         TWIN,
+    )
+};
+
+/// Source document 0's irradiance texture.
+pub const TEXTURE: Diffuse = Diffuse {
+    sh9: Some(Projection::OverTexels),
+    uses_sh9_texture: true,
+    ..Diffuse::plain(
+        "sh9-texture",
+        "as sh9, from a texture of 400x200 texels that a pass evaluates once",
+        Twin::Estimator(|n, light| texture_lookup(&light.sh9, n)),
     )
 };
 

@@ -7,7 +7,7 @@
 //! Directions below the horizon add 0 but count in N.
 
 use super::Method;
-use crate::instrument::brdf::{Brdf, Widths, eval, pdf_d_l, reflect};
+use crate::instrument::brdf::{Brdf, Widths, eval_without_fresnel, pdf_d_l, reflect};
 use crate::instrument::environment::layout::lod_from_solid_angles;
 use crate::instrument::shade::reference::Surface;
 use crate::instrument::shade::twin::{Light, Samples, Twin};
@@ -75,6 +75,7 @@ pub(super) fn estimate(
         model,
         masking,
         f0,
+        fresnel,
         v,
         ..
     } = *surface;
@@ -98,7 +99,9 @@ pub(super) fn estimate(
             }
             Lookup::Finest => light.radiance(l, 0.0),
         };
-        radiance * eval(model, v_local, l_local, widths, f0, masking) * (l_local.z / pdf_l)
+        let reflected = f0 + (1.0 - f0) * fresnel.at(v_local.dot(h));
+        let lobe = eval_without_fresnel(model, v_local, l_local, widths, masking);
+        radiance * reflected * (lobe * l_local.z / pdf_l)
     };
     samples.points().map(term).sum::<DVec3>() / count
 }

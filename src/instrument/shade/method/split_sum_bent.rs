@@ -4,8 +4,8 @@
 use super::Method;
 use super::split_sum::shifted;
 use super::split_sum_engines::share_of_r;
-use crate::instrument::brdf::{Widths, reflect};
-use crate::instrument::shade::bend::{Bend, DfgWidth, Normal, Parameters, Toward};
+use crate::instrument::brdf::reflect;
+use crate::instrument::shade::bend::{Bend, Normal, OneWidth, Parameters, Toward};
 use crate::instrument::shade::reference::Surface;
 use crate::instrument::shade::twin::{Light, Twin};
 use glam::{DVec2, DVec3};
@@ -40,32 +40,20 @@ fn split_sum(bend: &Bend, surface: &Surface, light: &Light) -> DVec3 {
     let frame = surface.frame();
     let lobe = BentLobe::new(bend.parameters, surface, frame.to_local(surface.v));
     let lookup = lobe.lookup(bend.toward, lobe.normal(bend.normal));
-    let dfg_alpha = match bend.dfg {
-        DfgWidth::Level => lobe.alpha,
-        DfgWidth::Square => surface.alpha,
-    };
-    let pair = light.dfg(lobe.v.z, dfg_alpha);
+    let pair = light.dfg(lobe.v.z, bend.table_alpha(surface.widths()));
     light.mean_radiance(frame.to_world(lookup.direction.normalize()), lookup.alpha)
         * (surface.f0 * pair.x + pair.y)
 }
 
 impl BentLobe {
     fn new(parameters: Parameters, surface: &Surface, v: DVec3) -> Self {
-        let Widths(widths) = surface.widths();
-        let x = widths.x;
-        let y = widths.y;
-        let with = |alpha: f64, strength: f64| Self {
+        let widths = surface.widths();
+        let OneWidth { alpha, strength } = parameters.of(widths);
+        Self {
             v,
-            widths,
+            widths: widths.0,
             alpha,
             strength,
-        };
-        match parameters {
-            Parameters::Narrow if x > y => with(y, ((x - y) / (1.0 - y)).sqrt()),
-            Parameters::Narrow => with(y, 0.0),
-            Parameters::Mean => with(0.5 * (x + y), (x - y) / (x + y)),
-            Parameters::Geometric => with((x * y).sqrt(), ((1.0 - y / x) / 0.9).min(1.0)),
-            Parameters::Square => with(surface.alpha, 0.0),
         }
     }
 

@@ -13,9 +13,13 @@ use crate::instrument::scene::material::Material;
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json};
 
+/// The extension of direct lights.
+pub const LIGHTS: &str = "KHR_lights_punctual";
+
 /// Extensions that are read, besides [`MATERIAL_EXTENSIONS`].
-const OTHER_EXTENSIONS: [&str; 3] = [
+const OTHER_EXTENSIONS: [&str; 4] = [
     "EXT_texture_webp",
+    LIGHTS,
     "KHR_mesh_quantization",
     "KHR_texture_transform",
 ];
@@ -154,10 +158,4 @@ pub fn of_material(material: &::gltf::Material) -> Result<MaterialExtensions, St
 /// Whether the effects of an extension are read.
 pub fn is_read(name: &str) -> bool {
     OTHER_EXTENSIONS.contains(&name) || MATERIAL_EXTENSIONS.iter().any(|entry| entry.name == name)
-}
-
-/// Whether a file that requires an extension can be read.
-pub fn is_accepted(name: &str) -> bool {
-    // Lights do not change what the environment does.
-    is_read(name) || name == "KHR_lights_punctual"
 }

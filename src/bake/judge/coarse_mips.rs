@@ -1,0 +1,199 @@
+//! Levels whose samples read mips that are too coarse, the usual slip of filtered importance
+//! sampling.
+//!
+//! A sample along l stands for `1/(N p(l))` of solid angle and looks the light up in texels of `4^L`
+//! times that. `p = D/4` for GGX at n = v, `p = n·l/π` for irradiance.
+
+use super::cause::Cause;
+use super::directions::Directions;
+use super::mip_chain::MipSource;
+use super::sample::{Sample, Slipped};
+use super::sampled_lobe::SampledLobe;
+use super::{Truth, fit, has_width};
+use glam::DVec3;
+
+/// Range of the levels that are tried, and the steps in it.
+const LEVELS_MIN: f64 = 0.75;
+const LEVELS_MAX: f64 = 4.0;
+const LEVELS_STEP: f64 = 0.25;
+/// Distances from the levels of even blurs at which mips of a map are tried.
+const BELOW: f64 = 1.5;
+const ABOVE: f64 = 0.5;
+/// Bisections around the best.
+const REFINED: u32 = 4;
+/// Phase of the highest degree between two rings, rad, and the largest step of rings in ln tan(γ/2).
+const PHASE_MAX: f64 = 0.5;
+const STEP_MAX: f64 = 0.1;
+/// Variance along an axis of a linear lookup in mips, over the solid angle of their texels: 1/12
+/// of the box that a texel averages, 1/6 of the tent that interpolates.
+const LOOKUP_VARIANCE: f64 = 0.25;
+/// Largest share of a level's relMSE that even blurs leave, if mips of maps are tried, which take
+/// longer.
+const LIKELY: f64 = 0.8;
+
+impl Sample<'_, '_> {
+    /// Lists the level by mips that are too coarse by the levels of least error: even blurs, and mips
+    /// of a cube and of a lat-long map.
+    pub fn coarse_mips(&self, right: &[DVec3]) -> Vec<Slipped> {
+        let level = self.level;
+        if !has_width(level.alpha) {
+            return Vec::new();
+        }
+        let search = CoarseSearch::new(level.truth, self.lobe(), &self.directions);
+        let relmse = |values: &[DVec3]| self.relmse(&self.stored(values));
+        let even = search.least(level.alpha, &relmse);
+        let is_likely = even.relmse <= LIKELY * self.relmse(right);
+        let range = [even.levels - BELOW, even.levels + ABOVE];
+        let range = range.map(|levels| levels.clamp(LEVELS_MIN, LEVELS_MAX));
+        let mut all = vec![even.slipped(MipSource::Cube)];
+        if is_likely {
+            all.extend([MipSource::Cube, MipSource::LatLong].map(|source| {
+                let mips = level.lights.mips(source);
+                let values =
+                    |levels| mips.level(self.lobe(), level.alpha, levels, &self.directions);
+                least(range, &relmse, &values).slipped(source)
+            }));
+        }
+        all
+    }
+
+    fn lobe(&self) -> SampledLobe {
+        SampledLobe {
+            kernel: self.level.kernel,
+            is_irradiance: self.is_irradiance(),
+        }
+    }
+}
+
+/// Searches the levels by which samples read mips too coarse, as even blurs.
+///
+/// Blurs about l, of a width that depends on the angle to r alone, make a zonal kernel again.
+pub struct CoarseSearch {
+    lobe: SampledLobe,
+    /// Bands of the light at each compared texel.
+    bands: Vec<Vec<DVec3>>,
+}
+
+/// The level of samples that read mips these many levels too coarse.
+pub struct CoarseLevel {
+    pub levels: f64,
+    pub values: Vec<DVec3>,
+    pub relmse: f64,
+}
+
+impl CoarseLevel {
+    fn slipped(self, source: MipSource) -> Slipped {
+        let levels = self.levels;
+        Slipped::one(Cause::CoarseMips { levels, source }, self.values)
+    }
+}
+
+impl CoarseSearch {
+    pub fn new(truth: &Truth, lobe: SampledLobe, directions: &Directions) -> Self {
+        let bands = truth.harmonics.bands(fit::DEGREE_MAX, &directions.world);
+        Self { lobe, bands }
+    }
+
+    /// Finds the level of least `relmse` at a width.
+    pub fn least(&self, alpha: f64, relmse: &dyn Fn(&[DVec3]) -> f64) -> CoarseLevel {
+        let range = [LEVELS_MIN, LEVELS_MAX];
+        least(range, relmse, &|levels| self.values(alpha, levels))
+    }
+
+    /// Returns the right level of a width.
+    pub fn plain(&self, truth: &Truth, alpha: f64) -> Vec<DVec3> {
+        truth.of_bands(&self.bands, alpha)
+    }
+
+    fn values(&self, alpha: f64, levels: f64) -> Vec<DVec3> {
+        let degree = self.bands.first().map_or(0, |bands| bands.len() - 1);
+        let factors = coarse_factors(&self.lobe, alpha, degree, levels);
+        let value = |bands: &Vec<DVec3>| -> DVec3 {
+            let terms = bands.iter().zip(&factors);
+            terms.map(|(band, factor)| *band * *factor).sum()
+        };
+        self.bands.iter().map(value).collect()
+    }
+}
+
+/// Finds the number of levels in a range whose `values` have the least relMSE: in steps, then by
+/// bisections.
+fn least(
+    [first, last]: [f64; 2],
+    relmse: &dyn Fn(&[DVec3]) -> f64,
+    values: &dyn Fn(f64) -> Vec<DVec3>,
+) -> CoarseLevel {
+    let scored = |levels: f64| {
+        let values = values(levels);
+        CoarseLevel {
+            levels,
+            relmse: relmse(&values),
+            values,
+        }
+    };
+    let better = |a: CoarseLevel, b: CoarseLevel| if b.relmse < a.relmse { b } else { a };
+    let steps = ((last - first) / LEVELS_STEP).ceil() as u32;
+    let mut best = scored(first);
+    for k in 1..=steps {
+        best = better(best, scored(first + LEVELS_STEP * f64::from(k)));
+    }
+    let mut step = 0.5 * LEVELS_STEP;
+    for _ in 0..REFINED {
+        let middle = best.levels;
+        best = better(better(best, scored(middle - step)), scored(middle + step));
+        step *= 0.5;
+    }
+    best
+}
+
+/// Returns the factors of degrees for samples that read mips too coarse.
+fn coarse_factors(lobe: &SampledLobe, alpha: f64, degree: usize, levels: f64) -> Vec<f64> {
+    let mut sums = vec![0.0; degree + 1];
+    let step = |t: f64| f64::min(STEP_MAX, PHASE_MAX * f64::cosh(t) / degree as f64);
+    for ring in lobe.rings(alpha, step) {
+        let solid_angle = ring.solid_angle * levels.exp2().powi(2);
+        add_blurred(
+            &mut sums,
+            ring.weight,
+            ring.cos,
+            LOOKUP_VARIANCE * solid_angle,
+        );
+    }
+    let whole = sums[0];
+    sums.iter().map(|sum| sum / whole).collect()
+}
+
+/// Adds `weight P_l(cos) b_l`, where `b_l = exp(-l (l + 1) σ²/2)` blurs by a Gaussian of the
+/// variance σ² along an axis.
+fn add_blurred(sums: &mut [f64], weight: f64, cos: f64, variance: f64) {
+    let mut before = 0.0;
+    let mut current = 1.0;
+    for (l, sum) in sums.iter_mut().enumerate() {
+        let l = l as f64;
+        *sum += weight * current * (-0.5 * l * (l + 1.0) * variance).exp();
+        let next = ((2.0 * l + 1.0) * cos * current - l * before) / (l + 1.0);
+        before = current;
+        current = next;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Without a blur the terms are `P_l`; a narrow blur of `P_l` costs its share of curvature.
+    #[test]
+    fn blurred_terms_are_legendre_polynomials_of_less_weight() {
+        let cos = 0.3;
+        let legendre = [1.0, cos, 1.5 * cos * cos - 0.5];
+        let mut plain = [0.0; 3];
+        add_blurred(&mut plain, 2.0, cos, 0.0);
+        let mut blurred = [0.0; 3];
+        add_blurred(&mut blurred, 2.0, cos, 1e-4);
+        for l in 0..3 {
+            assert!((plain[l] - 2.0 * legendre[l]).abs() < 1e-12, "{plain:?}");
+            let share = 1.0 - 0.5e-4 * (l * (l + 1)) as f64;
+            assert!((blurred[l] / plain[l] - share).abs() < 1e-7, "{blurred:?}");
+        }
+    }
+}

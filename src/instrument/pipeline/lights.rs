@@ -1,0 +1,120 @@
+//! Direct lights: an image of their own, by the lobes of the reference, added to the image under
+//! the environment.
+//!
+//! It has no samples and no noise, and depends on no setting of a method: every method and the
+//! reference get the same light. Layers divide it as they divide the environment's. Occlusion maps
+//! are about the surroundings, so they do not dim it.
+
+use super::passes::{draw_gbuffer, passes, read_radiance};
+use super::request::{Frame, FrameTimings, Illumination};
+use super::{Pipeline, PipelineError, RenderRequest};
+use crate::base::names::Listed;
+use crate::instrument::precompute::PrecomputeSettings;
+use crate::instrument::precompute::given::Given;
+use crate::instrument::scene::Light;
+use crate::instrument::shade::coat::COAT_RENDERERS;
+use crate::instrument::shade::pass::{LIGHTS_PASS, LightBuffer};
+use crate::instrument::shade::{Diffuse, Method, REFERENCE};
+use std::sync::Arc;
+
+impl RenderRequest {
+    /// Returns the request under the environment alone.
+    pub(super) fn unlit(&self) -> Self {
+        if !self.scene.has_lights() {
+            return self.clone();
+        }
+        Self {
+            scene: Arc::new(self.scene.lit_by(Vec::new())),
+            ..self.clone()
+        }
+    }
+
+    /// Returns the request of the image under the scene's lights alone; `None` without any.
+    fn under_lights(&self) -> Option<Self> {
+        if !self.scene.has_lights() {
+            return None;
+        }
+        let lit = self.unlit().dark();
+        let request = lit.shaded(|shading| {
+            if !shading.method.is_none() {
+                shading.method = Method::listed(REFERENCE);
+            }
+            if shading.diffuse.has_pass() {
+                shading.diffuse = Diffuse::listed(REFERENCE);
+            }
+            shading.coat_renderer = &COAT_RENDERERS[0];
+            // The weight of the diffuse term reads the program's own DFG table.
+            shading.precompute = PrecomputeSettings::default();
+        });
+        Some(Self {
+            scene: Arc::new(request.scene.unoccluded()),
+            illumination: Illumination::Lights(self.scene.lights.as_slice().into()),
+            background: false,
+            given: Given::default(),
+            ..request
+        })
+    }
+}
+
+impl Pipeline {
+    /// Adds the light of the request's lights to a frame without it.
+    pub(super) fn with_lights(
+        &mut self,
+        request: &RenderRequest,
+        mut frame: Frame,
+    ) -> Result<Frame, PipelineError> {
+        let Some(under_lights) = request.under_lights() else {
+            return Ok(frame);
+        };
+        let lit = self.render_layers(&under_lights)?;
+        let pixels = frame.radiance.data.iter_mut().zip(&lit.radiance.data);
+        for (radiance, light) in pixels {
+            (0..3).for_each(|c| radiance[c] += light[c]);
+        }
+        Ok(frame.after(lit))
+    }
+
+    /// Renders the terms of one layer under direct lights.
+    pub(super) fn render_under_lights(
+        &mut self,
+        request: &RenderRequest,
+        lights: &[Light],
+    ) -> Result<Frame, PipelineError> {
+        self.with_memory(|pipeline| pipeline.reflected_lights(request, lights))
+    }
+
+    fn reflected_lights(
+        &mut self,
+        request: &RenderRequest,
+        lights: &[Light],
+    ) -> Result<Frame, PipelineError> {
+        let prepared = self.prepare(request)?;
+        let gpu = &self.gpu;
+        let passes = passes(request, &prepared);
+        let mut report = draw_gbuffer(gpu, request, &prepared, &passes)?;
+        let lights = LightBuffer::new(gpu, lights)?;
+        for lobe in &prepared.lobes {
+            let shader = lobe.lights_shader(request.shading.brdf);
+            let constants = lobe.shading_specialization(&passes);
+            for part in gpu.parts(request.size, 1, lights.count().into()) {
+                report.add(gpu.submit_pass(LIGHTS_PASS, |r| {
+                    passes.lights(r, &shader, constants, &lights, part)
+                })?);
+            }
+        }
+        let images = read_radiance(gpu, &prepared, request)?;
+        Ok(Frame {
+            radiance: images.radiance,
+            standard_error: None,
+            convergences: Vec::new(),
+            mask: prepared.target.mask.clone(),
+            n_dot_v: prepared.target.n_dot_v.clone(),
+            steadiness: None,
+            timings: FrameTimings {
+                precompute: prepared.precompute.passes,
+                frame: report.passes,
+                wall_ms: report.wall_ms,
+            },
+        })
+    }
+}

@@ -1,0 +1,185 @@
+//! Coarse mips of a lat-long map, in irradiance, and beside the rounding of an atlas.
+
+use super::causes::{blurred, causes_of, half_vectors, lamps};
+use super::files::faces;
+use super::packed::{RgbpScale, atlas_of, judged_file};
+use super::scores::marked_light;
+use super::slips::{each_texel, exact, judged, judged_bake, of_levels};
+use glam::{DVec2, DVec3};
+use splitsum::bake::Bake;
+use splitsum::bake::judge::{Cause, Encoding, MipSource, Truth};
+use splitsum::base::math::equirect::uv_from_direction;
+use splitsum::base::pixels::RgbImage;
+use splitsum::instrument::brdf::{Brdf, Ggx};
+use splitsum::instrument::environment::Environment;
+use splitsum::instrument::environment::layout::LAYOUTS;
+use splitsum::instrument::precompute::prefilter::Kernel;
+use std::f64::consts::PI;
+
+/// Mips of a lat-long map as `glGenerateMipmap` makes them: means of four texels.
+fn mips(map: &RgbImage) -> Vec<RgbImage> {
+    let mut all = vec![map.clone()];
+    while all[all.len() - 1].height > 1 {
+        let last = &all[all.len() - 1];
+        all.push(RgbImage::from_fn(
+            last.width / 2,
+            last.height / 2,
+            |x, y| {
+                let four =
+                    [[0, 0], [1, 0], [0, 1], [1, 1]].map(|[i, j]| last.get(2 * x + i, 2 * y + j));
+                std::array::from_fn(|c| four.iter().map(|texel| texel[c]).sum::<f32>() / 4.0)
+            },
+        ));
+    }
+    all
+}
+
+fn bilinear(map: &RgbImage, uv: DVec2) -> DVec3 {
+    let size = DVec2::new(map.width.into(), map.height.into());
+    let place = uv * size - 0.5;
+    let weights = place - place.floor();
+    let mut sum = DVec3::ZERO;
+    for (i, j) in [(0, 0), (1, 0), (0, 1), (1, 1)] {
+        let x = (place.x.floor() as i64 + i).rem_euclid(map.width.into()) as u32;
+        let y = (place.y.floor() as i64 + j).clamp(0, i64::from(map.height) - 1) as u32;
+        let weight = |k: i64, w: f64| if k == 1 { w } else { 1.0 - w };
+        let texel = DVec3::from_array(map.get(x, y).map(f64::from));
+        sum += weight(i, weights.x) * weight(j, weights.y) * texel;
+    }
+    sum
+}
+
+/// What VTK 9.7.1 does: 512 samples read the mip `0.5 (2 + log2(1/(N D)) - log2(π/(6 R²)))` of a map
+/// of 2R columns, which is ½ log2 12 = 1.79 levels too coarse for its texels of 8π/(2R)² in the mean.
+fn level_of_vtk(light: &Environment, alpha: f64) -> Vec<RgbImage> {
+    let mips = mips(&light.image);
+    let halves = half_vectors(512, alpha);
+    let side = f64::from(light.image.width) / 2.0;
+    let texel = |n: DVec3| {
+        let (t, b) = n.any_orthonormal_pair();
+        let mut sum = DVec3::ZERO;
+        let mut whole = 0.0;
+        for h in &halves {
+            let h_world = t * h.x + b * h.y + n * h.z;
+            let l = 2.0 * n.dot(h_world) * h_world - n;
+            let n_dot_l = n.dot(l);
+            if n_dot_l > 0.0 {
+                let sample = 1.0 / (512.0 * Ggx.d(*h, alpha));
+                let mip = 0.5 * (2.0 + sample.log2() - (PI / (6.0 * side * side)).log2());
+                let mip = mip.clamp(0.0, mips.len() as f64 - 1.0);
+                let uv = uv_from_direction(l);
+                let fine = bilinear(&mips[mip.floor() as usize], uv);
+                let coarse = bilinear(&mips[mip.ceil() as usize], uv);
+                sum += n_dot_l * fine.lerp(coarse, mip.fract());
+                whole += n_dot_l;
+            }
+        }
+        sum / whole
+    };
+    faces(&LAYOUTS[0], [12; 2], texel)
+}
+
+/// 1.79 levels by 512 samples are 2.29 if there were 1024.
+#[test]
+fn mips_of_a_lat_long_map_are_named_with_their_levels() {
+    let light = lamps();
+    let widths = [0.04];
+    let map = of_levels(widths.map(|alpha| level_of_vtk(&light, alpha)).to_vec());
+    let judged = judged(&light, map, Some(&widths));
+    for level in 0..widths.len() {
+        let [Cause::CoarseMips { levels, source }] = causes_of(&judged, level) else {
+            panic!("{:?}: {}", judged.levels[level], judged.verdict());
+        };
+        assert_eq!(*source, MipSource::LatLong, "level {level}");
+        assert!((levels - 2.29).abs() < 0.2, "level {level}: {levels}");
+    }
+    assert!(judged.verdict().contains("mips of the lat-long map"));
+}
+
+/// 1024 samples by the cosine, of which each stands for π/(N cos) of solid angle.
+#[test]
+fn coarse_mips_of_irradiance_are_named_with_their_levels() {
+    let light = lamps();
+    let texel = |n: DVec3| {
+        let (t, b) = n.any_orthonormal_pair();
+        let sample = |i: u32| {
+            let sin = (f64::from(i.reverse_bits()) / 2f64.powi(32)).sqrt();
+            let cos = (1.0 - sin * sin).sqrt();
+            let (y, x) = (2.0 * PI * f64::from(i) / 1024.0).sin_cos();
+            let l = sin * (x * t + y * b) + cos * n;
+            blurred(&light, l, 4f64.powf(2.5) * PI / (1024.0 * cos))
+        };
+        (0..1024).map(sample).sum::<DVec3>() / 1024.0
+    };
+    let bake = Bake {
+        irradiance: Some(of_levels(vec![faces(&LAYOUTS[0], [12; 2], texel)])),
+        ..Bake::default()
+    };
+    let judged = judged_bake(&light, bake, None);
+    let irradiance = judged.irradiance.as_ref().unwrap();
+    let [Cause::CoarseMips { levels, source }] = irradiance.verdict.causes() else {
+        panic!("{irradiance:?}");
+    };
+    assert_eq!(*source, MipSource::Cube);
+    assert!((levels - 2.5).abs() < 0.4, "{levels}");
+}
+
+/// PlayCanvas 2.23.3 rounds the scale of RGBP up.
+#[test]
+fn scales_of_rgbp_that_are_rounded_up_are_named() {
+    let lamps = lamps();
+    let bright = lamps.image.map(|texel| texel.map(|value| 6.0 * value));
+    let light = Environment::from_image("bright", bright);
+    let alphas: [f64; 6] = std::array::from_fn(|k| (k as f64 / 5.0).powi(2));
+    let truth = Truth::new(&light, Kernel::cosine(&Ggx), &alphas);
+    let maps: Vec<_> = alphas[1..]
+        .iter()
+        .map(|alpha| truth.prefiltered(*alpha))
+        .collect();
+    let value = |k: usize, d: DVec3| match k {
+        0 => light.radiance(d),
+        _ => maps[k - 1].value(d),
+    };
+    let dir = tempfile::tempdir().unwrap();
+    let path = dir.path().join("atlas.png");
+    let rounding = Cause::Encoding(Encoding::RgbpScaleRoundedUp);
+    for scale in [RgbpScale::RoundedUp, RgbpScale::RoundedDown] {
+        atlas_of(&light, scale, value).save(&path).unwrap();
+        let judged = judged_file(&light, &path);
+        let is_named = causes_of(&judged, 0).contains(&rounding);
+        assert_eq!(
+            is_named,
+            scale == RgbpScale::RoundedUp,
+            "{}",
+            judged.verdict()
+        );
+    }
+}
+
+/// What a level lacks because the sun was cut does not count as a gain of others.
+#[test]
+fn no_gain_is_named_beside_a_cut() {
+    let sun = DVec3::new(0.9, 0.1, 0.4).normalize();
+    let marked = marked_light();
+    let light = super::scores::light_of(|d| {
+        let of_sun = if d.angle_between(sun) < 0.12 {
+            1e4
+        } else {
+            0.0
+        };
+        marked.radiance(d) + DVec3::splat(of_sun)
+    });
+    let alphas = [0.0, 0.5];
+    let truth = Truth::new(&light, Kernel::cosine(&Ggx), &alphas);
+    let mut map = exact(&truth, &alphas);
+    let mut level_0 = of_levels(vec![map.levels[0].clone()]);
+    each_texel(&mut level_0, |texel| texel.map(|value| value.min(100.0)));
+    map.levels[0] = level_0.levels.swap_remove(0);
+    let mut level_1 = of_levels(vec![map.levels[1].clone()]);
+    each_texel(&mut level_1, |texel| texel.map(|value| 1.08 * value));
+    map.levels[1] = level_1.levels.swap_remove(0);
+    let judged = judged(&light, map, Some(&alphas));
+    let verdict = judged.verdict();
+    assert!(verdict.contains("cut at 100"), "{verdict}");
+    assert!(!verdict.contains("--scale"), "{verdict}");
+}
