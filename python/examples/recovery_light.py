@@ -99,7 +99,7 @@ def main(names):
             radiance = (basis.T @ smooth).reshape(32, 64, 3).clamp(min=0) / truth[0].mean()
             axes.set(title=title, xlabel=text, xticks=[], yticks=[])
             axes.imshow((radiance / (1 + radiance)).numpy() ** 0.45)
-    plt.savefig("recovery_light.png")
+    plt.savefig("recovery_light.png", dpi=150)
 
 
 if __name__ == "__main__":
