@@ -214,7 +214,7 @@ def main():
     parser.add_argument("--rounds", type=int, help="rounds of each row, in place of its own number")
     parser.add_argument("--out", type=Path, help="write the table as CSV, too")
     parser.add_argument("rows", nargs="*", metavar="ROW", help=", ".join(ROWS))
-    arguments = parser.parse_args()
+    arguments = parser.parse_intermixed_args()
     unknown = [name for name in arguments.rows if name not in ROWS]
     if unknown:
         parser.error(f"{unknown[0]} is not a row; expected {', '.join(ROWS)}")
