@@ -447,16 +447,21 @@ impl Plan {
             }
         }
         plan.cells = cells;
-        let mut identity = vec![
-            format!("name={}", plan.config.name),
-            format!("timing={:?}", plan.config.timing),
-        ];
-        if let Some(losses) = &plan.config.recovery {
-            identity.push(format!("recovery={losses:?}"));
-        }
-        identity.extend(plan.cells.iter().map(|cell| cell.id.clone()));
-        plan.hash = hash_lines(&identity);
+        plan.hash = plan.identity();
         plan
+    }
+
+    /// Returns the hash of what a run of the plan measures: its cells, and what is done with them.
+    fn identity(&self) -> String {
+        let mut lines = vec![
+            format!("name={}", self.config.name),
+            format!("timing={:?}", self.config.timing),
+        ];
+        if let Some(losses) = &self.config.recovery {
+            lines.push(format!("recovery={losses:?}"));
+        }
+        lines.extend(self.cells.iter().map(|cell| cell.id.clone()));
+        hash_lines(&lines)
     }
 
     /// Returns the seed of a cell. A reference under test must not share points with the reference

@@ -103,8 +103,7 @@ impl Header {
         let format = if has_second {
             PixelFormat::of_dxgi(Some(second[0]), || format!("DXGI format {}", second[0]))
         } else {
-            let old = OLD.iter().find(|old| old.d3d == fourcc);
-            PixelFormat::of_dxgi(old.map(|old| old.dxgi), || format!("code {fourcc:#010x}"))
+            format_of_direct3d_9(fourcc)
         };
         let mut interpretation = Interpretation::default();
         if has_second && second[4] & ALPHA_MODE == PREMULTIPLIED {
@@ -133,6 +132,13 @@ impl Header {
             length,
         })
     }
+}
+
+/// Returns the format that a header without a second one names by its `fourCC`, which holds four
+/// letters or a number of Direct3D 9's D3DFORMAT.
+fn format_of_direct3d_9(fourcc: u32) -> Result<PixelFormat, Fault> {
+    let old = OLD.iter().find(|old| old.d3d == fourcc);
+    PixelFormat::of_dxgi(old.map(|old| old.dxgi), || format!("code {fourcc:#010x}"))
 }
 
 /// Takes an array of six elements as one cube, if the data hold no more: NVIDIA's texture tools, old

@@ -81,22 +81,14 @@ impl Resources {
             self.blank(layout)
         };
         let irradiance_map = if diffuse.uses_irradiance_map {
-            self.irradiance_map(
-                maker,
-                IrradianceInputs::from_request(request),
-                storage,
-                &filtered,
-            )?
+            let inputs = IrradianceInputs::from_request(request);
+            self.irradiance_map(maker, inputs, storage, &filtered)?
         } else {
             self.blank(layout)
         };
         let prefiltered = if method.uses_prefiltered() {
-            self.prefiltered(
-                maker,
-                PrefilterInputs::from_request(request),
-                storage,
-                &filtered,
-            )?
+            let inputs = PrefilterInputs::from_request(request);
+            self.prefiltered(maker, inputs, storage, &filtered)?
         } else {
             self.blank(layout)
         };
@@ -107,7 +99,8 @@ impl Resources {
         };
         let tap_table = match method.tap_table {
             Some(count) => {
-                self.tap_table(maker, TapTableInputs::from_request(request, count), storage)?
+                let inputs = TapTableInputs::from_request(request, count);
+                self.tap_table(maker, inputs, storage)?
             }
             None => self.blank_image.clone(),
         };

@@ -55,30 +55,34 @@ impl Block {
     }
 }
 
+/// ln of `P_mm / sin^m θ` = sqrt((2m + 1)/4π Π (2k - 1)/2k) with k = 1 to m.
+fn log_of_first(m: usize) -> f64 {
+    let halves: f64 = (1..=m)
+        .map(|k| 0.5 * ((2 * k - 1) as f64 / (2 * k) as f64).ln())
+        .sum();
+    0.5 * ((2 * m + 1) as f64 / (4.0 * PI)).ln() + halves
+}
+
+/// The factors `[a_l+1, a_l+1 / a_l]` of P_l+1 = a_l+1 (cos θ P_l - P_l-1 / a_l), a_l² = (4 l² -
+/// 1)/(l² - m²), for l = m to `degree` - 1.
+fn steps_of_order(m: usize, degree: usize) -> Vec<[f64; 2]> {
+    let factor = |l: f64| ((4.0 * l * l - 1.0) / (l * l - (m * m) as f64)).sqrt();
+    let mut last = f64::INFINITY;
+    (m..degree)
+        .map(|l| {
+            let current = factor((l + 1) as f64);
+            let step = [current, current / last];
+            last = current;
+            step
+        })
+        .collect()
+}
+
 impl Legendre {
     pub(super) fn new(degree: usize) -> Self {
-        // P_mm = sqrt((2m + 1)/4π Π (2k - 1)/2k) sin^m θ.
-        let halves = |m: usize| -> f64 {
-            (1..=m)
-                .map(|k| 0.5 * ((2 * k - 1) as f64 / (2 * k) as f64).ln())
-                .sum()
-        };
-        let first = |m: usize| 0.5 * ((2 * m + 1) as f64 / (4.0 * PI)).ln() + halves(m);
-        // P_l+1 = a_l+1 (cos θ P_l - P_l-1 / a_l), a_l² = (4 l² - 1)/(l² - m²).
-        let of_order = |m: usize| {
-            let factor = |l: f64| ((4.0 * l * l - 1.0) / (l * l - (m * m) as f64)).sqrt();
-            let mut last = f64::INFINITY;
-            let step = |l: usize| {
-                let current = factor((l + 1) as f64);
-                let step = [current, current / last];
-                last = current;
-                step
-            };
-            (m..degree).map(step).collect()
-        };
         Self {
-            first: (0..=degree).map(first).collect(),
-            steps: (0..=degree).map(of_order).collect(),
+            first: (0..=degree).map(log_of_first).collect(),
+            steps: (0..=degree).map(|m| steps_of_order(m, degree)).collect(),
         }
     }
 

@@ -114,29 +114,9 @@ impl Attributes {
         needs_tangents: bool,
     ) -> Result<Placed, String> {
         let placement = Placement::new(to_world);
-        let count = self.positions.len();
-        let mut mesh = Mesh::empty(slot);
-        mesh.positions = self
-            .positions
-            .iter()
-            .map(|position| placement.position(position))
-            .collect::<Result<_, _>>()?;
-        mesh.uvs = placed_uvs(self.uvs, uv_transform, count)?;
-        mesh.normals = self
-            .normals
-            .iter()
-            .flatten()
-            .map(|normal| placement.normal(normal))
-            .collect();
         let has_tangents = self.tangents.is_some();
-        mesh.tangents = self.tangents.map_or(vec![[0.0; 4]; count], |tangents| {
-            tangents
-                .into_iter()
-                .zip(&mesh.normals)
-                .map(|(tangent, normal)| placement.tangent(tangent, normal))
-                .collect()
-        });
         let triangles = triangles(mode, &self.indices);
+        let mut mesh = self.in_world(&placement, uv_transform, slot)?;
         let degenerate_count = add_triangles(&mut mesh, triangles, placement.is_mirroring());
 
         let is_flat = mesh.normals.is_empty();
@@ -165,6 +145,37 @@ impl Attributes {
             replaced_normal_count,
             replaced_tangent_count,
         })
+    }
+
+    /// Returns the vertices in world space, without triangles; a vertex without tangent has zero.
+    fn in_world(
+        self,
+        placement: &Placement,
+        uv_transform: DAffine2,
+        slot: usize,
+    ) -> Result<Mesh, String> {
+        let count = self.positions.len();
+        let mut mesh = Mesh::empty(slot);
+        mesh.positions = self
+            .positions
+            .iter()
+            .map(|position| placement.position(position))
+            .collect::<Result<_, _>>()?;
+        mesh.uvs = placed_uvs(self.uvs, uv_transform, count)?;
+        mesh.normals = self
+            .normals
+            .iter()
+            .flatten()
+            .map(|normal| placement.normal(normal))
+            .collect();
+        mesh.tangents = self.tangents.map_or(vec![[0.0; 4]; count], |tangents| {
+            tangents
+                .into_iter()
+                .zip(&mesh.normals)
+                .map(|(tangent, normal)| placement.tangent(tangent, normal))
+                .collect()
+        });
+        Ok(mesh)
     }
 }
 

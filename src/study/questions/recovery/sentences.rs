@@ -33,19 +33,7 @@ pub fn sentences(frame: &Frame, lead: &[&Recovered]) -> Option<Sentences> {
         beside,
         "."
     ];
-    let nearer = best.and_then(|(_, fits)| {
-        let nearer = nearer_of_all(fits)?;
-        Some(statement![
-            candidate_phrases(frame, fits[0].candidate),
-            " is nearer to the true roughness than the textbook in ",
-            Number::Count(nearer.roughness as u64),
-            " of ",
-            Number::Count(nearer.of as u64),
-            " fits, to the true F0 in ",
-            Number::Count(nearer.f0 as u64),
-            "."
-        ])
-    });
+    let nearer = best.and_then(|(_, fits)| share_nearer(frame, fits));
     let n = Number::Count(worst.fits.len() as u64);
     let scope = statement![
         "Medians of ",
@@ -64,6 +52,21 @@ pub fn sentences(frame: &Frame, lead: &[&Recovered]) -> Option<Sentences> {
             .with_details(nearer)
             .with_scope([scope]),
     )
+}
+
+/// "`split-sum-two` is nearer to the true roughness than the textbook in 50 of 60 fits, ..."
+fn share_nearer(frame: &Frame, fits: &[&Recovered]) -> Option<Statement> {
+    let nearer = nearer_of_all(fits)?;
+    Some(statement![
+        candidate_phrases(frame, fits[0].candidate),
+        " is nearer to the true roughness than the textbook in ",
+        Number::Count(nearer.roughness as u64),
+        " of ",
+        Number::Count(nearer.of as u64),
+        " fits, to the true F0 in ",
+        Number::Count(nearer.f0 as u64),
+        "."
+    ])
 }
 
 /// "`split-sum` recovers 0.89 and 1.6 times the F0".
