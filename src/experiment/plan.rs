@@ -3,8 +3,8 @@
 //! Long because the cells, what they share and the requests that render them come from one expansion.
 
 use super::axis::{
-    AXES, AxisId, BLUR, DFG_TABLE, ENVIRONMENT, FRAMES, METHOD, PREFILTERED, Point, SCENE, SIZE,
-    View, is_blurred,
+    AXES, AxisId, BLUR, DFG_TABLE, ENVIRONMENT, FRAMES, METHOD, PREFILTERED, Point, Points, SCENE,
+    SIZE, View, is_blurred,
 };
 use super::checks;
 use super::config::{Config, UNSCORED};
@@ -413,6 +413,7 @@ impl Plan {
             inputs,
         };
         let mut known = HashSet::new();
+        let mut points = Points::default();
         let mut cells = Vec::new();
         for point in plan.config.combinations() {
             if let Some(index) = plan.config.exclusion_of(&point) {
@@ -438,7 +439,7 @@ impl Plan {
             if known.insert(id.clone()) {
                 cells.push(Cell {
                     id,
-                    point,
+                    point: points.shared(&point),
                     radiance,
                     reference,
                 });

@@ -183,10 +183,8 @@ impl State {
         }
         let is_drawn = point.method().is_integrated() || point.diffuse().is_integrated();
         let mut point = point.collapsed();
-        for (axis, value) in AXES.iter().zip(point.values_mut()) {
-            if axis.part == Part::Display {
-                *value = Value::Unset;
-            }
+        for id in AXES.ids().filter(|&id| AXES[id].part == Part::Display) {
+            point[id] = Value::Unset;
         }
         Image {
             point,

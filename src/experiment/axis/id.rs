@@ -13,6 +13,11 @@ impl AxisId {
         Self(position)
     }
 
+    /// The position of the axis in [`AXES`].
+    pub(super) fn position(self) -> usize {
+        self.0
+    }
+
     /// Finds an axis by its name in files and tables.
     pub fn find(name: &str) -> Option<Self> {
         AXES.ids().find(|axis| AXES[*axis].name == name)

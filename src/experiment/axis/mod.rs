@@ -7,29 +7,24 @@ mod layers;
 mod list;
 pub mod named;
 mod plain;
+mod point;
 mod settings;
 mod tables;
 
-use crate::base::names::Listed;
 pub use crate::instrument::shade::REFERENCE;
 pub use frames::{BLUR, is_blurred, motion_fault};
 pub use id::{Axes, AxisId, PerAxis};
 pub use list::*;
 pub use named::{Named, Spelling};
+pub use point::{Point, Points};
 pub use settings::{Reference, Setter, Settings, Terms, View};
 pub use tables::*;
 
 use super::value::{Kind, Value};
 use crate::instrument::brdf::Compensation;
-use crate::instrument::environment::layout::{LAYOUTS, MapLayout};
-use crate::instrument::precompute::PrefilterBy;
-use crate::instrument::precompute::given::OWN;
-use crate::instrument::scene::{MaterialOverride, SCENES};
+use crate::instrument::environment::layout::MapLayout;
 use crate::instrument::shade::frames::Frames;
-use crate::instrument::shade::{DIFFUSE, Diffuse, METHODS, Method, Shading};
-use crate::instrument::tonemap::ToneCurve;
-use std::ops::{Index, IndexMut};
-use std::sync::Arc;
+use crate::instrument::shade::{Diffuse, Method};
 
 /// The role of an axis: which things its values distinguish.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -232,176 +227,4 @@ impl Axis {
 /// Whether `[precompute]` may set the axis.
 pub fn is_precompute(axis: &Axis) -> bool {
     axis.part == Part::Table
-}
-
-/// One value for every axis, in the order of [`AXES`]. Copies share their values until one of them
-/// is changed, because a plan, its records and its answers each keep the point of a cell.
-#[derive(Clone, Debug, PartialEq, Eq, Hash)]
-pub struct Point(Arc<PerAxis<Value>>);
-
-impl Index<AxisId> for Point {
-    type Output = Value;
-
-    fn index(&self, axis: AxisId) -> &Value {
-        &self.0[axis]
-    }
-}
-
-impl IndexMut<AxisId> for Point {
-    fn index_mut(&mut self, axis: AxisId) -> &mut Value {
-        &mut self.values_mut()[axis]
-    }
-}
-
-impl Default for Point {
-    fn default() -> Self {
-        AXES.iter().map(|axis| (axis.default)()).collect()
-    }
-}
-
-impl FromIterator<Value> for Point {
-    /// The values in the order of [`AXES`].
-    fn from_iter<I: IntoIterator<Item = Value>>(values: I) -> Self {
-        Self(Arc::new(values.into_iter().collect()))
-    }
-}
-
-impl Point {
-    pub fn values(&self) -> &PerAxis<Value> {
-        &self.0
-    }
-
-    pub fn values_mut(&mut self) -> &mut PerAxis<Value> {
-        Arc::make_mut(&mut self.0)
-    }
-
-    pub fn get(&self, name: &str) -> &Value {
-        &self[AxisId::find(name).unwrap_or_else(|| panic!("{name} is not an axis"))]
-    }
-
-    pub fn method(&self) -> &'static Method {
-        Method::listed(self[METHOD].text())
-    }
-
-    pub fn diffuse(&self) -> &'static Diffuse {
-        Diffuse::listed(self[DIFFUSE_METHOD].text())
-    }
-
-    fn layout(&self) -> &'static MapLayout {
-        let name = (self[LAYOUT] != Value::Unset).then(|| self[LAYOUT].text());
-        name.map_or(&LAYOUTS[0], |name| MapLayout::listed(name))
-    }
-
-    /// Returns the default of an axis in the point's layout.
-    pub fn default_of(&self, axis: AxisId) -> Value {
-        AXES[axis]
-            .unset
-            .map_or_else(AXES[axis].default, |of_layout| of_layout(self.layout()))
-    }
-
-    /// Unsets every unused parameter, so that points with equal work are equal. Cells are
-    /// identified by this point.
-    pub fn collapsed(&self) -> Self {
-        self.where_used(true, true)
-    }
-
-    /// Unsets every parameter that cannot reach the pixels, so that points with equal images are
-    /// equal. Beyond [`Point::collapsed`]: the diffuse term of black and metal surfaces, and F0
-    /// where nothing is a dielectric.
-    pub fn of_pixels(&self) -> Self {
-        let is_metal = self[METALLIC] == Value::Number(1.0);
-        let is_black = self[ALBEDO] == Value::Color([0.0; 3]);
-        self.where_used(!(is_metal || is_black), !is_metal)
-    }
-
-    fn where_used(&self, has_diffuse_surface: bool, has_dielectric: bool) -> Self {
-        let used = self.used(has_diffuse_surface, has_dielectric);
-        let value = |(axis, value): (&Axis, &Value)| {
-            if !(axis.used)(&used) {
-                return Value::Unset;
-            }
-            match axis.unset {
-                Some(of_layout) if *value == Value::Unset => of_layout(self.layout()),
-                _ => value.clone(),
-            }
-        };
-        let values: PerAxis<Value> = AXES.iter().zip(self.values()).map(value).collect();
-        if values == *self.0 {
-            self.clone()
-        } else {
-            Self(Arc::new(values))
-        }
-    }
-
-    fn used(&self, has_diffuse_surface: bool, has_dielectric: bool) -> Used {
-        let method = self.method();
-        let has_sampled_tables = match method.prefilter {
-            Some(by) => by != PrefilterBy::Harmonic,
-            None => self[PREFILTER_BY].to_string() != PrefilterBy::Harmonic.name(),
-        };
-        let is_file = |axis: AxisId| AXES[axis].kind.path_in(&self[axis].to_string()).is_some();
-        let is_built_in = SCENES.iter().any(|entry| entry.name == self[SCENE].text());
-        // Materials of a file may have the layer.
-        let may_have =
-            |axis: AxisId| !(self[axis].is_zero() || self[axis] == Value::Unset && is_built_in);
-        let shading = self.settings().shading;
-        let has_frames = shading.frames.count > 1 && method.uses_point_set;
-        Used {
-            method,
-            diffuse: self.diffuse(),
-            compensation: shading.compensation,
-            // Compensation may add a diffuse term to any surface.
-            has_diffuse_surface: has_diffuse_surface || shading.compensation.is_diffuse(),
-            has_dielectric,
-            has_coat: may_have(COAT),
-            has_anisotropy: may_have(ANISOTROPY),
-            has_sheen: may_have(SHEEN_COLOR),
-            has_occlusion: !is_built_in,
-            frames: has_frames.then_some(shading.frames),
-            has_sampled_tables,
-            makes_prefiltered: !is_file(PREFILTERED),
-            makes_dfg: !is_file(DFG_TABLE),
-        }
-    }
-
-    /// Whether the table of [`PREFILTERED`] or [`DFG_TABLE`] is the program's own.
-    pub fn is_computed(&self, axis: AxisId) -> bool {
-        [Value::Unset, (AXES[axis].default)()].contains(&self[axis])
-    }
-
-    /// Returns the collapsed point of this point's reference.
-    pub fn reference(&self, reference: &Reference) -> Self {
-        let values = AXES
-            .iter()
-            .zip(self.values())
-            .map(|(axis, value)| match axis.part {
-                Part::Table => (axis.default)(),
-                _ => (axis.reference)(reference, value),
-            });
-        values.collect::<Self>().collapsed()
-    }
-
-    pub fn settings(&self) -> Settings {
-        let mut settings = Settings {
-            size: [1, 1],
-            environment: String::new(),
-            scene: String::new(),
-            material: MaterialOverride::default(),
-            light_intensity: 1.0,
-            light_turn_deg: 0.0,
-            shading: Shading {
-                method: &METHODS[0],
-                diffuse: &DIFFUSE[0],
-                samples: 1,
-                ..Shading::default()
-            },
-            prefiltered: OWN.to_owned(),
-            dfg: OWN.to_owned(),
-            curve: ToneCurve::default(),
-        };
-        for (axis, value) in AXES.iter().zip(self.values()) {
-            axis.set.apply(&mut settings, value);
-        }
-        settings
-    }
 }

@@ -6,10 +6,10 @@ use super::{
 use crate::base::csv::{Row, TableError, TableRows};
 use crate::base::files::read_regular;
 use crate::base::names::{Listed, printable};
+use crate::experiment::axis::Points;
 use crate::experiment::config::Config;
 use crate::experiment::fault::Faults;
 use crate::experiment::inputs::load_methods;
-use crate::experiment::value::Value;
 use crate::instrument::metrics::Weight;
 use crate::run::columns::{FAILED, UNSCORED};
 use crate::run::frozen::EXPERIMENT_FILE;
@@ -119,24 +119,15 @@ fn cells(
         .iter()
         .try_for_each(|name| errors.needs(name))?;
     let mut cells = Vec::new();
-    // Equal texts are stored once.
-    let mut texts: HashMap<String, Value> = HashMap::new();
+    let mut points = Points::default();
     errors.each(|row| {
         row.checked_number(HEADLINE)?;
         let id = row.text("cell").unwrap_or_default().to_owned();
         let is_failed = row.text("verdict") == Some(FAILED);
         let is_scored = !is_failed && row.text("verdict") != Some(UNSCORED);
-        let mut point = point_of(|name| Some(row.text(name)?.to_owned()));
-        for value in point.values_mut() {
-            if let Value::Text(text) = value {
-                *value = texts
-                    .entry(text.to_string())
-                    .or_insert_with(|| value.clone())
-                    .clone();
-            }
-        }
+        let point = point_of(|name| Some(row.text(name)?.to_owned()));
         cells.push(FinishedCell {
-            point,
+            point: points.shared(&point),
             is_failed,
             scores: is_scored.then(|| metrics(&row, "")),
             noise_floors: metrics(&row, "_noise_floor"),

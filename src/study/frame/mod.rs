@@ -18,7 +18,7 @@ use crate::base::csv::Cell;
 use crate::draw::variant::Variant;
 use crate::experiment::axis::{
     ALPHA, AXES, AxisId, BRDF, DIFFUSE_METHOD, ENVIRONMENT, F0, METHOD, Part, PerAxis, Point,
-    SAMPLES, SCENE,
+    Points, SAMPLES, SCENE,
 };
 use crate::experiment::value::Value;
 use crate::instrument::metrics::{HEADLINE, Metric, Space, VIEWS, Verdict, verdict};
@@ -441,13 +441,14 @@ fn by_size(a: &Value, b: &Value) -> std::cmp::Ordering {
 /// Each distinct image once; of equal images the first with a score.
 fn distinct(run: &Finished) -> Vec<Row<'_>> {
     let mut rows: IndexMap<Point, Row> = IndexMap::new();
+    let mut points = Points::default();
     for cell in &run.cells {
         // Without methods, any parameter may change the pixels.
         let is_whole = [METHOD, DIFFUSE_METHOD]
             .iter()
             .all(|&axis| cell.point[axis] != Value::Unset);
         let point = if is_whole {
-            cell.point.of_pixels()
+            points.shared(&cell.point.of_pixels())
         } else {
             cell.point.clone()
         };

@@ -216,7 +216,7 @@ impl<'r, 'f> Group<'r, 'f> {
 /// would decide by the shaders that were compiled.
 fn worst<'r, 'f>(pictures: impl Iterator<Item = Worst<'r, 'f>>) -> Option<Worst<'r, 'f>> {
     fn texts(picture: &Worst) -> impl Iterator<Item = String> {
-        picture.row.point.values().iter().map(Value::to_string)
+        picture.row.point.values().map(Value::to_string)
     }
     pictures.max_by(|a, b| {
         a.ratio
