@@ -4,17 +4,18 @@
 use super::picture::{Picture, painted};
 use super::shown::{Shot, Shown, Status};
 use super::state::{Image, Inputs, Side, State};
+use super::texels::{DeviceTexels, Texels};
 use crate::base::names::Listed;
 use crate::base::pixels::Rgb8Image;
 use crate::experiment::axis::motion_fault;
 use crate::instrument::environment::{Environment, LoadOptions};
-use crate::instrument::gpu::lock;
+use crate::instrument::gpu::{Gpu, lock};
 use crate::instrument::metrics::{Comparison, HEADLINE, Metric};
-use crate::instrument::pipeline::{Frame, Options, Pipeline, PipelineError, Recent};
+use crate::instrument::pipeline::{Frame, Options, Pipeline, PipelineError, Recent, RenderRequest};
 use crate::instrument::scene::{Camera, CameraKind, MaterialOverride, Scene};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -40,6 +41,10 @@ struct Post {
     interrupt: Arc<AtomicBool>,
     /// Ends first pictures, too.
     is_overdue: Arc<AtomicBool>,
+    /// The device, once it is open.
+    gpu: OnceLock<Gpu>,
+    /// Whether pictures stay on the device.
+    is_painted_on_device: AtomicBool,
 }
 
 pub struct Worker {
@@ -91,12 +96,24 @@ impl Worker {
         self.post.arrived.notify_one();
     }
 
+    /// Returns the device, once it is open.
+    pub fn gpu(&self) -> Option<&Gpu> {
+        self.post.gpu.get()
+    }
+
+    /// Leaves the pictures of all later states on the device.
+    pub fn paint_on_device(&self) {
+        self.post
+            .is_painted_on_device
+            .store(true, Ordering::Relaxed);
+    }
+
     pub fn shown(&self) -> Shown {
         lock(&self.post.shown).clone()
     }
 
-    /// Ends the thread and returns its last update.
-    pub fn close(&mut self) -> Shown {
+    /// Ends the thread. Returns the messages of the validation layer, if it was asked for.
+    pub fn close(&mut self) -> Vec<String> {
         {
             let _held = lock(&self.post.state);
             for flag in [
@@ -110,7 +127,7 @@ impl Worker {
         }
         // A panic was reported already.
         self.thread.take().map(JoinHandle::join);
-        self.shown()
+        self.gpu().map(Gpu::validation_messages).unwrap_or_default()
     }
 }
 
@@ -123,6 +140,7 @@ impl Drop for Worker {
 struct Renderer<'a> {
     post: &'a Post,
     wake: &'a dyn Fn(),
+    gpu: Gpu,
     pipeline: Pipeline,
     load: LoadOptions,
     environment: Option<Loaded<Environment>>,
@@ -174,10 +192,13 @@ impl<'a> Renderer<'a> {
         load: LoadOptions,
         wake: &'a dyn Fn(),
     ) -> Result<(), PipelineError> {
-        let pipeline = Pipeline::new(Options {
+        let gpu = Gpu::new(Options {
             is_interactive: true,
             ..options
         })?;
+        let gpu = post.gpu.get_or_init(|| gpu).clone();
+        wake();
+        let pipeline = Pipeline::on(gpu.clone())?;
         let shown = Shown {
             device: Some(pipeline.device().clone()),
             ..Shown::default()
@@ -186,6 +207,7 @@ impl<'a> Renderer<'a> {
         let mut renderer = Self {
             post,
             wake,
+            gpu,
             pipeline,
             load,
             environment: None,
@@ -234,7 +256,6 @@ impl<'a> Renderer<'a> {
 
     fn set_status(&mut self, status: Status) {
         self.shown.status = status;
-        self.shown.messages = self.pipeline.validation_messages();
         lock(&self.post.shown).clone_from(&self.shown);
         (self.wake)();
     }
@@ -395,14 +416,7 @@ impl<'a> Renderer<'a> {
             let frame = self.frame(&image, inputs)?;
             has_made_table |= !frame.timings.precompute.is_empty();
             let request = image.request(inputs);
-            let picture = painted(
-                &mut self.pipeline,
-                state.picture,
-                state.point.settings().curve,
-                &request,
-                &frame,
-                truth.as_deref(),
-            )?;
+            let picture = self.picture(state, &request, &frame, truth.as_deref())?;
             // The score of the same frame stays until the next reference is ready.
             let known = self
                 .shown
@@ -412,7 +426,7 @@ impl<'a> Renderer<'a> {
             self.shown.halves[side as usize] = Some(Shot {
                 image,
                 frame,
-                picture: Arc::new(picture),
+                picture,
                 kind: state.picture,
                 fault: state.picture.fault(&request),
                 generation,
@@ -425,6 +439,33 @@ impl<'a> Renderer<'a> {
         }
         self.set_status(Status::Busy);
         Ok(has_made_table)
+    }
+
+    /// Paints a half where the window takes it from.
+    fn picture(
+        &mut self,
+        state: &State,
+        request: &RenderRequest,
+        frame: &Frame,
+        truth: Option<&Frame>,
+    ) -> Result<Texels, PipelineError> {
+        let curve = state.point.settings().curve;
+        let is_on_device = self.post.is_painted_on_device.load(Ordering::Relaxed);
+        if is_on_device && state.picture == Picture::Image {
+            let radiance = &frame.radiance;
+            return Ok(Texels::Device(DeviceTexels {
+                words: self.pipeline.tonemap_on_device(radiance, curve)?.0,
+                size: [radiance.width, radiance.height],
+                gpu: self.gpu.clone(),
+            }));
+        }
+        let pipeline = &mut self.pipeline;
+        let image = painted(pipeline, state.picture, curve, request, frame, truth)?;
+        Ok(if is_on_device {
+            Texels::Device(DeviceTexels::copied(&self.gpu, &image)?)
+        } else {
+            Texels::Host(Arc::new(image))
+        })
     }
 
     /// Renders the reference with `count` samples per pixel and scores the halves.
@@ -452,7 +493,7 @@ impl<'a> Renderer<'a> {
             image,
             frame: truth,
             // Only its values are shown.
-            picture: Arc::new(Rgb8Image::filled(1, 1, [0; 3])),
+            picture: Texels::Host(Arc::new(Rgb8Image::filled(1, 1, [0; 3]))),
             kind: Picture::Image,
             fault: None,
             generation: self.shown.generation,

@@ -234,4 +234,26 @@ shared_structs! {
         exposure: float,
         contrast: float,
     }
+    /// Push constants of a half in the window.
+    WindowPictureParams {
+        /// Corner of the picture in the window, pixels.
+        left: uint,
+        top: uint,
+        /// Size of the picture in the window, pixels.
+        width: uint,
+        height: uint,
+        /// Size of the half's image, texels.
+        texel_columns: uint,
+        texel_rows: uint,
+        /// 1 interpolates between texels, 0 keeps them squares.
+        is_smooth: uint,
+        /// Of 256.
+        brightness: uint,
+    }
+    /// Push constants of the window's controls.
+    WindowMeshParams {
+        /// Size of the window, points.
+        width: float,
+        height: float,
+    }
 }

@@ -43,7 +43,7 @@ pub use request::{Frame, FrameTimings, Illumination, RenderRequest, Steadiness, 
 pub use shared_work::SharedWork;
 
 use crate::base::pixels::{Rgb8Image, RgbImage};
-use crate::instrument::gpu::Gpu;
+use crate::instrument::gpu::{Buffer, Gpu};
 use crate::instrument::shade::reference_pass::Drawn;
 use crate::instrument::tonemap::{self, ToneCurve};
 use kept_reference::Reference;
@@ -285,6 +285,20 @@ impl Pipeline {
         radiance: &RgbImage,
         curve: ToneCurve,
     ) -> Result<(Rgb8Image, PassTime), PipelineError> {
+        let (packed, time) = self.tonemap_on_device(radiance, curve)?;
+        let size = [radiance.width, radiance.height];
+        let image =
+            self.with_memory(|pipeline| Ok(tonemap::pass::read(&pipeline.gpu, &packed, size)?))?;
+        Ok((image, time))
+    }
+
+    /// Applies the tone curve; the result stays on the device, a word a pixel with R in the lowest
+    /// byte.
+    pub fn tonemap_on_device(
+        &mut self,
+        radiance: &RgbImage,
+        curve: ToneCurve,
+    ) -> Result<(Buffer, PassTime), PipelineError> {
         let size = [radiance.width, radiance.height];
         let texels: Vec<[f32; 4]> = radiance
             .data
@@ -299,7 +313,7 @@ impl Pipeline {
                 pass: "tonemap",
                 ms: 0.0,
             });
-            Ok((tonemap::pass::read(&pipeline.gpu, &packed, size)?, time))
+            Ok((packed, time))
         })
     }
 }
