@@ -170,9 +170,12 @@ fn probed_values(shot: &Shot, [x, y]: [u32; 2]) -> [String; 2] {
             .map(|rgb| rgb.map(|c| format!("{c:7.4}")).join(" "))
             .unwrap_or_default()
     };
-    let error = shot.frame.standard_error.as_ref();
+    let Some(frame) = &shot.frame else {
+        return Default::default();
+    };
+    let error = frame.standard_error.as_ref();
     [
-        values(&shot.frame.radiance),
+        values(&frame.radiance),
         error.map(values).unwrap_or_default(),
     ]
 }

@@ -409,8 +409,8 @@ fn progress(shown: &Shown, is_done: bool) -> String {
     };
     let error = truth
         .frame
-        .convergences
         .iter()
+        .flat_map(|frame| &frame.convergences)
         .map(|term| term.relative_error)
         .fold(0.0, f64::max);
     let percent = crate::draw::markdown::significant(100.0 * error, 2);

@@ -18,8 +18,9 @@ pub fn save(out: &Path, state: &State, shown: &Shown) -> Result<PathBuf, String>
     let mut commands = format!("#!/bin/sh\n# Renders the halves of this state again.\n{search}\n");
     for (name, side) in [("left", Side::Left), ("right", Side::Right)] {
         let shot = shown.side(side).ok_or("there is no picture yet")?;
+        let frame = shot.frame.as_ref().ok_or("there is no image yet")?;
         let path = folder.join(format!("{name}.exr"));
-        write_radiance(&path, &shot.frame).map_err(|error| error.to_string())?;
+        write_radiance(&path, frame).map_err(|error| error.to_string())?;
         commands += &state.render_command(&shot.image, &format!("{name}-again.exr"));
         commands += "\n";
     }

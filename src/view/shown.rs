@@ -10,7 +10,8 @@ use std::sync::Arc;
 #[derive(Clone)]
 pub struct Shot {
     pub image: Image,
-    pub frame: Arc<Frame>,
+    /// `None` while only the picture was made.
+    pub frame: Option<Arc<Frame>>,
     pub picture: Texels,
     pub kind: Picture,
     /// Why the half has no picture of this kind, in words.

@@ -300,7 +300,10 @@ impl App {
     }
 
     fn saved(&self) -> Result<PathBuf, String> {
-        let is_whole = |side| self.shown.side(side).is_some_and(|shot| shot.scale == 1);
+        let is_whole = |side| {
+            let shot = self.shown.side(side);
+            shot.is_some_and(|shot| shot.scale == 1 && shot.frame.is_some())
+        };
         let is_current = self.shown.generation == self.generation;
         if !is_current || !is_whole(Side::Left) || !is_whole(Side::Right) {
             return Err("the picture is still coarse; try again in a moment".to_owned());

@@ -1,17 +1,14 @@
 //! The renderer's thread. It takes the newest state, shows it coarsely if the whole takes long,
 //! then whole, then refines the reference until the state changes.
 
-use super::picture::{Picture, painted};
+mod shoot;
+
 use super::shown::{Shot, Shown, Status};
 use super::state::{Image, Inputs, Side, State};
-use super::texels::{DeviceTexels, Texels};
-use crate::base::names::Listed;
-use crate::base::pixels::Rgb8Image;
 use crate::experiment::axis::motion_fault;
 use crate::instrument::environment::{Environment, LoadOptions};
 use crate::instrument::gpu::{Gpu, lock};
-use crate::instrument::metrics::{Comparison, HEADLINE, Metric};
-use crate::instrument::pipeline::{Frame, Options, Pipeline, PipelineError, Recent, RenderRequest};
+use crate::instrument::pipeline::{Frame, Options, Pipeline, PipelineError, Recent};
 use crate::instrument::scene::{Camera, CameraKind, MaterialOverride, Scene};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -309,7 +306,7 @@ impl<'a> Renderer<'a> {
     fn show_coarsely(&mut self, state: &State, inputs: &Inputs, count: u32) -> Result<(), Stop> {
         let started = Instant::now();
         let scale = self.coarse;
-        let has_made_table = self.shoot(state, inputs, count, scale)?;
+        let has_made_table = self.sketch(state, inputs, count, scale)?;
         let ms = started.elapsed().as_secs_f64() * 1e3;
         // A table is made once, so its time says nothing about the next picture.
         if !has_made_table && ms < COARSE_MS.start {
@@ -321,7 +318,7 @@ impl<'a> Renderer<'a> {
         self.pipeline
             .interrupt_by(Some(self.post.interrupt.clone()));
         if scale > 2 {
-            self.shoot(state, inputs, count, 2)?;
+            self.sketch(state, inputs, count, 2)?;
         }
         Ok(())
     }
@@ -390,122 +387,5 @@ impl<'a> Renderer<'a> {
         self.framed = None;
         self.kept.clear();
         Ok(content)
-    }
-
-    /// Shows both halves, and the reference if needed. Returns whether it made a table.
-    fn shoot(
-        &mut self,
-        whole: &State,
-        inputs: &Inputs,
-        count: u32,
-        scale: u32,
-    ) -> Result<bool, Stop> {
-        let state = &whole.scaled(scale);
-        let generation = self.shown.generation;
-        let mut has_made_table = false;
-        let is_first = self
-            .shown
-            .side(Side::Left)
-            .is_none_or(|shot| shot.generation != generation || shot.scale > 1);
-        let truth = match state.picture.scale() {
-            Some(_) => Some(self.frame(&state.truth(count), inputs)?),
-            None => None,
-        };
-        for side in [Side::Left, Side::Right] {
-            let image = state.image(side, count);
-            let frame = self.frame(&image, inputs)?;
-            has_made_table |= !frame.timings.precompute.is_empty();
-            let request = image.request(inputs);
-            let picture = self.picture(state, &request, &frame, truth.as_deref())?;
-            // The score of the same frame stays until the next reference is ready.
-            let known = self
-                .shown
-                .side(side)
-                .filter(|shot| Arc::ptr_eq(&shot.frame, &frame));
-            let score = known.and_then(|shot| shot.score);
-            self.shown.halves[side as usize] = Some(Shot {
-                image,
-                frame,
-                picture,
-                kind: state.picture,
-                fault: state.picture.fault(&request),
-                generation,
-                scale,
-                score,
-            });
-            if scale == 1 && is_first {
-                self.set_status(Status::Busy);
-            }
-        }
-        self.set_status(Status::Busy);
-        Ok(has_made_table)
-    }
-
-    /// Paints a half where the window takes it from.
-    fn picture(
-        &mut self,
-        state: &State,
-        request: &RenderRequest,
-        frame: &Frame,
-        truth: Option<&Frame>,
-    ) -> Result<Texels, PipelineError> {
-        let curve = state.point.settings().curve;
-        let is_on_device = self.post.is_painted_on_device.load(Ordering::Relaxed);
-        if is_on_device && state.picture == Picture::Image {
-            let radiance = &frame.radiance;
-            return Ok(Texels::Device(DeviceTexels {
-                words: self.pipeline.tonemap_on_device(radiance, curve)?.0,
-                size: [radiance.width, radiance.height],
-                gpu: self.gpu.clone(),
-            }));
-        }
-        let pipeline = &mut self.pipeline;
-        let image = painted(pipeline, state.picture, curve, request, frame, truth)?;
-        Ok(if is_on_device {
-            Texels::Device(DeviceTexels::copied(&self.gpu, &image)?)
-        } else {
-            Texels::Host(Arc::new(image))
-        })
-    }
-
-    /// Renders the reference with `count` samples per pixel and scores the halves.
-    fn refine(&mut self, state: &State, inputs: &Inputs, count: u32) -> Result<(), Stop> {
-        let image = state.truth(count);
-        let truth = self.frame(&image, inputs)?;
-        let request = image.request(inputs);
-        let headline = Metric::listed(HEADLINE);
-        for shot in self.shown.halves.iter_mut().flatten() {
-            let curve = state.point.settings().curve;
-            let comparison = Comparison::new(
-                &shot.frame.radiance,
-                &truth.radiance,
-                &truth.mask,
-                curve,
-                request.epsilon(),
-            );
-            let is_other = !Arc::ptr_eq(&shot.frame, &truth);
-            shot.score = comparison
-                .ok()
-                .filter(|_| is_other)
-                .map(|comparison| comparison.evaluate(&[headline])[0].1);
-        }
-        self.shown.truth = Some(Shot {
-            image,
-            frame: truth,
-            // Only its values are shown.
-            picture: Texels::Host(Arc::new(Rgb8Image::filled(1, 1, [0; 3]))),
-            kind: Picture::Image,
-            fault: None,
-            generation: self.shown.generation,
-            scale: 1,
-            score: None,
-        });
-        Ok(())
-    }
-
-    /// Renders an image unless its frame is in memory.
-    fn frame(&mut self, image: &Image, inputs: &Inputs) -> Result<Arc<Frame>, Stop> {
-        let render = || Ok(Arc::new(self.pipeline.render(&image.request(inputs))?));
-        self.kept.get_or_make(image.clone(), render)
     }
 }

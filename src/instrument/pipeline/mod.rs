@@ -21,6 +21,7 @@ mod lights;
 mod made_tables;
 mod occlusion;
 mod passes;
+mod picture;
 mod prepare;
 pub mod reprojection;
 mod request;
@@ -39,6 +40,7 @@ pub use error::PipelineError;
 pub use fit::{BUFFER_BYTES_EVERYWHERE, BUFFER_BYTES_MAX, image_buffer_bytes};
 pub use intermediate::{Intermediate, IntermediateImage, Selection};
 pub use light_tables::LightTables;
+pub use picture::DevicePicture;
 pub use request::{Frame, FrameTimings, Illumination, RenderRequest, Steadiness, TimingSamples};
 pub use shared_work::SharedWork;
 
