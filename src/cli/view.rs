@@ -45,11 +45,11 @@ pub struct Arguments {
     /// Use the validation layer; its messages make the exit code 1.
     #[arg(long, hide = true)]
     validation: bool,
-    /// Paint the window by a swapchain of the device (`swapchain`), or on the CPU (`cpu`).
+    /// Paint the window by a swapchain of the device or on the CPU: auto, swapchain, cpu.
     #[arg(
         long,
         value_name = "HOW",
-        default_value = Paint::Swapchain.name(),
+        default_value = Paint::Auto.name(),
         value_parser = |name: &str| Paint::parse(name).copied(),
     )]
     paint: Paint,

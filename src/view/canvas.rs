@@ -55,6 +55,11 @@ impl Canvas {
             .collect()
     }
 
+    /// Returns how many texels of an image lie across and down a pixel.
+    pub fn texels_a_pixel(&self, texels: [u32; 2]) -> [f32; 2] {
+        [0, 1].map(|axis| texels[axis] as f32 / self.size[axis] as f32)
+    }
+
     /// Calls `put` with each row of each half: its left end, its y and its colours. Does nothing
     /// before the first picture.
     pub fn paint(
@@ -75,18 +80,19 @@ impl Canvas {
         picture: &Rgb8Image,
         put: &mut impl FnMut(u32, u32, &[[u8; 3]]),
     ) {
-        let [width, height] = self.size;
+        let height = self.size[1];
         let is_smooth = half.is_smooth();
         let columns = half.columns.clone();
+        let [texels_across, texels_down] = self.texels_a_pixel([picture.width, picture.height]);
         let across: Vec<Texel> = columns
             .clone()
-            .map(|x| Texel::new(x, width, picture.width, is_smooth))
+            .map(|x| Texel::new(x, texels_across, picture.width, is_smooth))
             .collect();
         let mut upper = StretchedRow::new(picture, 0, &across);
         let mut lower = StretchedRow::new(picture, 0, &across);
         let mut line = vec![[0; 3]; columns.len()];
         for y in 0..height {
-            let down = Texel::new(y, height, picture.height, is_smooth);
+            let down = Texel::new(y, texels_down, picture.height, is_smooth);
             upper.change_to(picture, down.first, &across);
             lower.change_to(picture, down.second, &across);
             let upper_weight = (256 - down.weight) * half.brightness;
@@ -131,8 +137,8 @@ impl StretchedRow {
     }
 }
 
-/// The two texels that a pixel lies between, and the weight of the second, of 256. In whole
-/// numbers, so that `shaders/window/picture.frag` finds the same.
+/// The two texels that a pixel lies between, and the weight of the second, of 256.
+/// `shaders/window` computes the same operations, each rounded once, so both find the same.
 struct Texel {
     first: usize,
     second: usize,
@@ -140,21 +146,19 @@ struct Texel {
 }
 
 impl Texel {
-    /// `pixel` is one of `pixel_count`, over `texel_count` texels.
-    fn new(pixel: u32, pixel_count: u32, texel_count: u32, is_smooth: bool) -> Self {
-        // The pixel's centre is at this over twice the number of pixels, in texels.
-        let mut centre = (2 * pixel + 1) * texel_count;
+    /// A pixel whose side is `texels_a_pixel` of `texel_count` texels.
+    fn new(pixel: u32, texels_a_pixel: f32, texel_count: u32, is_smooth: bool) -> Self {
+        let mut position = (pixel as f32 + 0.5) * texels_a_pixel;
         if is_smooth {
-            centre = centre.saturating_sub(pixel_count);
+            position = (position - 0.5).max(0.0);
         }
-        let first = (centre / (2 * pixel_count)) as usize;
-        let rest = centre % (2 * pixel_count);
+        let first = position as usize;
         let last = texel_count as usize - 1;
         Self {
             first: first.min(last),
             second: (first + 1).min(last),
             weight: if is_smooth {
-                128 * rest / pixel_count
+                ((position - first as f32) * 256.0) as u32
             } else {
                 0
             },

@@ -15,7 +15,8 @@ use std::ops::Range;
 use std::rc::Rc;
 use winit::window::Window;
 
-const PICTURE: [&str; 2] = ["window/picture.vert", "window/picture.frag"];
+const SQUARES: [&str; 2] = ["window/picture.vert", "window/squares.frag"];
+const SMOOTH: [&str; 2] = ["window/picture.vert", "window/smooth.frag"];
 const MESH: [&str; 2] = ["window/mesh.vert", "window/mesh.frag"];
 
 pub struct DevicePainter {
@@ -100,21 +101,22 @@ fn picture_layer<'a>(
     };
     let [left, top] = painting.canvas.corner;
     let size = painting.canvas.size;
+    let [across, down] = painting.canvas.texels_a_pixel(texels.size);
     let params = WindowPictureParams {
         left,
         top,
-        width: size[0],
-        height: size[1],
         texel_columns: texels.size[0],
         texel_rows: texels.size[1],
-        is_smooth: half.is_smooth().into(),
         brightness: half.brightness,
+        across,
+        down,
     };
     // The image may be smaller than the window that was laid out.
     let columns = [half.columns.start, half.columns.end].map(|x| (left + x).min(width));
     let rows = [top, top + size[1]].map(|y| y.min(height));
     Some(Painted {
-        shaders: PICTURE,
+        shaders: if half.is_smooth() { SMOOTH } else { SQUARES },
+        is_opaque: true,
         binds: vec![Bind::Read(&texels.words)],
         push: params.to_bytes(),
         vertices: 0..3,
@@ -193,6 +195,7 @@ impl Meshes {
             let image = texture.image.as_ref()?;
             Some(Painted {
                 shaders: MESH,
+                is_opaque: false,
                 binds: vec![
                     Bind::Read(&self.vertices),
                     Bind::Read(&self.indices),

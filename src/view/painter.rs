@@ -13,12 +13,14 @@ use winit::window::Window;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Paint {
+    /// By the faster way: a swapchain, unless the device is itself a CPU.
+    Auto,
     /// By images of the device, which never leave it.
     Swapchain,
     Cpu,
 }
 
-listed!(Paint, "way to paint", { "swapchain": Swapchain, "cpu": Cpu });
+listed!(Paint, "way to paint", { "auto": Auto, "swapchain": Swapchain, "cpu": Cpu });
 
 /// The content of a frame.
 pub struct Painting<'a> {
@@ -66,13 +68,18 @@ impl Painter {
         gpu: &Gpu,
         window: &Rc<Window>,
     ) -> Result<(Self, Option<String>), SoftBufferError> {
-        let why = match paint {
-            Paint::Cpu => None,
-            Paint::Swapchain => match DevicePainter::new(gpu, window) {
-                Ok(painter) => return Ok((Self::Swapchain(painter), None)),
-                Err(error) => Some(format!("{error}; the window is painted on the CPU")),
-            },
+        let is_swapchain = match paint {
+            Paint::Auto => gpu.info().device_type != "cpu",
+            Paint::Swapchain => true,
+            Paint::Cpu => false,
         };
+        let mut why = None;
+        if is_swapchain {
+            match DevicePainter::new(gpu, window) {
+                Ok(painter) => return Ok((Self::Swapchain(painter), None)),
+                Err(error) => why = Some(format!("{error}; the window is painted on the CPU")),
+            }
+        }
         Ok((Self::Cpu(CpuPainter::new(window)?), why))
     }
 

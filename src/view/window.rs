@@ -30,7 +30,7 @@ pub enum Windowed {
     Failed(String),
 }
 
-/// Time between passes while the renderer is behind and the pointer moves.
+/// Least time between passes while the renderer is behind and the pointer moves.
 const BEHIND: Duration = Duration::from_millis(50);
 /// A longer delay of egui means that nothing is to be repainted.
 const DELAY_MAX: Duration = Duration::from_secs(3600);
@@ -91,6 +91,8 @@ struct App {
     is_renewed: bool,
     wakes_at: Option<Instant>,
     painted: Instant,
+    /// How long the last frame took.
+    painting_time: Duration,
     /// Whether no pass has seen a pressed button yet.
     is_press_unseen: bool,
     counts: Counts,
@@ -119,6 +121,7 @@ impl App {
             is_renewed: false,
             wakes_at: None,
             painted: Instant::now(),
+            painting_time: Duration::ZERO,
             is_press_unseen: false,
             counts: Counts::default(),
             test_report: TestReport::from_environment(),
@@ -172,6 +175,7 @@ impl App {
             textures: &output.textures_delta,
             pixels_per_point: output.pixels_per_point,
         });
+        self.painting_time = self.painted.elapsed();
         match presented {
             Ok(true) => {
                 self.is_renewed = false;
@@ -347,7 +351,7 @@ impl ApplicationHandler<Arrived> for App {
             // The window may be gone.
             let wake = move || drop(proxy.send_event(Arrived));
             let device = Options {
-                is_presenting: self.options.paint == Paint::Swapchain,
+                is_presenting: self.options.paint != Paint::Cpu,
                 ..self.options.device
             };
             match Worker::start(device, self.options.load.clone(), wake) {
@@ -408,7 +412,8 @@ impl ApplicationHandler<Arrived> for App {
             WindowEvent::RedrawRequested => self.frame(events),
             // Leaves the processor to a renderer that is behind.
             WindowEvent::CursorMoved { .. } if self.shown.generation != self.generation => {
-                self.wakes_at = earlier(self.wakes_at, Some(self.painted + BEHIND));
+                let pause = BEHIND.max(2 * self.painting_time);
+                self.wakes_at = earlier(self.wakes_at, Some(self.painted + pause));
             }
             _ if response.repaint => screen.window.request_redraw(),
             _ => {}

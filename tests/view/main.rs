@@ -504,6 +504,8 @@ fn random_input_leaves_no_message_and_no_leak() {
         "--environment",
         "builtin:sky",
         "--validation",
+        "--paint",
+        "swapchain",
     ]);
     win.few_samples();
     win.wait_done();

@@ -239,16 +239,14 @@ shared_structs! {
         /// Corner of the picture in the window, pixels.
         left: uint,
         top: uint,
-        /// Size of the picture in the window, pixels.
-        width: uint,
-        height: uint,
         /// Size of the half's image, texels.
         texel_columns: uint,
         texel_rows: uint,
-        /// 1 interpolates between texels, 0 keeps them squares.
-        is_smooth: uint,
         /// Of 256.
         brightness: uint,
+        /// Texels a pixel.
+        across: float,
+        down: float,
     }
     /// Push constants of the window's controls.
     WindowMeshParams {

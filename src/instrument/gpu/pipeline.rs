@@ -23,22 +23,24 @@ pub struct GraphicsDescription<'a> {
 pub enum Output {
     /// Images of [`Format::Rgba32Float`]: opaque, the nearest surface by depth.
     Surfaces,
-    /// One image of this format, without depth. Colours, times their alpha, cover earlier ones.
-    Layers(Format),
+    /// One image of this format, without depth.
+    Opaque(Format),
+    /// The same; colours, times their alpha, cover earlier ones.
+    Blended(Format),
 }
 
 impl Output {
     fn depth_format(self) -> vk::Format {
         match self {
             Self::Surfaces => Format::Depth32Float.raw(),
-            Self::Layers(_) => vk::Format::UNDEFINED,
+            Self::Opaque(_) | Self::Blended(_) => vk::Format::UNDEFINED,
         }
     }
 
     fn color_format(self) -> vk::Format {
         match self {
             Self::Surfaces => Format::Rgba32Float.raw(),
-            Self::Layers(format) => format.raw(),
+            Self::Opaque(format) | Self::Blended(format) => format.raw(),
         }
     }
 
@@ -46,8 +48,8 @@ impl Output {
         let all = vk::PipelineColorBlendAttachmentState::default()
             .color_write_mask(vk::ColorComponentFlags::RGBA);
         match self {
-            Self::Surfaces => all,
-            Self::Layers(_) => all
+            Self::Surfaces | Self::Opaque(_) => all,
+            Self::Blended(_) => all
                 .blend_enable(true)
                 .src_color_blend_factor(vk::BlendFactor::ONE)
                 .dst_color_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA)

@@ -140,11 +140,6 @@ impl Swapchain {
         Ok(())
     }
 
-    /// The format of all images.
-    pub fn format(&self) -> Format {
-        self.format
-    }
-
     /// Makes the surface of the window again, after it was lost.
     pub fn renew(&mut self) -> Result<(), GpuError> {
         self.chain = None;

@@ -10,6 +10,8 @@ use std::ops::Range;
 /// A layer: triangles whose vertices the shader makes of their numbers.
 pub struct Painted<'a> {
     pub shaders: [&'a str; 2],
+    /// Whether it replaces what is below it.
+    pub is_opaque: bool,
     pub binds: Vec<Bind<'a>>,
     pub push: Vec<u8>,
     pub vertices: Range<u32>,
@@ -63,7 +65,11 @@ impl Recorder {
             shaders: layer.shaders,
             attributes: &[],
             strip: false,
-            output: Output::Layers(target.inner.format),
+            output: if layer.is_opaque {
+                Output::Opaque(target.inner.format)
+            } else {
+                Output::Blended(target.inner.format)
+            },
         };
         let pipeline = self.gpu.shared.graphics_pipeline(
             description,
