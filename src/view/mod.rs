@@ -1,7 +1,8 @@
 //! A window on the renderer.
 //!
 //! The renderer has its own thread, and submits in short pieces: a window with a swapchain of the
-//! same device waits for one at most. Without a swapchain the window is painted on the CPU. [`crate::instrument::pipeline::Pipeline`] makes every picture.
+//! same device waits for one at most. Without a swapchain the window is painted on the CPU.
+//! [`crate::instrument::pipeline::Pipeline`] makes every picture.
 
 mod browse;
 mod canvas;
