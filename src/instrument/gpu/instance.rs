@@ -79,6 +79,13 @@ pub(super) struct Instance {
     pub(super) entry: Entry,
 }
 
+/// Whether a window may be on a display of this surface extension. With the one of Wayland, Mesa
+/// connects to its display, and complains on standard error if there is none.
+fn may_have_display(extension: &CStr) -> bool {
+    let is_set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    extension != khr::wayland_surface::NAME || is_set("WAYLAND_DISPLAY") || is_set("WAYLAND_SOCKET")
+}
+
 /// Creates an instance with the validation layer if `has_validation`.
 fn create_instance(
     entry: &Entry,
@@ -142,7 +149,7 @@ impl Instance {
         let has_debug_utils = is_offered(&ext::debug_utils::NAME);
         let surface_extensions: Vec<_> = SURFACE_EXTENSIONS
             .into_iter()
-            .filter(|name| is_presenting && is_offered(name))
+            .filter(|name| is_presenting && is_offered(name) && may_have_display(name))
             .collect();
         let mut enabled = surface_extensions.clone();
         enabled.extend(has_debug_utils.then_some(ext::debug_utils::NAME));
