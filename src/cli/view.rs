@@ -14,7 +14,7 @@ use splitsum::instrument::pipeline::Options;
 use splitsum::instrument::scene::{is_design, scene_extensions};
 use splitsum::instrument::shade::FILE_PREFIX;
 use splitsum::instrument::shade::reference_pass::pair_count;
-use splitsum::view::{HOME, Picture, State, Windowed, has_materials, open};
+use splitsum::view::{HOME, Paint, Picture, State, WindowOptions, Windowed, has_materials, open};
 use std::path::PathBuf;
 
 /// Open a window with two methods side by side, and a reference that refines.
@@ -45,6 +45,14 @@ pub struct Arguments {
     /// Use the validation layer; its messages make the exit code 1.
     #[arg(long, hide = true)]
     validation: bool,
+    /// Paint the window by a swapchain of the device or on the CPU: auto, swapchain, cpu.
+    #[arg(
+        long,
+        value_name = "HOW",
+        default_value = Paint::Auto.name(),
+        value_parser = |name: &str| Paint::parse(name).copied(),
+    )]
+    paint: Paint,
     #[command(flatten)]
     view: ViewFlags,
     #[command(flatten)]
@@ -112,7 +120,14 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     if let Some(why) = missing_library() {
         return Err(Failure::input(why));
     }
-    match open(state, options, load, arguments.out.clone()) {
+    let options = WindowOptions {
+        device: options,
+        load,
+        out: arguments.out.clone(),
+        paint: arguments.paint,
+        warn: |line| super::warn("view", line),
+    };
+    match open(state, options) {
         Windowed::Closed => Ok(()),
         Windowed::NoDisplay(why) => Err(Failure::input(why)),
         Windowed::Lost(why) => Err(Failure::passing(why)),

@@ -1,163 +1,18 @@
-//! The picture of both halves with its captions, legend, wipe and probe.
+//! What lies over the picture: captions, legend, wipe and probe.
 
 use super::picture::pixel;
 use super::shown::{Shot, Shown};
 use super::theme;
-use crate::base::pixels::{Rgb8Image, RgbImage};
+use crate::base::pixels::RgbImage;
 use crate::draw::colormap::{ColorScale, Range as ColorRange};
 use crate::draw::markdown::significant;
 use crate::experiment::axis::SAMPLES;
 use egui::text::{LayoutJob, TextFormat};
 use egui::{Align, Color32, FontId, Rect, Stroke, Ui, Vec2, pos2, vec2};
-use std::ops::Range;
 
-/// Brightness of a half that is out of date, of 256.
-const DIM: u32 = 96;
 /// Size of the colours of a legend, points, and their distance to the texts.
 const BAR: Vec2 = vec2(132.0, 8.0);
 const BAR_GAP: f32 = 8.0;
-
-/// Where the picture is in the window, in its pixels.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Canvas {
-    pub corner: [u32; 2],
-    pub size: [u32; 2],
-    /// Share of the width for the left half.
-    pub wipe: f32,
-    /// Whether the left and the right half show another state than the user asked for.
-    pub is_stale: [bool; 2],
-}
-
-impl Canvas {
-    /// Calls `put` with each row of each half: its left end, its y and its colours. Does nothing
-    /// before the first picture.
-    pub fn paint(&self, shown: &Shown, mut put: impl FnMut(u32, u32, &[[u8; 3]])) {
-        let edge = (self.wipe * self.size[0] as f32).round() as u32;
-        let [left, right] = &shown.halves;
-        let [is_left_stale, is_right_stale] = self.is_stale;
-        if let Some(shot) = left {
-            self.paint_half(shot, 0..edge, is_left_stale, &mut put);
-        }
-        if let Some(shot) = right {
-            self.paint_half(shot, edge..self.size[0], is_right_stale, &mut put);
-        }
-    }
-
-    fn paint_half(
-        &self,
-        shot: &Shot,
-        columns: Range<u32>,
-        is_stale: bool,
-        put: &mut impl FnMut(u32, u32, &[[u8; 3]]),
-    ) {
-        let [width, height] = self.size;
-        let picture = &shot.picture;
-        let brightness = if is_stale { DIM } else { 256 };
-        let across: Vec<Texel> = columns
-            .clone()
-            .map(|x| Texel::new(x, width, picture.width, shot.scale))
-            .collect();
-        let mut upper = StretchedRow::new(picture, 0, &across);
-        let mut lower = StretchedRow::new(picture, 0, &across);
-        let mut line = vec![[0; 3]; columns.len()];
-        for y in 0..height {
-            let down = Texel::new(y, height, picture.height, shot.scale);
-            upper.change_to(picture, down.first, &across);
-            lower.change_to(picture, down.second, &across);
-            let upper_weight = (256 - down.weight) * brightness;
-            let lower_weight = down.weight * brightness;
-            for ((color, above), below) in line.iter_mut().zip(&upper.colors).zip(&lower.colors) {
-                for channel in 0..3 {
-                    let sum = above[channel] * upper_weight + below[channel] * lower_weight;
-                    color[channel] = (sum >> 24) as u8;
-                }
-            }
-            put(columns.start, y, &line);
-        }
-    }
-}
-
-/// A row of a picture at the width of a half; its colours are times 256.
-struct StretchedRow {
-    y: usize,
-    colors: Vec<[u32; 3]>,
-}
-
-impl StretchedRow {
-    fn new(picture: &Rgb8Image, y: usize, across: &[Texel]) -> Self {
-        let width = picture.width as usize;
-        let row = &picture.data[y * width..][..width];
-        let color = |texel: &Texel| {
-            texel.mean(
-                row[texel.first].map(u32::from),
-                row[texel.second].map(u32::from),
-            )
-        };
-        Self {
-            y,
-            colors: across.iter().map(color).collect(),
-        }
-    }
-
-    fn change_to(&mut self, picture: &Rgb8Image, y: usize, across: &[Texel]) {
-        if self.y != y {
-            *self = Self::new(picture, y, across);
-        }
-    }
-}
-
-/// The two texels that a pixel lies between, and the weight of the second, of 256.
-struct Texel {
-    first: usize,
-    second: usize,
-    weight: u32,
-}
-
-impl Texel {
-    /// Interpolates coarse pictures; pixels of whole ones stay squares. `pixel` is one of
-    /// `pixel_count`, over `texel_count` texels.
-    fn new(pixel: u32, pixel_count: u32, texel_count: u32, scale: u32) -> Self {
-        let center = (pixel as f32 + 0.5) * texel_count as f32 / pixel_count as f32;
-        let position = if scale == 1 {
-            center.floor()
-        } else {
-            (center - 0.5).max(0.0)
-        };
-        let first = position as usize;
-        let last = texel_count as usize - 1;
-        Self {
-            first: first.min(last),
-            second: (first + 1).min(last),
-            weight: ((position - first as f32) * 256.0) as u32,
-        }
-    }
-
-    /// Returns 256 times the weighted mean.
-    #[inline]
-    fn mean(&self, [r, g, b]: [u32; 3], [s, h, c]: [u32; 3]) -> [u32; 3] {
-        let near = 256 - self.weight;
-        [
-            r * near + s * self.weight,
-            g * near + h * self.weight,
-            b * near + c * self.weight,
-        ]
-    }
-}
-
-/// Returns the picture as it is saved: at the resolution of the finer half.
-pub fn composed(shown: &Shown, wipe: f32) -> Option<Rgb8Image> {
-    let [width, height] = shown.size()?;
-    let mut image = Rgb8Image::filled(width, height, [0; 3]);
-    let canvas = Canvas {
-        size: [width, height],
-        wipe,
-        ..Canvas::default()
-    };
-    canvas.paint(shown, |x, y, row| {
-        image.data[(y * width + x) as usize..][..row.len()].copy_from_slice(row)
-    });
-    Some(image)
-}
 
 /// Writes method, resolution and score of a half into a corner.
 pub fn caption(ui: &Ui, rect: Rect, align: egui::Align2, shot: &Shot, is_stale: bool) {
@@ -315,9 +170,12 @@ fn probed_values(shot: &Shot, [x, y]: [u32; 2]) -> [String; 2] {
             .map(|rgb| rgb.map(|c| format!("{c:7.4}")).join(" "))
             .unwrap_or_default()
     };
-    let error = shot.frame.standard_error.as_ref();
+    let Some(frame) = &shot.frame else {
+        return Default::default();
+    };
+    let error = frame.standard_error.as_ref();
     [
-        values(&shot.frame.radiance),
+        values(&frame.radiance),
         error.map(values).unwrap_or_default(),
     ]
 }

@@ -1,8 +1,9 @@
 //! The window's content: the picture with its toolbar, controls on the right, the status below.
 
+use super::canvas::Canvas;
 use super::controls::{Choice, Controls};
 use super::keys::{self, nearer, turn_light, turned};
-use super::overlay::{self, Canvas, caption, legend, veiled, wipe_line};
+use super::overlay::{self, caption, legend, veiled, wipe_line};
 use super::picture::Picture;
 use super::shown::{Shown, Status};
 use super::state::{HOME, Side, State};
@@ -408,8 +409,8 @@ fn progress(shown: &Shown, is_done: bool) -> String {
     };
     let error = truth
         .frame
-        .convergences
         .iter()
+        .flat_map(|frame| &frame.convergences)
         .map(|term| term.relative_error)
         .fold(0.0, f64::max);
     let percent = crate::draw::markdown::significant(100.0 * error, 2);

@@ -1,8 +1,8 @@
 //! Saves a shown state in a folder: the picture, the linear halves, and commands that make them
 //! again.
 
+use super::canvas::composed;
 use super::file::quoted;
-use super::overlay::composed;
 use super::shown::Shown;
 use super::state::{Side, State};
 use crate::base::pixels::png;
@@ -18,12 +18,14 @@ pub fn save(out: &Path, state: &State, shown: &Shown) -> Result<PathBuf, String>
     let mut commands = format!("#!/bin/sh\n# Renders the halves of this state again.\n{search}\n");
     for (name, side) in [("left", Side::Left), ("right", Side::Right)] {
         let shot = shown.side(side).ok_or("there is no picture yet")?;
+        let frame = shot.frame.as_ref().ok_or("there is no image yet")?;
         let path = folder.join(format!("{name}.exr"));
-        write_radiance(&path, &shot.frame).map_err(|error| error.to_string())?;
+        write_radiance(&path, frame).map_err(|error| error.to_string())?;
         commands += &state.render_command(&shot.image, &format!("{name}-again.exr"));
         commands += "\n";
     }
-    let picture = composed(shown, state.shown_wipe()).ok_or("there is no picture yet")?;
+    let picture = composed(shown, state.shown_wipe()).map_err(|error| error.to_string())?;
+    let picture = picture.ok_or("there is no picture yet")?;
     png::write_rgb8(&folder.join("picture.png"), &picture).map_err(|error| error.to_string())?;
     write_text(&folder.join("render.sh"), &commands)?;
     let command = state.view_command();

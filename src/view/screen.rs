@@ -1,12 +1,7 @@
-//! The surface of the window: input of a frame in, painted pixels out.
+//! The window on the screen: input of a frame in, painted frames out.
 
-use super::overlay::Canvas;
-use super::shown::Shown;
-use super::theme;
+use super::painter::{PaintError, Painter, Painting};
 use egui::ViewportId;
-use egui_software_backend::{BufferMutRef, ColorFieldOrder, EguiSoftwareRender};
-use softbuffer::SoftBufferError;
-use std::num::NonZeroU32;
 use std::rc::Rc;
 use std::time::Instant;
 use winit::dpi::{LogicalSize, PhysicalSize};
@@ -20,12 +15,6 @@ const SMALLEST: [f64; 2] = [800.0, 480.0];
 /// Height that title bar and task bar take of a screen.
 const BARS: f64 = 72.0;
 
-type Surface = softbuffer::Surface<Rc<Window>, Rc<Window>>;
-
-fn surface_of(window: &Rc<Window>) -> Result<Surface, SoftBufferError> {
-    Surface::new(&softbuffer::Context::new(window.clone())?, window.clone())
-}
-
 /// Returns winit's error without the place in its source.
 fn error_text(error: &winit::error::OsError) -> String {
     let text = error.to_string();
@@ -36,22 +25,13 @@ fn error_text(error: &winit::error::OsError) -> String {
 }
 
 pub struct Screen {
+    /// `None` until the device is open, which decides how the window is painted.
+    pub painter: Option<Painter>,
     pub window: Rc<Window>,
     /// From the last event: winit panics when asked about a destroyed window.
     pub size: PhysicalSize<u32>,
     opened: Instant,
-    surface: Surface,
     pub input: egui_winit::State,
-    painter: EguiSoftwareRender,
-}
-
-/// The content of a frame.
-pub struct Painting<'a> {
-    pub canvas: Canvas,
-    pub shown: &'a Shown,
-    pub shapes: &'a [egui::ClippedPrimitive],
-    pub textures: &'a egui::TexturesDelta,
-    pub pixels_per_point: f32,
 }
 
 impl Screen {
@@ -76,7 +56,6 @@ impl Screen {
             .create_window(attributes)
             .map_err(|error| error_text(&error))?;
         let window = Rc::new(window);
-        let surface = surface_of(&window).map_err(|error| error.to_string())?;
         let input = egui_winit::State::new(
             context.clone(),
             ViewportId::ROOT,
@@ -87,11 +66,10 @@ impl Screen {
         );
         Ok(Self {
             size: window.inner_size(),
+            painter: None,
             opened: Instant::now(),
             window,
-            surface,
             input,
-            painter: EguiSoftwareRender::new(ColorFieldOrder::Bgra).with_caching(false),
         })
     }
 
@@ -118,40 +96,13 @@ impl Screen {
         input.take()
     }
 
-    /// Paints a frame and shows it. Does nothing without pixels.
-    pub fn present(&mut self, painting: &Painting) -> Result<(), SoftBufferError> {
-        let PhysicalSize { width, height } = self.size;
-        let (Some(columns), Some(rows)) = (NonZeroU32::new(width), NonZeroU32::new(height)) else {
-            return Ok(());
-        };
-        self.surface.resize(columns, rows)?;
-        let mut buffer = self.surface.buffer_mut()?;
-        let [r, g, b, _] = theme::PAPER.to_array().map(u32::from);
-        buffer.fill(r << 16 | g << 8 | b);
-        let pixels: &mut [[u8; 4]] = bytemuck::cast_slice_mut(&mut buffer);
-        let [left, top] = painting.canvas.corner;
-        painting.canvas.paint(painting.shown, |x, y, colors| {
-            let x = (left + x).min(width);
-            let y = (top + y).min(height - 1);
-            let row = &mut pixels[(y * width + x) as usize..((y + 1) * width) as usize];
-            for (pixel, [r, g, b]) in row.iter_mut().zip(colors) {
-                *pixel = [*b, *g, *r, 0];
-            }
-        });
-        self.painter.render(
-            &mut BufferMutRef::new(pixels, width as usize, height as usize),
-            painting.shapes,
-            painting.textures,
-            painting.pixels_per_point,
-        );
-        self.window.pre_present_notify();
-        buffer.present()
-    }
-
-    /// Creates the surface again.
-    pub fn renew_surface(&mut self) -> Result<(), SoftBufferError> {
-        self.surface = surface_of(&self.window)?;
-        Ok(())
+    /// Paints a frame and shows it. Returns `false` if the window took none.
+    pub fn present(&mut self, painting: &Painting) -> Result<bool, PaintError> {
+        let size = self.size.into();
+        match &mut self.painter {
+            Some(painter) => painter.present(size, painting),
+            None => Ok(false),
+        }
     }
 
     pub fn toggle_fullscreen(&self) {

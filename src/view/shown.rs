@@ -2,16 +2,17 @@
 
 use super::picture::Picture;
 use super::state::{Image, Side};
-use crate::base::pixels::Rgb8Image;
+use super::texels::Texels;
 use crate::instrument::pipeline::{DeviceInfo, Frame};
 use std::sync::Arc;
 
 /// An image with its picture.
-#[derive(Clone, Debug)]
+#[derive(Clone)]
 pub struct Shot {
     pub image: Image,
-    pub frame: Arc<Frame>,
-    pub picture: Arc<Rgb8Image>,
+    /// `None` while only the picture was made.
+    pub frame: Option<Arc<Frame>>,
+    pub picture: Texels,
     pub kind: Picture,
     /// Why the half has no picture of this kind, in words.
     pub fault: Option<String>,
@@ -35,14 +36,13 @@ pub enum Status {
     Failed(String),
 }
 
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Default)]
 pub struct Shown {
     pub generation: u64,
     pub halves: [Option<Shot>; 2],
     pub truth: Option<Shot>,
     pub status: Status,
     pub device: Option<DeviceInfo>,
-    pub messages: Vec<String>,
 }
 
 impl Shown {
@@ -53,6 +53,6 @@ impl Shown {
     /// Returns the size of the picture: the finer half's; `None` before the first one.
     pub fn size(&self) -> Option<[u32; 2]> {
         let finest = self.halves.iter().flatten().min_by_key(|shot| shot.scale)?;
-        Some([finest.picture.width, finest.picture.height])
+        Some(finest.picture.size())
     }
 }

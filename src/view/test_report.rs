@@ -1,5 +1,6 @@
 //! A file that describes the window for tests: rectangles of the controls, and the shown state.
 
+use super::painter::Paint;
 use super::panel::Panel;
 use super::shown::{Shown, Status};
 use super::state::{Side, State};
@@ -27,6 +28,8 @@ pub struct Counts {
     pointer: [f64; 2],
     /// States with a picture.
     pub pictures: u64,
+    /// Frames that the window took.
+    pub frames: u64,
     /// Passes with a dimmed half.
     pub dimmed: u64,
 }
@@ -49,6 +52,8 @@ impl Counts {
 /// The window at the end of a frame.
 pub struct Snapshot<'a> {
     pub panel: &'a Panel,
+    /// How the window is painted, once that is known.
+    pub paint: Option<Paint>,
     pub state: &'a State,
     pub shown: &'a Shown,
     pub counts: &'a Counts,
@@ -93,6 +98,8 @@ impl Snapshot<'_> {
             "inputs": self.counts.inputs,
             "pointer": self.counts.pointer,
             "pictures": self.counts.pictures,
+            "frames": self.counts.frames,
+            "paint": self.paint.map(|paint| paint.name()),
             "is_still": self.is_still,
             "asked": self.generation,
             "shown": shown.generation,

@@ -1,8 +1,9 @@
 //! The window: its events, and what they change.
 
+use super::painter::{Paint, PaintError, Painter, Painting};
 use super::panel::Panel;
 use super::save::save;
-use super::screen::{Painting, Screen};
+use super::screen::Screen;
 use super::shown::{Shown, Status};
 use super::state::{Side, State};
 use super::test_report::{Counts, Snapshot, TestReport};
@@ -29,7 +30,7 @@ pub enum Windowed {
     Failed(String),
 }
 
-/// Time between passes while the renderer is behind and the pointer moves.
+/// Least time between passes while the renderer is behind and the pointer moves.
 const BEHIND: Duration = Duration::from_millis(50);
 /// A longer delay of egui means that nothing is to be repainted.
 const DELAY_MAX: Duration = Duration::from_secs(3600);
@@ -38,26 +39,30 @@ const DELAY_MAX: Duration = Duration::from_secs(3600);
 #[derive(Debug)]
 struct Arrived;
 
-/// Opens the window, which saves states in the folder `out`, and runs until it is closed.
-pub fn open(state: State, options: Options, load: LoadOptions, out: PathBuf) -> Windowed {
+/// What a window is opened with.
+pub struct WindowOptions {
+    pub device: Options,
+    pub load: LoadOptions,
+    /// Folder of saved states.
+    pub out: PathBuf,
+    pub paint: Paint,
+    /// Logs a line.
+    pub warn: fn(&str),
+}
+
+/// Opens the window and runs until it is closed.
+pub fn open(state: State, options: WindowOptions) -> Windowed {
     let Ok(events) = EventLoop::<Arrived>::with_user_event().build() else {
         let why = "there is no display to open a window on: set DISPLAY or WAYLAND_DISPLAY";
         return Windowed::NoDisplay(why.to_owned());
     };
-    let mut app = App::new(
-        state,
-        RendererOptions {
-            device: options,
-            load,
-        },
-        out,
-        events.create_proxy(),
-    );
+    let mut app = App::new(state, options, events.create_proxy());
     if events.run_app(&mut app).is_err() {
         return Windowed::Lost("the display was lost".to_owned());
     }
-    let shown = app.worker.as_mut().map(Worker::close);
-    let messages = shown.map(|shown| shown.messages).unwrap_or_default();
+    // The validation layer watches the end of both users of the device.
+    app.screen = None;
+    let messages = app.worker.as_mut().map(Worker::close).unwrap_or_default();
     match app.ended {
         Windowed::Closed if !messages.is_empty() => Windowed::Failed(messages.join("\n")),
         ended => ended,
@@ -68,22 +73,14 @@ fn earlier(a: Option<Instant>, b: Option<Instant>) -> Option<Instant> {
     [a, b].into_iter().flatten().min()
 }
 
-/// What the renderer needs to start.
-struct RendererOptions {
-    device: Options,
-    load: LoadOptions,
-}
-
 struct App {
-    /// Taken when the renderer starts.
-    renderer: Option<RendererOptions>,
+    options: WindowOptions,
     proxy: EventLoopProxy<Arrived>,
     state: State,
     asked: Option<State>,
     generation: u64,
     /// The last environment and scene that loaded.
     accepted: Option<[Value; 2]>,
-    out: PathBuf,
     worker: Option<Worker>,
     shown: Shown,
     panel: Panel,
@@ -94,6 +91,8 @@ struct App {
     is_renewed: bool,
     wakes_at: Option<Instant>,
     painted: Instant,
+    /// How long the last frame took.
+    painting_time: Duration,
     /// Whether no pass has seen a pressed button yet.
     is_press_unseen: bool,
     counts: Counts,
@@ -101,24 +100,18 @@ struct App {
 }
 
 impl App {
-    fn new(
-        state: State,
-        renderer: RendererOptions,
-        out: PathBuf,
-        proxy: EventLoopProxy<Arrived>,
-    ) -> Self {
+    fn new(state: State, options: WindowOptions, proxy: EventLoopProxy<Arrived>) -> Self {
         let context = egui::Context::default();
         theme::apply(&context);
         // A slow frame must not turn a click into a drag.
         context.options_mut(|options| options.input_options.max_click_duration = f64::INFINITY);
         Self {
-            renderer: Some(renderer),
+            options,
             proxy,
             state,
             asked: None,
             generation: 0,
             accepted: None,
-            out,
             worker: None,
             shown: Shown::default(),
             panel: Panel::default(),
@@ -128,6 +121,7 @@ impl App {
             is_renewed: false,
             wakes_at: None,
             painted: Instant::now(),
+            painting_time: Duration::ZERO,
             is_press_unseen: false,
             counts: Counts::default(),
             test_report: TestReport::from_environment(),
@@ -144,7 +138,7 @@ impl App {
         let Some(screen) = &mut self.screen else {
             return;
         };
-        if !screen.has_pixels() {
+        if !screen.has_pixels() || screen.painter.is_none() {
             return;
         }
         let input = screen.egui_input();
@@ -181,11 +175,16 @@ impl App {
             textures: &output.textures_delta,
             pixels_per_point: output.pixels_per_point,
         });
-        if let Err(error) = presented {
-            self.renew_surface(events, &error.to_string());
-            return;
+        self.painting_time = self.painted.elapsed();
+        match presented {
+            Ok(true) => {
+                self.is_renewed = false;
+                self.counts.frames += 1;
+            }
+            Ok(false) => self.wakes_at = earlier(self.wakes_at, Some(self.painted + BEHIND)),
+            Err(PaintError::Device(why)) => return self.end(events, Windowed::Lost(why)),
+            Err(PaintError::Surface(why)) => return self.renew_surface(events, &why),
         }
-        self.is_renewed = false;
         self.counts.dimmed += u64::from(self.panel.canvas.is_stale.contains(&true));
         self.ask();
         self.write_test_report(delay.is_none_or(|delay| delay > Duration::ZERO));
@@ -203,8 +202,9 @@ impl App {
     fn renew_surface(&mut self, events: &ActiveEventLoop, error: &str) {
         let was_renewed = std::mem::replace(&mut self.is_renewed, true);
         if let Some(screen) = &mut self.screen
-            && screen.renew_surface().is_ok()
+            && let Some(painter) = &mut screen.painter
             && !was_renewed
+            && painter.renew().is_ok()
         {
             screen.window.request_redraw();
             return;
@@ -234,14 +234,40 @@ impl App {
         self.asked = Some(wanted);
     }
 
+    /// Decides how to paint, once the device is open.
+    fn choose_painter(&mut self, events: &ActiveEventLoop) {
+        let (Some(screen), Some(worker)) = (&mut self.screen, &self.worker) else {
+            return;
+        };
+        let (None, Some(gpu)) = (&screen.painter, worker.gpu()) else {
+            return;
+        };
+        let (painter, why) = match Painter::new(self.options.paint, gpu, &screen.window) {
+            Ok(made) => made,
+            Err(error) => {
+                let why = format!("cannot open a window: {error}");
+                return self.end(events, Windowed::NoDisplay(why));
+            }
+        };
+        if painter.kind() == Paint::Swapchain {
+            worker.paint_on_device();
+        }
+        screen.painter = Some(painter);
+        if let Some(why) = why {
+            (self.options.warn)(&why);
+            self.panel.report(Ok(why));
+        }
+    }
+
     /// Takes an update of the renderer.
     fn arrive(&mut self, events: &ActiveEventLoop) {
+        self.choose_painter(events);
         let Some(worker) = &self.worker else { return };
         let shown = worker.shown();
         self.counts.pictures += u64::from(shown.generation != self.shown.generation);
         self.shown = shown;
         self.panel.arrive(&self.shown);
-        let is_current = self.shown.generation == self.generation;
+        let is_current = self.asked.is_some() && self.shown.generation == self.generation;
         let inputs = [ENVIRONMENT, SCENE].map(|axis| self.state.point[axis].clone());
         match self.shown.status.clone() {
             Status::Refused(why) if is_current => self.return_to_accepted(&inputs, why),
@@ -278,18 +304,25 @@ impl App {
     }
 
     fn saved(&self) -> Result<PathBuf, String> {
-        let is_whole = |side| self.shown.side(side).is_some_and(|shot| shot.scale == 1);
+        let is_whole = |side| {
+            let shot = self.shown.side(side);
+            shot.is_some_and(|shot| shot.scale == 1 && shot.frame.is_some())
+        };
         let is_current = self.shown.generation == self.generation;
         if !is_current || !is_whole(Side::Left) || !is_whole(Side::Right) {
             return Err("the picture is still coarse; try again in a moment".to_owned());
         }
-        save(&self.out, &self.state, &self.shown)
+        save(&self.options.out, &self.state, &self.shown)
     }
 
     fn write_test_report(&mut self, is_still: bool) {
         if let Some(report) = &mut self.test_report {
             report.write(&Snapshot {
                 panel: &self.panel,
+                paint: self
+                    .screen
+                    .as_ref()
+                    .and_then(|screen| Some(screen.painter.as_ref()?.kind())),
                 state: &self.state,
                 shown: &self.shown,
                 counts: &self.counts,
@@ -313,11 +346,15 @@ impl ApplicationHandler<Arrived> for App {
                 return self.end(events, Windowed::NoDisplay(why));
             }
         }
-        if let Some(RendererOptions { device, load }) = self.renderer.take() {
+        if self.worker.is_none() {
             let proxy = self.proxy.clone();
             // The window may be gone.
             let wake = move || drop(proxy.send_event(Arrived));
-            match Worker::start(device, load, wake) {
+            let device = Options {
+                is_presenting: self.options.paint != Paint::Cpu,
+                ..self.options.device
+            };
+            match Worker::start(device, self.options.load.clone(), wake) {
                 Ok(worker) => self.worker = Some(worker),
                 Err(error) => self.end(events, Windowed::Failed(format!("no thread: {error}"))),
             }
@@ -375,7 +412,8 @@ impl ApplicationHandler<Arrived> for App {
             WindowEvent::RedrawRequested => self.frame(events),
             // Leaves the processor to a renderer that is behind.
             WindowEvent::CursorMoved { .. } if self.shown.generation != self.generation => {
-                self.wakes_at = earlier(self.wakes_at, Some(self.painted + BEHIND));
+                let pause = BEHIND.max(2 * self.painting_time);
+                self.wakes_at = earlier(self.wakes_at, Some(self.painted + pause));
             }
             _ if response.repaint => screen.window.request_redraw(),
             _ => {}

@@ -1,20 +1,18 @@
 //! The renderer's thread. It takes the newest state, shows it coarsely if the whole takes long,
 //! then whole, then refines the reference until the state changes.
 
-use super::picture::{Picture, painted};
+mod shoot;
+
 use super::shown::{Shot, Shown, Status};
 use super::state::{Image, Inputs, Side, State};
-use crate::base::names::Listed;
-use crate::base::pixels::Rgb8Image;
 use crate::experiment::axis::motion_fault;
 use crate::instrument::environment::{Environment, LoadOptions};
-use crate::instrument::gpu::lock;
-use crate::instrument::metrics::{Comparison, HEADLINE, Metric};
+use crate::instrument::gpu::{Gpu, lock};
 use crate::instrument::pipeline::{Frame, Options, Pipeline, PipelineError, Recent};
 use crate::instrument::scene::{Camera, CameraKind, MaterialOverride, Scene};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Condvar, Mutex, PoisonError};
+use std::sync::{Arc, Condvar, Mutex, OnceLock, PoisonError};
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
 
@@ -40,6 +38,10 @@ struct Post {
     interrupt: Arc<AtomicBool>,
     /// Ends first pictures, too.
     is_overdue: Arc<AtomicBool>,
+    /// The device, once it is open.
+    gpu: OnceLock<Gpu>,
+    /// Whether pictures stay on the device.
+    is_painted_on_device: AtomicBool,
 }
 
 pub struct Worker {
@@ -91,12 +93,24 @@ impl Worker {
         self.post.arrived.notify_one();
     }
 
+    /// Returns the device, once it is open.
+    pub fn gpu(&self) -> Option<&Gpu> {
+        self.post.gpu.get()
+    }
+
+    /// Leaves the pictures of all later states on the device.
+    pub fn paint_on_device(&self) {
+        self.post
+            .is_painted_on_device
+            .store(true, Ordering::Relaxed);
+    }
+
     pub fn shown(&self) -> Shown {
         lock(&self.post.shown).clone()
     }
 
-    /// Ends the thread and returns its last update.
-    pub fn close(&mut self) -> Shown {
+    /// Ends the thread. Returns the messages of the validation layer, if it was asked for.
+    pub fn close(&mut self) -> Vec<String> {
         {
             let _held = lock(&self.post.state);
             for flag in [
@@ -110,7 +124,7 @@ impl Worker {
         }
         // A panic was reported already.
         self.thread.take().map(JoinHandle::join);
-        self.shown()
+        self.gpu().map(Gpu::validation_messages).unwrap_or_default()
     }
 }
 
@@ -123,6 +137,7 @@ impl Drop for Worker {
 struct Renderer<'a> {
     post: &'a Post,
     wake: &'a dyn Fn(),
+    gpu: Gpu,
     pipeline: Pipeline,
     load: LoadOptions,
     environment: Option<Loaded<Environment>>,
@@ -174,10 +189,13 @@ impl<'a> Renderer<'a> {
         load: LoadOptions,
         wake: &'a dyn Fn(),
     ) -> Result<(), PipelineError> {
-        let pipeline = Pipeline::new(Options {
+        let gpu = Gpu::new(Options {
             is_interactive: true,
             ..options
         })?;
+        let gpu = post.gpu.get_or_init(|| gpu).clone();
+        wake();
+        let pipeline = Pipeline::on(gpu.clone())?;
         let shown = Shown {
             device: Some(pipeline.device().clone()),
             ..Shown::default()
@@ -186,6 +204,7 @@ impl<'a> Renderer<'a> {
         let mut renderer = Self {
             post,
             wake,
+            gpu,
             pipeline,
             load,
             environment: None,
@@ -234,7 +253,6 @@ impl<'a> Renderer<'a> {
 
     fn set_status(&mut self, status: Status) {
         self.shown.status = status;
-        self.shown.messages = self.pipeline.validation_messages();
         lock(&self.post.shown).clone_from(&self.shown);
         (self.wake)();
     }
@@ -288,7 +306,7 @@ impl<'a> Renderer<'a> {
     fn show_coarsely(&mut self, state: &State, inputs: &Inputs, count: u32) -> Result<(), Stop> {
         let started = Instant::now();
         let scale = self.coarse;
-        let has_made_table = self.shoot(state, inputs, count, scale)?;
+        let has_made_table = self.sketch(state, inputs, count, scale)?;
         let ms = started.elapsed().as_secs_f64() * 1e3;
         // A table is made once, so its time says nothing about the next picture.
         if !has_made_table && ms < COARSE_MS.start {
@@ -300,7 +318,7 @@ impl<'a> Renderer<'a> {
         self.pipeline
             .interrupt_by(Some(self.post.interrupt.clone()));
         if scale > 2 {
-            self.shoot(state, inputs, count, 2)?;
+            self.sketch(state, inputs, count, 2)?;
         }
         Ok(())
     }
@@ -369,102 +387,5 @@ impl<'a> Renderer<'a> {
         self.framed = None;
         self.kept.clear();
         Ok(content)
-    }
-
-    /// Shows both halves, and the reference if needed. Returns whether it made a table.
-    fn shoot(
-        &mut self,
-        whole: &State,
-        inputs: &Inputs,
-        count: u32,
-        scale: u32,
-    ) -> Result<bool, Stop> {
-        let state = &whole.scaled(scale);
-        let generation = self.shown.generation;
-        let mut has_made_table = false;
-        let is_first = self
-            .shown
-            .side(Side::Left)
-            .is_none_or(|shot| shot.generation != generation || shot.scale > 1);
-        let truth = match state.picture.scale() {
-            Some(_) => Some(self.frame(&state.truth(count), inputs)?),
-            None => None,
-        };
-        for side in [Side::Left, Side::Right] {
-            let image = state.image(side, count);
-            let frame = self.frame(&image, inputs)?;
-            has_made_table |= !frame.timings.precompute.is_empty();
-            let request = image.request(inputs);
-            let picture = painted(
-                &mut self.pipeline,
-                state.picture,
-                state.point.settings().curve,
-                &request,
-                &frame,
-                truth.as_deref(),
-            )?;
-            // The score of the same frame stays until the next reference is ready.
-            let known = self
-                .shown
-                .side(side)
-                .filter(|shot| Arc::ptr_eq(&shot.frame, &frame));
-            let score = known.and_then(|shot| shot.score);
-            self.shown.halves[side as usize] = Some(Shot {
-                image,
-                frame,
-                picture: Arc::new(picture),
-                kind: state.picture,
-                fault: state.picture.fault(&request),
-                generation,
-                scale,
-                score,
-            });
-            if scale == 1 && is_first {
-                self.set_status(Status::Busy);
-            }
-        }
-        self.set_status(Status::Busy);
-        Ok(has_made_table)
-    }
-
-    /// Renders the reference with `count` samples per pixel and scores the halves.
-    fn refine(&mut self, state: &State, inputs: &Inputs, count: u32) -> Result<(), Stop> {
-        let image = state.truth(count);
-        let truth = self.frame(&image, inputs)?;
-        let request = image.request(inputs);
-        let headline = Metric::listed(HEADLINE);
-        for shot in self.shown.halves.iter_mut().flatten() {
-            let curve = state.point.settings().curve;
-            let comparison = Comparison::new(
-                &shot.frame.radiance,
-                &truth.radiance,
-                &truth.mask,
-                curve,
-                request.epsilon(),
-            );
-            let is_other = !Arc::ptr_eq(&shot.frame, &truth);
-            shot.score = comparison
-                .ok()
-                .filter(|_| is_other)
-                .map(|comparison| comparison.evaluate(&[headline])[0].1);
-        }
-        self.shown.truth = Some(Shot {
-            image,
-            frame: truth,
-            // Only its values are shown.
-            picture: Arc::new(Rgb8Image::filled(1, 1, [0; 3])),
-            kind: Picture::Image,
-            fault: None,
-            generation: self.shown.generation,
-            scale: 1,
-            score: None,
-        });
-        Ok(())
-    }
-
-    /// Renders an image unless its frame is in memory.
-    fn frame(&mut self, image: &Image, inputs: &Inputs) -> Result<Arc<Frame>, Stop> {
-        let render = || Ok(Arc::new(self.pipeline.render(&image.request(inputs))?));
-        self.kept.get_or_make(image.clone(), render)
     }
 }

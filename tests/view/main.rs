@@ -8,9 +8,11 @@
 
 #[path = "../shared/occluded.rs"]
 mod occluded;
+mod paint;
 mod screen;
 
 use occluded::{OCCLUDED, occluded_scene};
+use paint::{BRIGHT, assert_shown};
 use screen::{Screen, Win};
 use splitsum::base::names::Listed;
 use splitsum::base::pixels::{Rgb8Image, exr};
@@ -111,27 +113,7 @@ fn the_window_shows_and_saves_the_images_of_render() {
     win.few_samples();
     win.wait_done();
     let picture = save_and_render(&win, 1);
-    // The screen: each pixel of the image is a square of whole pixels.
-    let seen = win.picture();
-    let zoom = seen.width / picture.width;
-    assert!(
-        zoom >= 1 && seen.width % picture.width == 0,
-        "{} pixels on {}",
-        picture.width,
-        seen.width
-    );
-    // Clear of the toolbar above, the captions below and the wipe.
-    let clear = |x: u32, y: u32| (30..110).contains(&y) && x.abs_diff(64) > 3;
-    let all = (0..128).flat_map(|y| (0..128).map(move |x| (x, y)));
-    for (x, y) in all.filter(|&(x, y)| clear(x, y)) {
-        for (dx, dy) in (0..zoom).flat_map(|dy| (0..zoom).map(move |dx| (dx, dy))) {
-            assert_eq!(
-                seen.get(zoom * x + dx, zoom * y + dy),
-                picture.get(x, y),
-                "({dx}, {dy}) of pixel ({x}, {y})"
-            );
-        }
-    }
+    assert_shown(&win, &picture, BRIGHT);
     // The halves equal `render`'s; the left one's display image too.
     let folder = win.dir().join("view-1");
     let text = std::fs::read_to_string(folder.join("render.sh")).unwrap();
@@ -477,7 +459,7 @@ fn faults_of_display_device_and_files_are_reported() {
         .unwrap();
     assert_eq!(output.status.code(), Some(2), "{output:?}");
     let Some(screen) = Screen::open() else { return };
-    let mut win = screen.window_with(&SMALL, &[("SPLITSUM_TEST_FAULTS", "submit:60:device-lost")]);
+    let mut win = screen.started(&SMALL, &[("SPLITSUM_TEST_FAULTS", "submit:60:device-lost")]);
     let (code, message) = win.end();
     assert!(
         code == Some(75) && message.contains("the device was lost"),
@@ -522,6 +504,8 @@ fn random_input_leaves_no_message_and_no_leak() {
         "--environment",
         "builtin:sky",
         "--validation",
+        "--paint",
+        "swapchain",
     ]);
     win.few_samples();
     win.wait_done();

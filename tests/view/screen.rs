@@ -104,11 +104,43 @@ impl Screen {
         self.window_with(arguments, &[])
     }
 
+    /// Opens a window and waits until it shows a picture.
     pub fn window_with(&self, arguments: &[&str], variables: &[(&str, &str)]) -> Win<'_> {
+        let mut win = self.started(arguments, variables);
+        win.wait("a first picture", |report| report["scales"][0].is_u64());
+        // A window manager takes a moment to show it.
+        let begun = Instant::now();
+        while win.id.is_empty() {
+            assert!(
+                begun.elapsed() < PATIENCE,
+                "the window manager shows no window"
+            );
+            std::thread::sleep(Duration::from_millis(50));
+            let words = ["search", "--onlyvisible", "--name", "^splitsum view$"];
+            let output = Command::new("xdotool")
+                .args(words)
+                .env("DISPLAY", &self.display)
+                .output()
+                .unwrap();
+            win.id = String::from_utf8(output.stdout).unwrap().trim().to_owned();
+        }
+        win
+    }
+
+    /// Starts a window that may end by itself. SPLITSUM_WINDOW_PAINT chooses how all windows are
+    /// painted that do not say it.
+    pub fn started(&self, arguments: &[&str], variables: &[(&str, &str)]) -> Win<'_> {
+        let mut paint = Vec::new();
+        if let Ok(how) = std::env::var("SPLITSUM_WINDOW_PAINT")
+            && !arguments.contains(&"--paint")
+        {
+            paint = vec!["--paint".to_owned(), how];
+        }
         let dir = tempfile::tempdir().unwrap();
         let child = Command::new(env!("CARGO_BIN_EXE_splitsum"))
             .arg("view")
             .args(arguments)
+            .args(paint)
             .current_dir(dir.path())
             .env("DISPLAY", &self.display)
             .env("SPLITSUM_TEST_WINDOW", dir.path().join("report.json"))
@@ -117,33 +149,13 @@ impl Screen {
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
-        let mut win = Win {
+        Win {
             screen: self,
             child: Mutex::new(child),
             dir,
             id: String::new(),
             sent: Cell::new(0),
-        };
-        if variables.is_empty() {
-            win.wait("a first picture", |report| report["scales"][0].is_u64());
-            // A window manager takes a moment to show it.
-            let begun = Instant::now();
-            while win.id.is_empty() {
-                assert!(
-                    begun.elapsed() < PATIENCE,
-                    "the window manager shows no window"
-                );
-                std::thread::sleep(Duration::from_millis(50));
-                let words = ["search", "--onlyvisible", "--name", "^splitsum view$"];
-                let output = Command::new("xdotool")
-                    .args(words)
-                    .env("DISPLAY", &self.display)
-                    .output()
-                    .unwrap();
-                win.id = String::from_utf8(output.stdout).unwrap().trim().to_owned();
-            }
         }
-        win
     }
 
     fn act(&self, line: &str) -> String {
@@ -398,9 +410,20 @@ impl Win<'_> {
         })
     }
 
+    /// Iconifies the window, and shows it again.
+    pub fn minimise_and_restore(&self) {
+        self.act(&format!("windowminimize --sync {}", self.id));
+        std::thread::sleep(Duration::from_millis(300));
+        self.act(&format!(
+            "windowmap --sync {id} windowactivate --sync {id}",
+            id = self.id
+        ));
+        self.settle();
+    }
+
     /// Asks it to close through the window manager, as often as a user would: the manager drops
-    /// keys while it holds a grab. The window ends without a fault.
-    pub fn close(mut self) {
+    /// keys while it holds a grab. The window ends without a fault. Returns what it logged.
+    pub fn close(mut self) -> String {
         let begun = Instant::now();
         while self.is_alive() && begun.elapsed() < PATIENCE {
             let asked = Instant::now();
@@ -426,6 +449,7 @@ impl Win<'_> {
         }
         let (code, message) = self.end();
         assert_eq!(code, Some(0), "{message}");
+        message
     }
 
     /// Waits for the end; returns exit code and output.

@@ -234,4 +234,24 @@ shared_structs! {
         exposure: float,
         contrast: float,
     }
+    /// Push constants of a half in the window.
+    WindowPictureParams {
+        /// Corner of the picture in the window, pixels.
+        left: uint,
+        top: uint,
+        /// Size of the half's image, texels.
+        texel_columns: uint,
+        texel_rows: uint,
+        /// Of 256.
+        brightness: uint,
+        /// Texels a pixel.
+        across: float,
+        down: float,
+    }
+    /// Push constants of the window's controls.
+    WindowMeshParams {
+        /// Size of the window, points.
+        width: float,
+        height: float,
+    }
 }

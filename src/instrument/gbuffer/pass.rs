@@ -4,8 +4,8 @@ use super::{ATTACHMENT_NAMES, Gbuffer, material_data, params, sphere_data};
 use crate::base::glsl::layout::SharedStruct;
 use crate::base::pixels::Pixels;
 use crate::instrument::gpu::{
-    Bind, Buffer, DrawCall, Filter, Format, Gpu, GpuError, GraphicsDescription, Image, Recorder,
-    Sampler, Targets, Wrap,
+    Bind, Buffer, DrawCall, Filter, Format, Gpu, GpuError, GraphicsDescription, Image, Output,
+    Recorder, Sampler, Targets, Wrap,
 };
 use crate::instrument::scene::{Camera, MaterialMaps, Mesh, Scene, Texture};
 
@@ -14,12 +14,14 @@ const SPHERES: GraphicsDescription = GraphicsDescription {
     shaders: ["gbuffer/sphere.vert", "gbuffer/sphere.frag"],
     attributes: &[],
     strip: true,
+    output: Output::Surfaces,
 };
 /// Position, normal, uv and tangent.
 const MESHES: GraphicsDescription = GraphicsDescription {
     shaders: ["gbuffer/mesh.vert", "gbuffer/mesh.frag"],
     attributes: &[3, 3, 2, 4],
     strip: false,
+    output: Output::Surfaces,
 };
 
 const PIPELINES: [GraphicsDescription; 2] = [SPHERES, MESHES];

@@ -61,6 +61,16 @@ impl Gpu {
         self.filled(name, bytemuck::cast_slice(data), storage())
     }
 
+    /// Makes a storage buffer that holds `data` in memory of the host, for what is read once.
+    #[cfg(feature = "view")]
+    pub fn host_buffer_from<T: Pod>(&self, name: &str, data: &[T]) -> Result<Buffer, GpuError> {
+        self.mapped(
+            name,
+            bytemuck::cast_slice(data),
+            vk::BufferUsageFlags::STORAGE_BUFFER,
+        )
+    }
+
     /// Makes a buffer that holds `data`, to be bound in parts as uniform blocks; storage limits do
     /// not apply.
     pub fn uniform_from<T: Pod>(&self, name: &str, data: &[T]) -> Result<Buffer, GpuError> {
@@ -100,12 +110,18 @@ impl Gpu {
 
     /// Makes a host-visible buffer to copy from.
     pub(super) fn staging_from(&self, name: &str, bytes: &[u8]) -> Result<Buffer, GpuError> {
-        let mut buffer = self.create_buffer(
-            name,
-            bytes.len() as u64,
-            vk::BufferUsageFlags::TRANSFER_SRC,
-            MemoryLocation::CpuToGpu,
-        )?;
+        self.mapped(name, bytes, vk::BufferUsageFlags::TRANSFER_SRC)
+    }
+
+    /// Makes a host-visible buffer that holds `bytes`.
+    fn mapped(
+        &self,
+        name: &str,
+        bytes: &[u8],
+        usage: vk::BufferUsageFlags,
+    ) -> Result<Buffer, GpuError> {
+        let mut buffer =
+            self.create_buffer(name, bytes.len() as u64, usage, MemoryLocation::CpuToGpu)?;
         let memory = Arc::get_mut(&mut buffer.inner).and_then(|inner| inner.memory.as_mut());
         let mapped = memory.and_then(|memory| memory.allocation.mapped_slice_mut());
         mapped.expect("CpuToGpu memory is mapped")[..bytes.len()].copy_from_slice(bytes);

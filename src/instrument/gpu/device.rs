@@ -48,8 +48,13 @@ pub(super) struct Shared {
     pub(super) debug: Option<ext::debug_utils::Device>,
     /// Present if [`Options::executables`] is set.
     pub(super) executables: Option<khr::pipeline_executable_properties::Device>,
+    #[cfg(feature = "view")]
+    pub(super) physical: vk::PhysicalDevice,
+    /// Whether swapchains are enabled.
+    #[cfg(feature = "view")]
+    pub(super) can_present: bool,
     /// Dropped last.
-    instance: Instance,
+    pub(super) instance: Instance,
 }
 
 impl Gpu {
@@ -57,17 +62,12 @@ impl Gpu {
     pub fn new(options: Options) -> Result<Self, GpuError> {
         let injector = Injector::from_environment()?;
         let emulation = Emulation::from_environment()?;
-        let instance = Instance::new(options.validation)?;
+        let instance = Instance::new(options.validation, options.is_presenting)?;
         let (physical, info) = instance.choose(options.device)?;
         let info = emulation.limited(info);
         let (queue_family, timestamp_mask) = queue_family(&instance, physical, &info)?;
-        let raw = create_device(
-            &instance,
-            physical,
-            &info,
-            queue_family,
-            options.executables,
-        )?;
+        let extensions = extensions(&instance, physical, &info, options.executables)?;
+        let raw = create_device(&instance, physical, &info, queue_family, &extensions)?;
         // SAFETY: the queue was asked for in `create_device`.
         let queue = unsafe { raw.get_device_queue(queue_family, 0) };
         let debug = instance
@@ -98,6 +98,10 @@ impl Gpu {
             allocator: Mutex::new(None),
             debug,
             executables,
+            #[cfg(feature = "view")]
+            physical,
+            #[cfg(feature = "view")]
+            can_present: extensions.contains(&khr::swapchain::NAME),
             instance,
         };
         let allocator = Allocator::new(&AllocatorCreateDesc {
@@ -238,6 +242,30 @@ impl Drop for Shared {
     }
 }
 
+/// Lists the extensions of the device to enable: swapchains if instance and device have them, and
+/// the properties of executables if they are asked for, which the device must have.
+fn extensions(
+    instance: &Instance,
+    physical: vk::PhysicalDevice,
+    info: &DeviceInfo,
+    has_executables: bool,
+) -> Result<Vec<&'static CStr>, GpuError> {
+    let mut names = Vec::new();
+    if has_executables {
+        let name = khr::pipeline_executable_properties::NAME;
+        if !has_extension(instance, physical, info, name)? {
+            return Err(missing(info, &name.to_string_lossy()));
+        }
+        names.push(name);
+    }
+    if instance.surface_extensions.contains(&khr::surface::NAME)
+        && has_extension(instance, physical, info, khr::swapchain::NAME)?
+    {
+        names.push(khr::swapchain::NAME);
+    }
+    Ok(names)
+}
+
 /// Finds the first queue family with graphics, compute and timestamps; returns index and mask of
 /// timestamp bits.
 fn queue_family(
@@ -268,7 +296,7 @@ fn create_device(
     physical: vk::PhysicalDevice,
     info: &DeviceInfo,
     family: u32,
-    has_executables: bool,
+    extensions: &[&CStr],
 ) -> Result<ash::Device, GpuError> {
     check_features(instance, physical, info)?;
     let priorities = [1.0];
@@ -280,20 +308,18 @@ fn create_device(
         .synchronization2(true)
         .maintenance4(true)
         .shader_demote_to_helper_invocation(true);
+    let names: Vec<_> = extensions.iter().map(|name| name.as_ptr()).collect();
     let mut create = vk::DeviceCreateInfo::default()
         .queue_create_infos(&queues)
+        .enabled_extension_names(&names)
         .push_next(&mut features);
     let mut report = vk::PhysicalDevicePipelineExecutablePropertiesFeaturesKHR::default()
         .pipeline_executable_info(true);
-    let names = [khr::pipeline_executable_properties::NAME];
-    let name_pointers = names.map(CStr::as_ptr);
-    if has_executables {
-        check_extension(instance, physical, info, names[0])?;
-        create = create
-            .enabled_extension_names(&name_pointers)
-            .push_next(&mut report);
+    if extensions.contains(&khr::pipeline_executable_properties::NAME) {
+        create = create.push_next(&mut report);
     }
-    // SAFETY: every pointer outlives the call, and every feature and extension was checked above.
+    // SAFETY: every pointer outlives the call, and every feature was checked above, every extension by the
+    // caller.
     unsafe { instance.raw.create_device(physical, &create, None) }
         .map_err(GpuError::call("vkCreateDevice", &info.name))
 }
@@ -360,23 +386,18 @@ fn check_features(
     Ok(())
 }
 
-fn check_extension(
+fn has_extension(
     instance: &Instance,
     physical: vk::PhysicalDevice,
     info: &DeviceInfo,
     name: &CStr,
-) -> Result<(), GpuError> {
+) -> Result<bool, GpuError> {
     // SAFETY: the physical device belongs to the instance.
     let extensions =
         unsafe { instance.raw.enumerate_device_extension_properties(physical) }.map_err(
             GpuError::call("vkEnumerateDeviceExtensionProperties", &info.name),
         )?;
-    if extensions
+    Ok(extensions
         .iter()
-        .any(|extension| extension.extension_name_as_c_str() == Ok(name))
-    {
-        Ok(())
-    } else {
-        Err(missing(info, &name.to_string_lossy()))
-    }
+        .any(|extension| extension.extension_name_as_c_str() == Ok(name)))
 }

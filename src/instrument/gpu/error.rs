@@ -29,6 +29,8 @@ pub enum GpuError {
     NoSuchDevice { index: usize, count: usize },
     #[error("device '{device}' lacks {feature}, which splitsum needs")]
     MissingFeature { device: String, feature: String },
+    #[error("device '{device}' cannot present in this window: {why}")]
+    CannotPresent { device: String, why: String },
     #[error(
         "the validation layer VK_LAYER_KHRONOS_validation is not installed (Debian: apt-get \
          install vulkan-validationlayers)"

@@ -20,6 +20,10 @@ pub enum Format {
     Rgba32Float,
     /// Four halves; sampled, and written by the host only.
     Rgba16Float,
+    /// Four bytes, [0, 1]; sampled, and written by the host; or an image of a window.
+    Rgba8,
+    /// [`Format::Rgba8`] in the order of most windows.
+    Bgra8,
     /// f32 depth; rendered to only.
     Depth32Float,
 }
@@ -29,14 +33,16 @@ impl Format {
         match self {
             Self::Rgba32Float => vk::Format::R32G32B32A32_SFLOAT,
             Self::Rgba16Float => vk::Format::R16G16B16A16_SFLOAT,
+            Self::Rgba8 => vk::Format::R8G8B8A8_UNORM,
+            Self::Bgra8 => vk::Format::B8G8R8A8_UNORM,
             Self::Depth32Float => vk::Format::D32_SFLOAT,
         }
     }
 
     pub(super) fn aspect(self) -> vk::ImageAspectFlags {
         match self {
-            Self::Rgba32Float | Self::Rgba16Float => vk::ImageAspectFlags::COLOR,
             Self::Depth32Float => vk::ImageAspectFlags::DEPTH,
+            _ => vk::ImageAspectFlags::COLOR,
         }
     }
 
@@ -45,7 +51,7 @@ impl Format {
         let sampled = Usage::SAMPLED | Usage::TRANSFER_SRC | Usage::TRANSFER_DST;
         match self {
             Self::Rgba32Float => sampled | Usage::STORAGE | Usage::COLOR_ATTACHMENT,
-            Self::Rgba16Float => sampled,
+            Self::Rgba16Float | Self::Rgba8 | Self::Bgra8 => sampled,
             Self::Depth32Float => Usage::DEPTH_STENCIL_ATTACHMENT,
         }
     }
@@ -65,8 +71,10 @@ pub(super) struct Inner {
     pub(super) states: Mutex<Vec<State>>,
     name: String,
     views: Mutex<HashMap<(u32, u32, vk::ImageViewType), vk::ImageView>>,
-    /// Freed after the image. `None` only while it is made.
+    /// Freed after the image. `None` while it is made, and for an image of a window.
     memory: Option<Memory>,
+    /// Whether the image is a swapchain's, which frees it.
+    is_of_window: bool,
     device: Arc<Shared>,
 }
 
@@ -133,8 +141,10 @@ impl Drop for Inner {
             // SAFETY: no pending command uses the view, as for buffers.
             unsafe { self.device.raw.destroy_image_view(*view, None) };
         }
-        // SAFETY: likewise.
-        unsafe { self.device.raw.destroy_image(self.raw, None) };
+        if !self.is_of_window {
+            // SAFETY: likewise.
+            unsafe { self.device.raw.destroy_image(self.raw, None) };
+        }
     }
 }
 
@@ -203,12 +213,33 @@ impl Gpu {
             name: name.into(),
             views: Mutex::new(HashMap::new()),
             memory: None,
+            is_of_window: false,
             device: device.clone(),
         };
         inner.memory = Some(self.bind_image_memory(raw, name)?);
         Ok(Image {
             inner: Arc::new(inner),
         })
+    }
+
+    /// Wraps an image of a swapchain, which must outlive it.
+    #[cfg(feature = "view")]
+    pub(super) fn window_image(&self, raw: vk::Image, size: [u32; 2], format: Format) -> Image {
+        self.shared.set_name(raw, "window");
+        Image {
+            inner: Arc::new(Inner {
+                raw,
+                format,
+                size,
+                face_count: 1,
+                states: Mutex::new(vec![State::NEW]),
+                name: "window".into(),
+                views: Mutex::new(HashMap::new()),
+                memory: None,
+                is_of_window: true,
+                device: self.shared.clone(),
+            }),
+        }
     }
 
     /// Allocates memory for a new image and binds it.

@@ -9,6 +9,8 @@
 //! |---|---|---|
 //! | `submit` | `vkQueueSubmit2` | `device-lost` (permanent) |
 //! | `allocate` | memory for a buffer or an image | `out-of-memory` (once), `memory-is-full` (permanent) |
+//! | `surface` | the surface of a window | `not-present` (permanent): the display has no extension |
+//! | `present` | `vkQueuePresentKHR` | `out-of-date`, `surface-lost` (once) |
 
 use super::GpuError;
 use ash::vk;
@@ -21,6 +23,8 @@ const VARIABLE: &str = "SPLITSUM_TEST_FAULTS";
 pub(super) enum Site {
     Submit,
     Allocate,
+    Surface,
+    Present,
 }
 
 #[derive(Debug)]
@@ -36,7 +40,7 @@ struct Fault {
 #[derive(Debug, Default)]
 pub(super) struct Injector {
     faults: Vec<Fault>,
-    calls: [AtomicU64; 2],
+    calls: [AtomicU64; 4],
 }
 
 impl Injector {
@@ -82,6 +86,11 @@ fn parse(word: &str) -> Option<Fault> {
         ("allocate", "memory-is-full") => {
             (Site::Allocate, true, vk::Result::ERROR_OUT_OF_DEVICE_MEMORY)
         }
+        ("surface", "not-present") => {
+            (Site::Surface, true, vk::Result::ERROR_EXTENSION_NOT_PRESENT)
+        }
+        ("present", "out-of-date") => (Site::Present, false, vk::Result::ERROR_OUT_OF_DATE_KHR),
+        ("present", "surface-lost") => (Site::Present, false, vk::Result::ERROR_SURFACE_LOST_KHR),
         _ => return None,
     };
     Some(Fault {

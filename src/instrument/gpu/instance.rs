@@ -2,7 +2,7 @@
 
 use super::processor;
 use super::{GpuError, driver_cache};
-use ash::{Entry, ext, vk};
+use ash::{Entry, ext, khr, vk};
 use std::ffi::{CStr, c_void};
 use std::sync::{Arc, Mutex};
 
@@ -29,6 +29,8 @@ pub struct Options {
     /// Makes submissions short, so that [`super::Gpu::interrupt_by`] acts soon. Results are the
     /// same.
     pub is_interactive: bool,
+    /// Enables what a window needs, as far as loader and device have it.
+    pub is_presenting: bool,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -55,6 +57,16 @@ pub struct DeviceInfo {
 
 const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
+/// Surfaces, and those of each system with windows.
+const SURFACE_EXTENSIONS: [&CStr; 6] = [
+    khr::surface::NAME,
+    khr::xlib_surface::NAME,
+    khr::xcb_surface::NAME,
+    khr::wayland_surface::NAME,
+    khr::win32_surface::NAME,
+    ext::metal_surface::NAME,
+];
+
 /// The instance and the messages of its validation layer.
 pub(super) struct Instance {
     pub(super) raw: ash::Instance,
@@ -62,14 +74,23 @@ pub(super) struct Instance {
     pub(super) messages: Arc<Mutex<Vec<String>>>,
     /// Objects get names only if a debugger can see them.
     pub(super) has_debug_utils: bool,
-    _entry: Entry,
+    /// [`SURFACE_EXTENSIONS`] that are enabled.
+    pub(super) surface_extensions: Vec<&'static CStr>,
+    pub(super) entry: Entry,
+}
+
+/// Whether a window may be on a display of this surface extension. With the one of Wayland, Mesa
+/// connects to its display, and complains on standard error if there is none.
+fn may_have_display(extension: &CStr) -> bool {
+    let is_set = |name| std::env::var_os(name).is_some_and(|value| !value.is_empty());
+    extension != khr::wayland_surface::NAME || is_set("WAYLAND_DISPLAY") || is_set("WAYLAND_SOCKET")
 }
 
 /// Creates an instance with the validation layer if `has_validation`.
 fn create_instance(
     entry: &Entry,
     has_validation: bool,
-    has_debug_utils: bool,
+    extensions: &[&CStr],
 ) -> Result<ash::Instance, GpuError> {
     let application = vk::ApplicationInfo::default()
         .application_name(c"splitsum")
@@ -79,11 +100,7 @@ fn create_instance(
     } else {
         Vec::new()
     };
-    let extension_names = if has_debug_utils {
-        vec![ext::debug_utils::NAME.as_ptr()]
-    } else {
-        Vec::new()
-    };
+    let extension_names: Vec<_> = extensions.iter().map(|name| name.as_ptr()).collect();
     let enabled = [vk::ValidationFeatureEnableEXT::SYNCHRONIZATION_VALIDATION];
     let mut features = vk::ValidationFeaturesEXT::default().enabled_validation_features(&enabled);
     let mut info = vk::InstanceCreateInfo::default()
@@ -104,7 +121,8 @@ fn create_instance(
 }
 
 impl Instance {
-    pub(super) fn new(validation: bool) -> Result<Self, GpuError> {
+    /// Creates an instance, with the surfaces of windows if `is_presenting`.
+    pub(super) fn new(validation: bool, is_presenting: bool) -> Result<Self, GpuError> {
         // A loader that cannot parse a manifest reports that memory ran out.
         let failed = |call| move |result| GpuError::Loader { call, result };
         driver_cache::disable_without_room();
@@ -123,17 +141,27 @@ impl Instance {
         // SAFETY: as above.
         let extensions = unsafe { entry.enumerate_instance_extension_properties(None) }
             .map_err(failed("vkEnumerateInstanceExtensionProperties"))?;
-        let has_debug_utils = extensions
-            .iter()
-            .any(|extension| extension.extension_name_as_c_str() == Ok(ext::debug_utils::NAME));
-        let raw = create_instance(&entry, validation, has_debug_utils)?;
+        let is_offered = |name: &&'static CStr| {
+            extensions
+                .iter()
+                .any(|extension| extension.extension_name_as_c_str() == Ok(*name))
+        };
+        let has_debug_utils = is_offered(&ext::debug_utils::NAME);
+        let surface_extensions: Vec<_> = SURFACE_EXTENSIONS
+            .into_iter()
+            .filter(|name| is_presenting && is_offered(name) && may_have_display(name))
+            .collect();
+        let mut enabled = surface_extensions.clone();
+        enabled.extend(has_debug_utils.then_some(ext::debug_utils::NAME));
+        let raw = create_instance(&entry, validation, &enabled)?;
         let messages = Arc::new(Mutex::new(Vec::new()));
         let mut instance = Self {
             raw,
             messenger: None,
             messages,
             has_debug_utils,
-            _entry: entry,
+            surface_extensions,
+            entry,
         };
         if validation && has_debug_utils {
             instance.messenger = Some(instance.install_messenger()?);
@@ -144,7 +172,7 @@ impl Instance {
     fn install_messenger(
         &self,
     ) -> Result<(ext::debug_utils::Instance, vk::DebugUtilsMessengerEXT), GpuError> {
-        let loader = ext::debug_utils::Instance::new(&self._entry, &self.raw);
+        let loader = ext::debug_utils::Instance::new(&self.entry, &self.raw);
         let info = vk::DebugUtilsMessengerCreateInfoEXT::default()
             .message_severity(
                 vk::DebugUtilsMessageSeverityFlagsEXT::ERROR
@@ -267,7 +295,7 @@ impl Drop for Instance {
 
 /// Lists every device in the order of [`DeviceChoice::Index`].
 pub fn devices() -> Result<Vec<DeviceInfo>, GpuError> {
-    Ok(Instance::new(false)?
+    Ok(Instance::new(false, false)?
         .physical_devices()?
         .into_iter()
         .map(|(_, info)| info)
@@ -276,7 +304,7 @@ pub fn devices() -> Result<Vec<DeviceInfo>, GpuError> {
 
 /// Returns the device that `choice` would open, without opening it.
 pub fn chosen_device(choice: DeviceChoice) -> Result<DeviceInfo, GpuError> {
-    Ok(Instance::new(false)?.choose(choice)?.1)
+    Ok(Instance::new(false, false)?.choose(choice)?.1)
 }
 
 /// SAFETY: called by the loader with a valid message and the user data of

@@ -20,7 +20,8 @@ pub(super) struct Pipeline {
     pub(super) device: ash::Device,
 }
 
-/// Pipelines of a device by their shaders and specialization constants.
+/// Pipelines of a device by their shaders, and by their specialization constants or the format of
+/// their target.
 pub(super) type Pipelines = Mutex<HashMap<(Vec<String>, Vec<u32>), Arc<Pipeline>>>;
 
 impl Drop for Pipeline {

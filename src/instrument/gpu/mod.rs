@@ -22,6 +22,8 @@ pub mod processor;
 mod recorder;
 mod shader;
 mod slot;
+#[cfg(feature = "view")]
+mod swapchain;
 mod sync;
 mod variant;
 
@@ -36,10 +38,14 @@ pub use error::GpuError;
 pub use executable::Executable;
 pub use image::{Filter, Format, Image, Sampler};
 pub use instance::{DeviceChoice, DeviceInfo, Options, chosen_device, devices};
-pub use pipeline::GraphicsDescription;
+pub use pipeline::{GraphicsDescription, Output};
+#[cfg(feature = "view")]
+pub use recorder::Painted;
 pub use recorder::{Bind, DrawCall, PassTime, Recorder, Report, Targets};
 pub use shader::{
     HOST_FILES, HOST_HASH, add_shader, added_shader, build_hash, code_hash, has_shader, names_read,
     shader_code, shader_names, shader_sources,
 };
+#[cfg(feature = "view")]
+pub use swapchain::{Acquired, Swapchain};
 pub use variant::ShaderVariant;

@@ -7,8 +7,7 @@ use super::{Format, GpuError};
 use ash::vk;
 use std::sync::Arc;
 
-/// A draw: opaque triangles, front counter-clockwise, depth test (less); viewport of the targets,
-/// culling of the call.
+/// A draw: triangles, front counter-clockwise; viewport of the targets, culling of the call.
 #[derive(Clone, Copy, Debug)]
 pub struct GraphicsDescription<'a> {
     pub shaders: [&'a str; 2],
@@ -16,6 +15,48 @@ pub struct GraphicsDescription<'a> {
     pub attributes: &'a [u32],
     /// Draws a triangle strip instead of a list.
     pub strip: bool,
+    pub output: Output,
+}
+
+/// The images that a graphics pipeline draws into.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Output {
+    /// Images of [`Format::Rgba32Float`]: opaque, the nearest surface by depth.
+    Surfaces,
+    /// One image of this format, without depth.
+    Opaque(Format),
+    /// The same; colours, times their alpha, cover earlier ones.
+    Blended(Format),
+}
+
+impl Output {
+    fn depth_format(self) -> vk::Format {
+        match self {
+            Self::Surfaces => Format::Depth32Float.raw(),
+            Self::Opaque(_) | Self::Blended(_) => vk::Format::UNDEFINED,
+        }
+    }
+
+    fn color_format(self) -> vk::Format {
+        match self {
+            Self::Surfaces => Format::Rgba32Float.raw(),
+            Self::Opaque(format) | Self::Blended(format) => format.raw(),
+        }
+    }
+
+    fn blend(self) -> vk::PipelineColorBlendAttachmentState {
+        let all = vk::PipelineColorBlendAttachmentState::default()
+            .color_write_mask(vk::ColorComponentFlags::RGBA);
+        match self {
+            Self::Surfaces | Self::Opaque(_) => all,
+            Self::Blended(_) => all
+                .blend_enable(true)
+                .src_color_blend_factor(vk::BlendFactor::ONE)
+                .dst_color_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA)
+                .src_alpha_blend_factor(vk::BlendFactor::ONE)
+                .dst_alpha_blend_factor(vk::BlendFactor::ONE_MINUS_SRC_ALPHA),
+        }
+    }
 }
 
 impl Pipeline {
@@ -173,7 +214,8 @@ impl Shared {
         color_count: usize,
         interface: Interface,
     ) -> Result<Arc<Pipeline>, GpuError> {
-        self.pipeline(&description.shaders, &[], interface, |interface| {
+        let format = [description.output.color_format().as_raw() as u32];
+        self.pipeline(&description.shaders, &format, interface, |interface| {
             self.make_graphics_pipeline(description, color_count, interface)
         })
     }
@@ -219,6 +261,7 @@ impl Shared {
             shaders: [vertex_shader, name],
             attributes,
             strip,
+            output,
         } = description;
         let pipeline = Pipeline::new(self, name, interface, STAGES[0] | STAGES[1])?;
         let modules = [Module::new(self, vertex_shader)?, Module::new(self, name)?];
@@ -249,13 +292,12 @@ impl Shared {
             .line_width(1.0);
         let samples = vk::PipelineMultisampleStateCreateInfo::default()
             .rasterization_samples(vk::SampleCountFlags::TYPE_1);
+        let has_depth = output == Output::Surfaces;
         let depth = vk::PipelineDepthStencilStateCreateInfo::default()
-            .depth_test_enable(true)
-            .depth_write_enable(true)
+            .depth_test_enable(has_depth)
+            .depth_write_enable(has_depth)
             .depth_compare_op(vk::CompareOp::LESS);
-        let every_channel = vk::PipelineColorBlendAttachmentState::default()
-            .color_write_mask(vk::ColorComponentFlags::RGBA);
-        let blends = vec![every_channel; color_count];
+        let blends = vec![output.blend(); color_count];
         let blend = vk::PipelineColorBlendStateCreateInfo::default().attachments(&blends);
         let dynamic_states = [
             vk::DynamicState::VIEWPORT,
@@ -263,10 +305,10 @@ impl Shared {
             vk::DynamicState::CULL_MODE,
         ];
         let dynamic = vk::PipelineDynamicStateCreateInfo::default().dynamic_states(&dynamic_states);
-        let formats = vec![Format::Rgba32Float.raw(); color_count];
+        let formats = vec![output.color_format(); color_count];
         let mut rendering = vk::PipelineRenderingCreateInfo::default()
             .color_attachment_formats(&formats)
-            .depth_attachment_format(Format::Depth32Float.raw());
+            .depth_attachment_format(output.depth_format());
         let info = [vk::GraphicsPipelineCreateInfo::default()
             .stages(&stages)
             .vertex_input_state(&vertex_input)

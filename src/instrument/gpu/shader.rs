@@ -243,11 +243,13 @@ pub fn shader_names() -> impl Iterator<Item = &'static str> {
     SHADERS.iter().map(|(name, _)| *name)
 }
 
+/// Hashes all shaders that make results: not those that paint the window.
 pub fn build_hash() -> &'static str {
     // Cached: a plan asks for it once per cell.
     static HASH: LazyLock<String> = LazyLock::new(|| {
         let mut hasher = blake3::Hasher::new();
-        for (name, bytes) in SHADERS {
+        let makes_results = |(name, _): &&(&str, &[u8])| !name.starts_with("window/");
+        for (name, bytes) in SHADERS.iter().filter(makes_results) {
             hasher.update(name.as_bytes());
             hasher.update(bytes);
         }

@@ -93,6 +93,9 @@ impl Access {
         DEPTH_READ_WRITE,
         Layout::DEPTH_ATTACHMENT_OPTIMAL,
     );
+    /// The window's system reads the image; a semaphore makes it wait.
+    #[cfg(feature = "view")]
+    pub(super) const PRESENT: Self = Self::read(Stage::NONE, Kind::NONE, Layout::PRESENT_SRC_KHR);
     /// Host reads of mapped memory after the submission.
     pub(super) const HOST_READ: Self = Self::read(Stage::HOST, Kind::HOST_READ, Layout::UNDEFINED);
 }
@@ -123,6 +126,14 @@ impl State {
         write_access: Kind::NONE,
         read_stages: Stage::NONE,
         read_accesses: Kind::NONE,
+    };
+
+    /// An image of a window that was acquired, with undefined contents. The semaphore of the
+    /// acquisition is waited for by its first writes, so the first barrier must come after it.
+    #[cfg(feature = "view")]
+    pub(super) const ACQUIRED: Self = Self {
+        write_stage: Stage::COLOR_ATTACHMENT_OUTPUT,
+        ..Self::NEW
     };
 
     /// Moves to `next` and returns the barrier that must precede it, if any.

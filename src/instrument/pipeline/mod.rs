@@ -21,6 +21,7 @@ mod lights;
 mod made_tables;
 mod occlusion;
 mod passes;
+mod picture;
 mod prepare;
 pub mod reprojection;
 mod request;
@@ -39,11 +40,12 @@ pub use error::PipelineError;
 pub use fit::{BUFFER_BYTES_EVERYWHERE, BUFFER_BYTES_MAX, image_buffer_bytes};
 pub use intermediate::{Intermediate, IntermediateImage, Selection};
 pub use light_tables::LightTables;
+pub use picture::DevicePicture;
 pub use request::{Frame, FrameTimings, Illumination, RenderRequest, Steadiness, TimingSamples};
 pub use shared_work::SharedWork;
 
 use crate::base::pixels::{Rgb8Image, RgbImage};
-use crate::instrument::gpu::Gpu;
+use crate::instrument::gpu::{Buffer, Gpu};
 use crate::instrument::shade::reference_pass::Drawn;
 use crate::instrument::tonemap::{self, ToneCurve};
 use kept_reference::Reference;
@@ -285,6 +287,20 @@ impl Pipeline {
         radiance: &RgbImage,
         curve: ToneCurve,
     ) -> Result<(Rgb8Image, PassTime), PipelineError> {
+        let (packed, time) = self.tonemap_on_device(radiance, curve)?;
+        let size = [radiance.width, radiance.height];
+        let image =
+            self.with_memory(|pipeline| Ok(tonemap::pass::read(&pipeline.gpu, &packed, size)?))?;
+        Ok((image, time))
+    }
+
+    /// Applies the tone curve; the result stays on the device, a word a pixel with R in the lowest
+    /// byte.
+    pub fn tonemap_on_device(
+        &mut self,
+        radiance: &RgbImage,
+        curve: ToneCurve,
+    ) -> Result<(Buffer, PassTime), PipelineError> {
         let size = [radiance.width, radiance.height];
         let texels: Vec<[f32; 4]> = radiance
             .data
@@ -299,7 +315,7 @@ impl Pipeline {
                 pass: "tonemap",
                 ms: 0.0,
             });
-            Ok((tonemap::pass::read(&pipeline.gpu, &packed, size)?, time))
+            Ok((packed, time))
         })
     }
 }

@@ -159,7 +159,7 @@ impl Recorder {
         Ok(())
     }
 
-    fn set_dynamic_state(&self, area: vk::Rect2D, is_one_sided: bool) {
+    pub(super) fn set_dynamic_state(&self, area: vk::Rect2D, is_one_sided: bool) {
         let viewport = vk::Viewport {
             x: 0.0,
             y: 0.0,

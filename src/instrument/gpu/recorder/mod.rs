@@ -2,9 +2,13 @@
 
 mod binding;
 mod commands;
+#[cfg(feature = "view")]
+mod paint;
 
 pub use binding::Bind;
 pub use commands::{DrawCall, Targets};
+#[cfg(feature = "view")]
+pub use paint::Painted;
 
 use super::device::lock;
 use super::inject::Site;
@@ -74,6 +78,11 @@ impl Gpu {
         {
             return Err(GpuError::Interrupted);
         }
+        self.record_always(name)
+    }
+
+    /// [`Gpu::record`] for work that no flag interrupts.
+    pub fn record_always(&self, name: &str) -> Result<Recorder, GpuError> {
         let device = &self.shared.raw;
         let free = lock(&self.shared.slots).pop();
         let slot = free.map_or_else(
@@ -147,7 +156,16 @@ impl Recorder {
     }
 
     /// Ends the recording, submits it, waits and reads the timestamps.
-    pub fn submit(mut self) -> Result<Report, GpuError> {
+    pub fn submit(self) -> Result<Report, GpuError> {
+        self.submit_between(&[], &[])
+    }
+
+    /// [`Recorder::submit`], whose colour output waits for semaphores and which signals others.
+    pub(super) fn submit_between(
+        mut self,
+        waits: &[vk::SemaphoreSubmitInfo<'_>],
+        signals: &[vk::SemaphoreSubmitInfo<'_>],
+    ) -> Result<Report, GpuError> {
         // SAFETY: recording.
         unsafe { self.device().end_command_buffer(self.commands) }
             .map_err(GpuError::call("vkEndCommandBuffer", &self.name))?;
@@ -159,7 +177,10 @@ impl Recorder {
         .map_err(GpuError::call("vkCreateFence", &self.name))?;
         let shared = &self.gpu.shared;
         let commands = [vk::CommandBufferSubmitInfo::default().command_buffer(self.commands)];
-        let submit = [vk::SubmitInfo2::default().command_buffer_infos(&commands)];
+        let submit = [vk::SubmitInfo2::default()
+            .wait_semaphore_infos(waits)
+            .command_buffer_infos(&commands)
+            .signal_semaphore_infos(signals)];
         let started;
         {
             let _one_at_a_time = lock(&shared.submission);

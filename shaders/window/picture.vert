@@ -1,0 +1,6 @@
+// A triangle that covers the window; the draw's scissor cuts out a half. Draw: 3 vertices.
+
+void main() {
+    vec2 corner = vec2(gl_VertexIndex & 1, gl_VertexIndex >> 1);
+    gl_Position = vec4(4.0 * corner - 1.0, 0.0, 1.0);
+}
