@@ -48,6 +48,7 @@ fn pictures_show_their_values_and_an_address_restores_them() {
         "alpha",
         "metallic",
         "occlusion",
+        "irradiance",
         "prefiltered-0",
         "prefiltered-1",
         "prefiltered-2",

@@ -20,7 +20,7 @@ name = "tiny"
 size = [64, 64]
 reference = { samples = 64, noise_share = 0 }
 [axes]
-environment = ["builtin:constant", "builtin:sky"]
+environment = ["builtin:constant", "builtin:constant:radiance=2"]
 environment_orientation = [0, 1]
 alpha = [0.1, 0.5]
 method = ["sampled", "split-sum"]
