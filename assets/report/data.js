@@ -6,7 +6,8 @@ import { byId } from "report/dom";
  * @typedef {{ name: string, role: "fixed" | "scene" | "variant" | "display", values: string[], labels: string[],
  *   words: string[] }} Axis  An axis; labels and words are short texts of the values, words say what they are.
  * @typedef {{ run: number, cell: string, image: number | null, reference: number | null, verdict: string,
- *   floor: number | null, axes: Record<string, string>, scores: Record<string, number | null>, scene?: Scene,
+ *   intermediates: number | null, floor: number | null, axes: Record<string, string>,
+ *   scores: Record<string, number | null>, scene?: Scene,
  *   original?: Row }} Row
  * @typedef {{ key: string, variants: Row[], main: Row }} Scene
  */
@@ -49,7 +50,7 @@ function rowFrom(fields) {
   const value = ({ name, values }) => (name === "run" ? model.runs[at("run")].label : (values[at(name)] ?? ""));
   const [run, cell, image, reference, verdict] = ["run", "cell", "image", "reference", "verdict"].map(at);
   return {
-    ...{ run, cell, image, reference, verdict, floor: real(at("noise_floor")) },
+    ...{ run, cell, image, reference, verdict, intermediates: at("intermediates"), floor: real(at("noise_floor")) },
     axes: Object.fromEntries(model.axes.map((axis) => [axis.name, value(axis)])),
     scores: Object.fromEntries(model.metrics.map(({ name }) => [name, real(at(name))])),
   };
@@ -126,6 +127,15 @@ export const scenes = allScenes.filter((scene) => !model.designs.includes(scene.
 /** Whether the page holds the pixels of a cell's image. */
 export const hasPixels = (row) => row.image !== null && model.images[row.image].payload !== null;
 
+/** The pictures of what images are made of, numbered after the images. */
+const intermediates = model.intermediates.pictures.map((one, i) => ({ ...one, index: model.images.length + i }));
+/** The pictures of what a cell's image is made of: {name, index, encoding}. */
+export const intermediatesOf = (row) =>
+  (model.intermediates.sets[row.intermediates] ?? []).map((i) => intermediates[i]);
+export const intermediateNotes = model.intermediates.notes;
+/** An image, or a picture of what images are made of, by index. */
+export const pictureAt = (index) => model.images[index] ?? intermediates[index - model.images.length];
+
 /** The image that the views open with: of the textbook's split sum, else of a method without samples, the worst to see. */
 export function firstRow(isWanted = hasPixels) {
   const shown = scenes.flatMap((scene) => scene.variants).filter(isWanted);
@@ -158,18 +168,20 @@ function undo(data, start = 0, count = data.length) {
   return data;
 }
 
-/** A packed image as half-float RGBA: {width, height, rgba}. */
+/** A packed image as half-float RGBA: {width, height, rgba}; of one channel it is grey. */
 export async function decode(text, width, height) {
   const data = await inflate(text);
   const count = width * height;
   const rgba = new Uint16Array(4 * count).fill(0x3c00);
-  for (let channel = 0; channel < data.length / count / 2; channel++) {
+  const channels = data.length / count / 2;
+  for (let channel = 0; channel < channels; channel++) {
     const high = 2 * channel * count;
     const low = high + count;
     undo(data, high, count);
     undo(data, low, count);
     for (let i = 0; i < count; i++) rgba[4 * i + channel] = (data[high + i] << 8) | data[low + i];
   }
+  if (channels === 1) for (let i = 0; i < count; i++) rgba.fill(rgba[4 * i], 4 * i + 1, 4 * i + 3);
   return { width, height, rgba };
 }
 
@@ -179,14 +191,14 @@ const once = (key, load) => cache.get(key) ?? cache.set(key, load()).get(key);
 
 /** The embedded texels of an image as half-float RGBA: a promise of {width, height, rgba}, or of null. */
 export function pixels(index) {
-  const image = index === null ? null : model.images[index];
+  const image = index === null ? null : pictureAt(index);
   if (!image || image.payload === null) return Promise.resolve(null);
   return once(`image ${index}`, () => decode(payloadText(image.payload), ...image.size));
 }
 
-/** The mask of a reference: bytes, 1 where pixels count. */
-export function mask(reference) {
-  const image = reference === null ? null : model.images[reference];
+/** The mask of a reference, or of a picture: bytes, 1 where pixels count. */
+export function mask(index) {
+  const image = index === null ? null : pictureAt(index);
   if (!image || image.mask === null) return Promise.resolve(null);
   return once(`mask ${image.mask}`, () => inflate(payloadText(image.mask)).then((data) => undo(data)));
 }

@@ -1,12 +1,14 @@
 // The WebGL2 side of the comparison: images as half-float textures, shaded once a setting, and placed on the canvas.
 
-import { mask, model, pixels } from "report/data";
+import { mask, model, pictureAt, pixels } from "report/data";
 import { drawOver, errorColors, keepContext, makePalette, makeProgram, makeTexture } from "report/program";
 
 /** Images kept as textures; older scenes are freed. */
 const TEXTURE_MAX = 96;
 /** Uploads bind to this unit, so that they do not change the units used for drawing. */
 const UPLOAD_UNIT = 7;
+/** How pictures of what images are made of show values, in the order of the shader's numbers. */
+const ENCODINGS = ["radiance", "color", "linear"];
 const BACKGROUND = { light: [0.93, 0.93, 0.925], dark: [0.06, 0.063, 0.07] };
 const isDark = matchMedia("(prefers-color-scheme: dark)");
 
@@ -31,6 +33,7 @@ export class Surface {
   setUp() {
     const { gl } = this;
     this.viewer = makeProgram(gl, "viewer");
+    this.intermediate = makeProgram(gl, "intermediate");
     this.place = makeProgram(gl, "place");
     this.palette = makePalette(gl, UPLOAD_UNIT);
     this.noMask = this.upload(gl.R8, 1, 1, gl.RED, gl.UNSIGNED_BYTE, Uint8Array.of(255));
@@ -63,10 +66,9 @@ export class Surface {
     return this.images.get(index);
   }
 
-  /** Shades an image into the texture of a side. */
-  shaded(side, image, reference, look) {
+  /** The texture of a side, in the size of an image, bound to be drawn into. */
+  target(side, { width, height }) {
     const { gl, framebuffer } = this;
-    const { width, height } = image;
     const own = this.sides[side];
     if (own.width !== width || own.height !== height) {
       gl.deleteTexture(own.texture ?? null);
@@ -76,18 +78,43 @@ export class Surface {
     const { texture } = this.sides[side];
     gl.bindFramebuffer(gl.FRAMEBUFFER, framebuffer);
     gl.framebufferTexture2D(gl.FRAMEBUFFER, gl.COLOR_ATTACHMENT0, gl.TEXTURE_2D, texture, 0);
-    const { palette } = this;
+    return { framebuffer, width, height, texture };
+  }
+
+  /** Shades an image into the texture of a side. */
+  shaded(side, image, reference, look) {
+    const { gl, palette } = this;
+    const target = this.target(side, image);
     const textures = { image: image.texture, reference: reference.texture, mask: reference.mask, palette };
     const colors = errorColors(model.images[reference.index].light_mean);
-    drawOver(gl, this.viewer, { framebuffer, width, height }, textures, { ...look, ...colors });
-    return texture;
+    drawOver(gl, this.viewer, target, textures, { ...look, ...colors });
+    return target.texture;
+  }
+
+  /** Draws a picture of what an image is made of. */
+  drawIntermediate(picture, place, isClipped, look) {
+    const target = this.target(0, picture);
+    const { encoding } = pictureAt(picture.index);
+    const extents = encoding.linear ?? [0, 1, 2].map(() => ({ min: 0, max: 1 }));
+    drawOver(this.gl, this.intermediate, target, { image: picture.texture, mask: picture.mask }, {
+      encoding: ENCODINGS.indexOf(encoding.linear ? "linear" : encoding),
+      low: extents.map(({ min }) => min),
+      high: extents.map(({ max }) => max),
+      ...{ ...look, off_mask_color: errorColors(1).off_mask_color },
+    }); // prettier-ignore
+    this.onCanvas(target.texture, target.texture, place, null, isClipped);
   }
 
   /** Draws; the reference is right of `split`, a share of the width. `look` has mode, tone, exposure, contrast. */
-  draw(image, reference, { origin, scale }, split, isClipped, look) {
-    const { gl, canvas } = this;
+  draw(image, reference, place, split, isClipped, look) {
     const left_image = this.shaded(0, image, reference, look);
     const right_image = split === null ? left_image : this.shaded(1, reference, reference, look);
+    this.onCanvas(left_image, right_image, place, split, isClipped);
+  }
+
+  /** Places shaded textures on the canvas. */
+  onCanvas(left_image, right_image, { origin, scale }, split, isClipped) {
+    const { gl, canvas } = this;
     drawOver(gl, this.place, canvas, { left_image, right_image }, {
       canvas_size: [canvas.width, canvas.height],
       split: split === null ? 1e9 : split * canvas.width,

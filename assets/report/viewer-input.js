@@ -35,6 +35,7 @@ export function key(viewer, event) {
     t: () => isImage && viewer.set({ tone: tone === "srgb" ? "curve" : "srgb" }),
     c: () => viewer.set({ isClipped: !isClipped }),
     p: () => viewer.play(),
+    n: () => viewer.stepIntermediate(),
     d: () => viewer.set({ split: split === null ? 0.5 : null }),
     "[": () => brighten(-0.5),
     "]": () => brighten(0.5),

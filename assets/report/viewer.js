@@ -1,9 +1,10 @@
 // The comparison of images on linear data: flip in place, wipe, zoom to texels, error maps, probe. WebGL2.
 
-import { HALF, exrLink, firstRow, hasPixels, headline, idOf, inkOf, model, rowOf, sceneLabel } from "report/data";
-import { scenes, texelError, truthName, variantAxes, variantCode, variantLabel } from "report/data";
+import { HALF, exrLink, firstRow, hasPixels, headline, idOf, inkOf, intermediatesOf, model, rowOf } from "report/data";
+import { sceneLabel, scenes, texelError, truthName, variantAxes, variantCode, variantLabel } from "report/data";
 import { announce, h, number, say, stopsText } from "report/dom";
 import { fillErrorLegend } from "report/legend";
+import { fillIntermediates, intermediateLabel, intermediateLegend, markIntermediate } from "report/intermediates";
 import { Place } from "report/place";
 import { Controls, MODES, build, clamp, fitCanvas, followHandle, followPointers, real } from "report/stage";
 import { showProbe, showSides } from "report/stage";
@@ -43,11 +44,14 @@ class Viewer {
     this.split = real(state.split, [0, 1]) ?? (state.cell ? null : 0.5);
     const isNew = this.scene !== scene;
     this.scene = scene;
-    const own = scene.variants.flatMap((one) => [one.image, one.reference]);
+    // A picture of what the image is made of, in place of the image.
+    this.intermediate = intermediatesOf(this.row).find(({ name }) => name === state.show) ?? null;
+    const own = [...scene.variants.flatMap((one) => [one.image, one.reference]), this.intermediate?.index ?? null];
     this.surface.wanted = new Set(own.filter((index) => index !== null));
     this.fillVariants();
     this.syncControls();
-    await Promise.all([this.row.image, this.row.reference].map((index) => this.surface.load(index)));
+    const first = [this.row.image, this.row.reference, this.intermediate?.index ?? null];
+    await Promise.all(first.map((index) => this.surface.load(index)));
     if (this.scene !== scene) return undefined;
     const { texels } = this;
     if (!texels) return this.sayNothing(row);
@@ -59,7 +63,8 @@ class Viewer {
     this.parts.stage.classList.remove("empty");
     this.resize();
     const { place } = this;
-    if (isNew || !place.origin) place.fit(texels);
+    if (isNew || !place.origin) this.fit();
+    else this.fitOther();
     const scale = real(state.zoom, place.range);
     if (scale !== null) {
       Object.assign(place, { isFitted: false, scale });
@@ -97,6 +102,7 @@ class Viewer {
     const rounded = (value) => Number(value.toFixed(4));
     keep({
       ...{ cell: this.row.cell, run: this.row.run || "" },
+      show: this.intermediate?.name ?? "",
       ...{ mode: this.mode === "image" ? "" : this.mode, tone: this.tone === "curve" ? "" : this.tone },
       ...{ ev: rounded(this.stops), contrast: rounded(this.contrast), clip: this.isClipped ? "1" : "" },
       ...{ split: this.split === null ? "" : rounded(this.split), texel: this.isPinned ? this.probed.join(",") : "" },
@@ -108,6 +114,7 @@ class Viewer {
   set(details) {
     if (!this.row) return;
     Object.assign(this, details);
+    this.fitOther();
     this.syncControls();
     this.draw();
     this.keepState();
@@ -115,13 +122,32 @@ class Viewer {
 
   choose(row) {
     if (!this.surface.images.has(row.image) || !this.place.origin) {
-      keep({ cell: row.cell, run: row.run || "", split: this.split ?? "" });
+      keep({ cell: row.cell, run: row.run || "", split: this.split ?? "", show: "" });
       this.show(current());
       return;
     }
     this.parts.stage.classList.remove("empty");
-    this.set({ row });
+    this.set({ row, intermediate: null });
     this.markVariant();
+  }
+
+  /** Shows a picture of what the image is made of; null or the shown one's name shows the image again. */
+  async chooseIntermediate(name) {
+    const { row } = this;
+    const intermediate =
+      name === this.intermediate?.name ? null : (intermediatesOf(row).find((one) => one.name === name) ?? null);
+    if (intermediate) {
+      this.surface.wanted.add(intermediate.index);
+      await this.surface.load(intermediate.index);
+    }
+    if (this.row !== row) return;
+    this.set({ intermediate });
+    this.markVariant();
+  }
+
+  stepIntermediate() {
+    const names = [...intermediatesOf(this.row).map(({ name }) => name), null];
+    this.chooseIntermediate(names[(names.indexOf(this.intermediate?.name ?? null) + 1) % names.length]);
   }
 
   /** Another image of the scene; one that differs in these axes alone. */
@@ -146,8 +172,24 @@ class Viewer {
     this.show(current());
   }
 
+  /** The decoded picture on the stage. */
   get texels() {
-    return this.surface.images.get(this.row?.image);
+    return this.surface.images.get(this.intermediate ? this.intermediate.index : this.row?.image);
+  }
+
+  fit() {
+    const { texels } = this;
+    this.place.fit(texels);
+    this.fitted = [texels.width, texels.height];
+  }
+
+  /** Fits a picture of another size than the last one; the probe stays inside. */
+  fitOther() {
+    const { texels } = this;
+    if (!texels || !this.place.origin) return;
+    if (String(this.fitted) === String([texels.width, texels.height])) return;
+    this.fit();
+    if (this.probed) this.probed = this.inside(this.probed);
   }
 
   inside(place) {
@@ -159,7 +201,7 @@ class Viewer {
     const { place } = this;
     const middle = place.origin && place.middle;
     if (!this.parts.stage.clientWidth || !fitCanvas(this.canvas, this.parts.stage)) return false;
-    if (middle && place.isFitted) place.fit(this.texels);
+    if (middle && place.isFitted) this.fit();
     else if (middle) place.center(middle);
     return true;
   }
@@ -172,37 +214,50 @@ class Viewer {
 
   refit() {
     if (!this.texels) return;
-    this.place.fit(this.texels);
+    this.fit();
     this.set({});
   }
 
-  /** Left edge of the reference, a share of the width; null in error modes, where it has no error to show. */
+  /** Left edge of the reference, a share of the width; null for pictures without one. */
   get wipe() {
-    return this.mode === "image" ? this.split : null;
+    return this.mode === "image" && !this.intermediate ? this.split : null;
   }
 
   draw() {
     const reference = this.surface.images.get(this.row.reference);
-    const left = this.isHeld ? reference : this.texels;
+    const left = this.isHeld && !this.intermediate ? reference : this.texels;
     if (!left || !reference || !this.place.origin) return;
     const { contrast } = this;
     const tone = Number(this.tone === "srgb");
     const look = { mode: MODES.indexOf(this.mode), tone, exposure: 2 ** this.stops, contrast };
-    this.surface.draw(left, reference, this.place, this.wipe, this.isClipped, look);
+    if (this.intermediate) this.surface.drawIntermediate(left, this.place, this.isClipped, look);
+    else this.surface.draw(left, reference, this.place, this.wipe, this.isClipped, look);
     this.describe();
     this.probe();
+  }
+
+  describeIntermediate() {
+    const label = intermediateLabel(this.intermediate);
+    showSides(this.parts, label, truthName, null);
+    this.canvas.setAttribute(
+      "aria-label",
+      `${sceneLabel(this.row)}: ${label}. ${intermediateLegend(this.intermediate)}`,
+    );
+    Object.assign(this.canvas.dataset, { shown: this.intermediate.name, mode: "image" });
   }
 
   describe() {
     const { row, wipe, isHeld } = this;
     const { scale } = this.place;
+    say(this.parts.scale, scale >= 1 ? `${number(scale)}×` : `1/${number(1 / scale)}`);
+    if (this.intermediate) return this.describeIntermediate();
     const left = isHeld ? truthName : variantLabel(row);
     showSides(this.parts, left, truthName, wipe);
     const shown = wipe === null ? left : `${left} | ${truthName}`;
     const score = isHeld ? "" : `; ${headline} ${scoreText(row)}`;
     this.canvas.setAttribute("aria-label", `${sceneLabel(row)}: ${shown}, ${this.mode}${score}`);
     Object.assign(this.canvas.dataset, { shown: isHeld ? "reference" : row.cell, mode: this.mode });
-    say(this.parts.scale, scale >= 1 ? `${number(scale)}×` : `1/${number(1 / scale)}`);
+    return undefined;
   }
 
   /** Every variant's linear values at the probed texel. */
@@ -232,7 +287,15 @@ class Viewer {
       return { key: idOf(row), name: variantLabel(row), value, error, isCurrent: !this.isHeld && row === this.row };
     });
     const place = `texel (${this.probed.join(", ")})${this.isPinned ? " · pinned" : ""}`;
-    showProbe(this.parts, place, this.mode === "signed", [...truths, ...lines]);
+    const { intermediate } = this;
+    const own = intermediate && {
+      ...{ key: intermediate.name, name: intermediateLabel(intermediate), value: at(intermediate.index) },
+      ...{ error: null, isCurrent: true },
+    };
+    // Texels of a table are not pixels of the image.
+    const isTable = intermediate && !intermediate.is_attachment;
+    const others = isTable ? [] : [...truths, ...lines].map((line) => ({ ...line, isCurrent: !own && line.isCurrent }));
+    showProbe(this.parts, place, this.mode === "signed", [own, ...others].filter(Boolean));
   }
 
   /** A ring with cross hairs around the pinned texel: never smaller than can be seen, and as large as the texel. */
@@ -289,14 +352,18 @@ class Viewer {
 
   syncControls() {
     const { controls, parts } = this;
-    const isImage = this.mode === "image";
+    const isImage = this.mode === "image" && !this.intermediate;
+    const hasTone = isImage || this.intermediate?.encoding === "radiance";
     const texts = { stops: stopsText(this.stops), contrast: number(Number(this.contrast.toFixed(3))) };
     controls.show({ ...this, at: scenes.indexOf(this.scene), isSplit: this.split !== null }, texts);
     // Errors use linear values, without the tone curve.
-    for (const name of ["stops", "tone", "isSplit"]) controls.disable(name, !isImage);
-    controls.disable("contrast", !isImage || this.tone === "srgb");
-    say(parts.isClippedText, isImage ? "Mark clipped" : "Mark beyond the range");
-    fillErrorLegend(parts.legend, this.mode, true);
+    for (const name of ["stops", "tone"]) controls.disable(name, !hasTone);
+    controls.disable("contrast", !hasTone || this.tone === "srgb");
+    controls.disable("isSplit", !isImage);
+    controls.disable("mode", Boolean(this.intermediate));
+    controls.disable("isClipped", Boolean(this.intermediate) && !hasTone);
+    say(parts.isClippedText, isImage || this.intermediate ? "Mark clipped" : "Mark beyond the range");
+    fillErrorLegend(parts.legend, this.intermediate ? "image" : this.mode, true);
   }
 
   fillVariants() {
@@ -318,9 +385,12 @@ class Viewer {
   markVariant() {
     const { row, parts } = this;
     for (const button of parts.variants.querySelectorAll("button")) {
-      const isShown = button.dataset.cell === row.cell && Number(button.dataset.run) === row.run;
+      const isShown = !this.intermediate && button.dataset.cell === row.cell && Number(button.dataset.run) === row.run;
       button.setAttribute("aria-pressed", String(isShown));
     }
+    fillIntermediates(parts.intermediates, row, (name) => this.chooseIntermediate(name));
+    markIntermediate(parts.intermediates, this.intermediate?.name ?? null);
+    if (this.intermediate) return this.announceIntermediate();
     const image = model.images[row.image];
     const exr = image ? exrLink(row.image) : null;
     parts.exr.hidden = !exr;
@@ -328,6 +398,13 @@ class Viewer {
     const count = image?.clamped_count ?? 0;
     if (image) say(parts.caption, count > 0 ? `${count} channels above 65504 are stored as 65504` : "");
     announce(`${sceneLabel(row)}: ${variantLabel(row)}, ${headline} ${scoreText(row)}`);
+    return undefined;
+  }
+
+  announceIntermediate() {
+    this.parts.exr.hidden = true;
+    say(this.parts.caption, intermediateLegend(this.intermediate));
+    announce(`${sceneLabel(this.row)}: ${intermediateLabel(this.intermediate)}`);
   }
 
   /** Shows the reference while a key is down. */

@@ -10,6 +10,7 @@ set -eu
 here=$(cd "$(dirname "$0")" && pwd)
 root=$(cd "$here/../.." && pwd)
 . "$root/scripts/setup.sh"
+. "$here/python.sh"
 program=${SPLITSUM:-$root/target/release/splitsum}
 installed=${ENGINES:-$root/target/engines}
 refuse() {
@@ -30,27 +31,6 @@ out=$2
 shift 2
 mkdir -p "$out" "$installed"
 out=$(cd "$out" && pwd)
-
-# Prints the first interpreter of at least this version, or fails.
-python_of() { # 3.N
-    for python in "python$1" "${PYENV_ROOT:-$HOME/.pyenv}"/versions/"$1".*/bin/python python3; do
-        if "$python" -c "import sys; sys.exit(sys.version_info[:2] $2 tuple(map(int, '$1'.split('.'))))" 2>/dev/null; then
-            echo "$python"
-            return
-        fi
-    done
-    return 1
-}
-
-# Makes the environment NAME with the packages of FILE. A stamp names what it holds.
-install_python() { # name, requirements, python
-    stamp=$installed/$1/requirements.txt
-    if ! cmp -s "$2" "$stamp"; then
-        "$3" -m venv "$installed/$1"
-        "$installed/$1/bin/python" -m pip install -q --disable-pip-version-check -r "$2" || return 1
-        cp "$2" "$stamp"
-    fi
-}
 
 render() { # engine: fails with 77 if it cannot run here
     if [ -f "$here/$1/render.js" ]; then

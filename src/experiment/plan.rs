@@ -243,6 +243,12 @@ impl Plan {
         )
     }
 
+    /// Whether direct lights of the experiment or of a scene's file light some cell.
+    pub fn has_lights(&self) -> bool {
+        let mut scenes = self.inputs.scenes();
+        !self.config.lights.is_empty() || scenes.any(|scene| !scene.lights.is_empty())
+    }
+
     /// Builds the request of a cell's point.
     pub fn request(&self, point: &Point) -> RenderRequest {
         let request = self.seeded_request(point, self.cell_seed(point));

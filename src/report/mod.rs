@@ -3,6 +3,7 @@
 
 pub mod blocks;
 pub mod gallery;
+pub mod intermediates;
 pub mod live;
 pub mod page;
 pub mod publish;
@@ -13,8 +14,9 @@ pub mod write;
 
 use crate::run::Companions;
 
-/// The files that a run makes for its report: tables and scenes of the Live view, contact sheets.
+/// The files that a run makes for its report: tables and scenes of the Live view, pictures of what
+/// its images are made of, contact sheets.
 pub const COMPANIONS: Companions = Companions {
-    plan_files: &[&live::LiveFile],
+    plan_files: &[&live::LiveFile, &intermediates::IntermediatesFile],
     result_files: &[&sheets::ContactSheets],
 };

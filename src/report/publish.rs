@@ -228,17 +228,40 @@ fn write_summary(dir: &Path, target: &Path, left_out: &[String]) -> Result<(), P
     })?)
 }
 
-/// Writes the provenance, with folders relative to the published one.
+/// Writes the provenance, with folders relative to the published one, and without the folders of
+/// this machine that the user typed.
 fn write_provenance(dir: &Path, target: &Path) -> Result<(), PublishError> {
     let mut published = provenance(dir)?;
     let folders = [&mut published.experiment_folder, &mut published.set_folder];
     for folder in folders.into_iter().flatten() {
         *folder = relative(target, &dir.join(&*folder));
     }
+    let sessions = published.sessions.iter_mut();
+    for argument in sessions.flat_map(|session| &mut session.command_line) {
+        *argument = without_folders(argument);
+    }
     let text = format!("{:#}\n", published.to_json());
     Ok(write_atomically(&target.join(PROVENANCE_FILE), |writer| {
         writer.write_all(text.as_bytes())
     })?)
+}
+
+/// Shortens absolute paths of an argument to the names of their files, also behind `=` and in
+/// lists: `--set=environment=/data/a.hdr,b.hdr` becomes `--set=environment=a.hdr,b.hdr`.
+fn without_folders(argument: &str) -> String {
+    // The colon of `file:`; on Windows, drives have one.
+    let is_colon = |c: char| c == ':' && !cfg!(windows);
+    let is_separator = |c: char| ['=', ',', '"', '[', ']'].contains(&c) || is_colon(c);
+    let parts = argument.split_inclusive(is_separator).map(|part| {
+        let end = part.trim_end_matches(is_separator).len();
+        let (path, separator) = part.split_at(end);
+        let path = Path::new(path);
+        match path.file_name().filter(|_| path.is_absolute()) {
+            Some(name) => format!("{}{separator}", name.to_string_lossy()),
+            None => part.to_owned(),
+        }
+    });
+    parts.collect()
 }
 
 /// A published run.

@@ -3,7 +3,8 @@
 use crate::base::pixels::{Rgb8Image, RgbImage};
 use crate::instrument::ladder::Attribution;
 use crate::instrument::pipeline::{
-    DeviceInfo, Frame, LightTables, Pipeline, PipelineError, RenderRequest, TimingSamples,
+    DeviceInfo, Frame, IntermediateImage, LightTables, Pipeline, PipelineError, RenderRequest,
+    Selection, TimingSamples,
 };
 use crate::instrument::precompute::taps::TapCount;
 use crate::instrument::tonemap::ToneCurve;
@@ -39,6 +40,13 @@ pub trait Renderer {
         width_max: u32,
         counts: &[TapCount],
     ) -> Served<LightTables>;
+    /// What lies between the scene and the image of a request, tables in
+    /// [`Selection::fitted_size`].
+    fn intermediate(
+        &mut self,
+        request: &RenderRequest,
+        selection: Selection,
+    ) -> Served<IntermediateImage>;
     /// The error on the scene `design` by steps, over all pixels and over bands of n·v, with
     /// `samples` per pixel.
     fn attributions(
@@ -96,6 +104,17 @@ impl Renderer for Pipeline {
         counts: &[TapCount],
     ) -> Served<LightTables> {
         Ok(Pipeline::light_tables(self, request, width_max, counts)?)
+    }
+
+    fn intermediate(
+        &mut self,
+        request: &RenderRequest,
+        selection: Selection,
+    ) -> Served<IntermediateImage> {
+        let size = selection.fitted_size(request);
+        Ok(Pipeline::intermediate_of_size(
+            self, request, selection, size,
+        )?)
     }
 
     fn attributions(

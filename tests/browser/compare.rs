@@ -15,7 +15,7 @@ use std::path::Path;
 const READY: &str = "document.querySelector('.viewer-stage canvas')?.dataset.ready !== undefined";
 
 /// Bytes of the canvas where a texel is drawn, read in the same task as a redraw.
-fn drawn(page: &mut Page, x: u32, y: u32) -> Vec<u64> {
+pub fn drawn(page: &mut Page, x: u32, y: u32) -> Vec<u64> {
     let script = format!(
         "(() => {{ const c = document.querySelector('.viewer-stage canvas'), gl = \
          c.getContext('webgl2'); \
@@ -35,13 +35,13 @@ fn drawn(page: &mut Page, x: u32, y: u32) -> Vec<u64> {
         .collect()
 }
 
-fn open(page: &mut Page, report: &Path, hash: &str) {
+pub fn open(page: &mut Page, report: &Path, hash: &str) {
     page.resize(1200, 800, "light");
     page.go(report, &format!("#compare?{hash}"));
     page.wait(READY);
 }
 
-fn shown(page: &mut Page) -> String {
+pub fn shown(page: &mut Page) -> String {
     page.eval("document.querySelector('.viewer-stage canvas').dataset.shown")
         .as_str()
         .unwrap()
@@ -49,7 +49,7 @@ fn shown(page: &mut Page) -> String {
 }
 
 /// Numbers of the probe's row: red, green, blue, error.
-fn probed(page: &mut Page, row: &str) -> Vec<f64> {
+pub fn probed(page: &mut Page, row: &str) -> Vec<f64> {
     let script = format!(
         "[...document.querySelectorAll('[data-probe^=\"{row}\"] td')].map((td) => \
          Number(td.dataset.value))"

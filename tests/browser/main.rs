@@ -15,6 +15,7 @@ mod gallery;
 #[path = "../shared/gltf.rs"]
 #[allow(dead_code, reason = "other tests use the rest")]
 mod gltf_files;
+mod intermediates;
 mod live;
 mod live_pixels;
 mod pages;

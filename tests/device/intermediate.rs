@@ -4,12 +4,14 @@ use crate::harness::{request, with_pipeline};
 use glam::{DVec3, Vec3};
 use splitsum::base::names::Listed;
 use splitsum::base::pixels::RgbImage;
+use splitsum::instrument::brdf::MODELS;
 use splitsum::instrument::environment::Environment;
 use splitsum::instrument::environment::layout::LAYOUTS;
 use splitsum::instrument::pipeline::{Intermediate, RenderRequest, Selection};
 use splitsum::instrument::scene::{CameraKind, MaterialOverride, Scene};
 use splitsum::instrument::shade::{Diffuse, Method};
 use splitsum::instrument::tonemap::ToneCurve;
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 const SIZE: [u32; 2] = [48, 32];
@@ -183,4 +185,63 @@ fn tables_that_a_method_does_not_read_are_refused() {
     for wrong in ["prefiltered-", "prefiltered--1", "dfg-1", "mirror", ""] {
         assert!(Selection::parse(wrong).is_err(), "{wrong}");
     }
+}
+
+/// A run keeps one picture for all images with one key.
+#[test]
+fn pictures_with_one_key_have_one_value() {
+    let ramp = RgbImage::from_fn(16, 8, |x, y| [x as f32, y as f32, 1.0]);
+    let base = sphere(ramp);
+    let material = MaterialOverride {
+        alpha: Some(0.5),
+        ..MaterialOverride::default()
+    };
+    let with_scene = |scene: Scene| RenderRequest {
+        scene: Arc::new(scene),
+        ..base.clone()
+    };
+    let requests = [
+        base.clone(),
+        // What no picture depends on.
+        base.shaded(|s| (s.samples, s.point_set, s.environment_scale) = (3, 1, 2.0)),
+        base.shaded(|s| s.method = Method::listed("sampled")),
+        // What some depend on.
+        base.shaded(|s| s.brdf = MODELS[1]),
+        base.shaded(|s| s.diffuse = Diffuse::listed("irradiance-map")),
+        base.shaded(|s| s.precompute.prefilter_level_count -= 1),
+        base.shaded(|s| s.precompute.dfg_size /= 2),
+        with_scene(base.scene.apply(&material)),
+        RenderRequest {
+            size: [32, 48],
+            ..base.clone()
+        },
+        RenderRequest {
+            environment: sphere(grey(1.0)).environment,
+            ..base.clone()
+        },
+    ];
+    with_pipeline(|pipeline| {
+        let mut known: BTreeMap<String, RgbImage> = BTreeMap::new();
+        for (index, request) in requests.iter().enumerate() {
+            for selection in Selection::all(request) {
+                let size = selection.fitted_size(request);
+                let image = pipeline
+                    .intermediate_of_size(request, selection, size)
+                    .unwrap();
+                let is_attachment = selection.intermediate.is_attachment();
+                let wanted = if is_attachment { request.size } else { size };
+                assert_eq!([image.values.width, image.values.height], wanted);
+                let key = selection.key(request);
+                let first = known.entry(key).or_insert_with(|| image.values.clone());
+                assert!(*first == image.values, "{selection} of request {index}");
+            }
+        }
+        let count = |name: &str| known.keys().filter(|key| key.starts_with(name)).count();
+        // By scene and size; by environment and kind; by model, environment and levels; by model
+        // and size.
+        assert_eq!(count("normal "), 3);
+        assert_eq!(count("irradiance "), 3);
+        assert_eq!(count("prefiltered-1 "), 4);
+        assert_eq!(count("dfg "), 3);
+    });
 }

@@ -10,6 +10,7 @@ mod frame;
 mod lights;
 mod naming;
 pub mod page;
+mod page_intermediates;
 mod page_live;
 mod paper;
 mod pictures;

@@ -38,7 +38,7 @@ pub use cache::{CACHE_BYTES, Recent};
 pub use disk_cache::{DiskCache, DiskCacheError, program_hash};
 pub use error::PipelineError;
 pub use fit::{BUFFER_BYTES_EVERYWHERE, BUFFER_BYTES_MAX, image_buffer_bytes};
-pub use intermediate::{Intermediate, IntermediateImage, Selection};
+pub use intermediate::{Encoding, Extent, Intermediate, IntermediateImage, Selection};
 pub use light_tables::LightTables;
 pub use picture::DevicePicture;
 pub use request::{Frame, FrameTimings, Illumination, RenderRequest, Steadiness, TimingSamples};

@@ -34,6 +34,9 @@ pub struct LiveRecord {
     pub models: Vec<LiveModel>,
     #[serde(default)]
     pub methods: Vec<LiveShader>,
+    /// Whether the run has direct lights, which the view does not draw.
+    #[serde(default)]
+    pub has_lights: bool,
 }
 
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
@@ -112,6 +115,7 @@ pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, Re
         lobes: Vec::new(),
         left_out: 0,
         models: models(plan),
+        has_lights: plan.has_lights(),
         methods: methods
             .iter()
             .filter_map(|case| LiveShader::of_file(case.request.shading.method))

@@ -233,7 +233,7 @@ impl ImageSet {
     }
 
     /// The index of a payload; equal small ones, such as masks, are stored once.
-    fn store(&mut self, text: String) -> usize {
+    pub(super) fn store(&mut self, text: String) -> usize {
         let known = self
             .payloads
             .iter()

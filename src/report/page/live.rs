@@ -24,6 +24,8 @@ use std::collections::{BTreeMap, BTreeSet};
 pub const BUDGET_BYTES: usize = 4 << 20;
 /// Texels below which an environment is not reduced to keep another one.
 const ENVIRONMENT_TEXELS_MIN: u32 = 1 << 15;
+const NO_LIGHTS: &str = "The direct lights of the run are not part of this view: it shows its \
+                         scenes under the environment alone.";
 const FILE_BYTES_MAX: u64 = 64 << 20;
 
 #[derive(Debug, Serialize)]
@@ -188,14 +190,10 @@ impl Light {
     /// The tables of the first run that has some, within `budget` bytes.
     pub fn collect(runs: &[PageRun], budget: usize) -> Self {
         let mut notes = Vec::new();
-        let has_lights = |run: &PageRun| {
-            let config = run.finished.config.as_ref();
-            config.is_some_and(|config| !config.lights.is_empty())
-        };
-        if runs.iter().any(has_lights) {
-            notes.push("Direct lights are not part of this view.".to_owned());
-        }
         let record = first_record(runs, &mut notes);
+        if record.as_ref().is_some_and(|record| record.has_lights) {
+            notes.push(NO_LIGHTS.to_owned());
+        }
         let mut methods = LiveMethod::split_sums(record.as_ref());
         let mut shaders = BTreeMap::new();
         for method in record.iter().flat_map(|record| &record.methods) {

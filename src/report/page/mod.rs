@@ -1,8 +1,9 @@
 //! The report: one HTML file without requests. `sections` shows answers, `pictures` the first
-//! screen; [`model`], [`images`] and [`live`] hold the data of the scripts; [`render`] writes the
-//! file.
+//! screen; [`model`], [`images`], [`intermediates`] and [`live`] hold the data of the scripts;
+//! [`render`] writes the file.
 
 pub mod images;
+pub mod intermediates;
 pub mod live;
 pub mod model;
 pub mod page_run;
@@ -17,6 +18,7 @@ use crate::run::provenance::{ExclusionRecord, MetricRecord};
 use crate::run::store::FailureRecord;
 use crate::study::frame::Frame;
 use images::Choice;
+use intermediates::PageIntermediates;
 use model::{PageAxis, ScriptRun, ScriptTable};
 use page_run::Fact;
 use pictures::Pictures;
@@ -194,6 +196,12 @@ pub fn write(options: &PageOptions, runs: &[PageRun]) -> Result<Written, PageErr
         + row_bytes(runs);
     let image_budget = options.budget.saturating_sub(bytes_without_images);
     let mut images = images::collect(runs, options.images, image_budget);
+    let intermediates = if images.payloads.is_empty() {
+        PageIntermediates::default()
+    } else {
+        let payload_bytes: usize = images.payloads.iter().map(String::len).sum();
+        PageIntermediates::collect(runs, &mut images, bytes_without_images + payload_bytes)
+    };
     let payloads = std::mem::take(&mut images.payloads);
     let model = model::Model {
         headline: frames[0].metric,
@@ -202,6 +210,7 @@ pub fn write(options: &PageOptions, runs: &[PageRun]) -> Result<Written, PageErr
         metrics: &metrics,
         answers: tables,
         images: &images,
+        intermediates: &intermediates,
         page_runs: runs,
     };
     write_atomically(&options.out, |writer| {

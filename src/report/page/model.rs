@@ -1,6 +1,7 @@
 //! The data of the page's scripts: axes with their values in words, and every cell as one row.
 
 use super::images::{DESIGN, ImageSet};
+use super::intermediates::PageIntermediates;
 use super::page_run::{PageRun, score};
 use crate::base::csv::Cell;
 use crate::base::names::Listed;
@@ -231,11 +232,12 @@ pub fn shared(axes: &[PageAxis]) -> String {
 }
 
 /// The columns of [`Model::row`] besides axes and metrics.
-const ROW_COLUMNS: [&str; 6] = [
+const ROW_COLUMNS: [&str; 7] = [
     "run",
     "cell",
     "image",
     "reference",
+    "intermediates",
     "verdict",
     "noise_floor",
 ];
@@ -282,6 +284,7 @@ pub struct Model<'a> {
     pub headline: &'static Metric,
     pub answers: Vec<ScriptTable<'a>>,
     pub images: &'a ImageSet,
+    pub intermediates: &'a PageIntermediates,
 }
 
 impl Serialize for Model<'_> {
@@ -300,6 +303,7 @@ impl Serialize for Model<'_> {
         map.serialize_entry("answers", &self.answers)?;
         map.serialize_entry("images", &self.images.images)?;
         map.serialize_entry("image_notes", &self.images.notes)?;
+        map.serialize_entry("intermediates", self.intermediates)?;
         map.serialize_entry("designs", &designs(self.axes))?;
         map.serialize_entry(
             "roles",
@@ -338,6 +342,7 @@ impl Model<'_> {
             json!(cell.id),
             json!(image),
             json!(reference),
+            json!(self.intermediates.set_of(run, &cell.id)),
             json!(self.verdict(run, cell, floor)),
             number(floor),
         ];

@@ -78,6 +78,7 @@ const MODULES: &[(&str, &str)] = modules![
     "stage",
     "surface",
     "legend",
+    "intermediates",
     "viewer-input",
     "viewer",
     "live",

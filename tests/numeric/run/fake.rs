@@ -3,8 +3,8 @@
 use splitsum::base::pixels::{GrayImage, Pixels, Rgb8Image, RgbImage};
 use splitsum::instrument::ladder::{Attribution, STEPS, StepNumbers};
 use splitsum::instrument::pipeline::{
-    DeviceInfo, Frame, FrameTimings, LightTables, PassTime, RenderRequest, Steadiness,
-    TimingSamples,
+    DeviceInfo, Encoding, Extent, Frame, FrameTimings, Intermediate, IntermediateImage,
+    LightTables, PassTime, RenderRequest, Selection, Steadiness, TimingSamples,
 };
 use splitsum::instrument::precompute::dfg::DfgAxes;
 use splitsum::instrument::precompute::taps::TapCount;
@@ -383,6 +383,37 @@ impl Renderer for Fake {
                     )
                 })
                 .collect(),
+        })
+    }
+
+    /// A ramp to the right, 0 to 1, in the upper half of the image; green is a half. Levels of the
+    /// prefiltered map are radiance, their blue is the mean of the environment; all else is linear,
+    /// its blue is 0, but of `alpha` the material's.
+    fn intermediate(
+        &mut self,
+        request: &RenderRequest,
+        selection: Selection,
+    ) -> Served<IntermediateImage> {
+        let [width, height] = selection.fitted_size(request);
+        let is_covered = |y: u32| selection.level.is_some() || 2 * y < height;
+        let unit = Extent { min: 0.0, max: 1.0 };
+        let blue = match selection.intermediate {
+            Intermediate::Prefiltered => request.environment.luminance.mean as f32,
+            Intermediate::Alpha => request.scene.materials[0].alpha,
+            _ => 0.0,
+        };
+        Ok(IntermediateImage {
+            values: RgbImage::from_fn(width, height, |x, y| match is_covered(y) {
+                true => [(x as f32 + 0.5) / width as f32, 0.5, blue],
+                false => [0.0; 3],
+            }),
+            mask: Arc::new(GrayImage::from_fn(width, height, |_, y| {
+                f32::from(u8::from(is_covered(y)))
+            })),
+            encoding: match selection.level {
+                Some(_) => Encoding::Radiance,
+                None => Encoding::Linear([unit; 3]),
+            },
         })
     }
 

@@ -1,6 +1,7 @@
 //! The copy of an experiment in a run's folder can be run again.
 
 use super::runs::{finished, read, snapshot};
+use serde_json::{Value, json};
 use splitsum::base::pixels::{GrayImage, RgbImage};
 use splitsum::experiment::Plan;
 use splitsum::experiment::plan::Source;
@@ -90,6 +91,43 @@ fn a_frozen_experiment_makes_the_plan_of_its_run() {
             .hash,
         plan.hash
     );
+}
+
+/// The command line of a published run names files, and no folder of the machine it ran on.
+#[test]
+fn a_published_command_line_has_no_absolute_folders() {
+    let (root, plan) = made();
+    let typed = [
+        "/home/me/bin/splitsum",
+        "run",
+        "experiments/tiny.toml",
+        "--set",
+        "environment=/data/my maps/sky.hdr,maps/night.hdr,builtin:sky",
+        "--set=environment=[\"/data/a.exr\", \"/data/b.exr\"]",
+        "--set=method=split-sum,file:/home/me/own.glsl",
+        "--out=/tmp/runs/tiny",
+        "/",
+    ];
+    let shown = [
+        "splitsum",
+        "run",
+        "experiments/tiny.toml",
+        "--set",
+        "environment=sky.hdr,maps/night.hdr,builtin:sky",
+        "--set=environment=[\"a.exr\", \"b.exr\"]",
+        "--set=method=split-sum,file:own.glsl",
+        "--out=tiny",
+        "/",
+    ];
+    let run = finished(&plan, &root.path().join("run"));
+    let path = run.join("provenance.json");
+    let mut record: Value = serde_json::from_slice(&std::fs::read(&path).unwrap()).unwrap();
+    record["sessions"][0]["command_line"] = json!(typed);
+    std::fs::write(&path, record.to_string()).unwrap();
+    publish(&run, &root.path().join("results"), false).unwrap();
+    let published = root.path().join("results/files/provenance.json");
+    let published: Value = serde_json::from_slice(&std::fs::read(published).unwrap()).unwrap();
+    assert_eq!(published["sessions"][0]["command_line"], json!(shown));
 }
 
 #[test]

@@ -5,6 +5,7 @@ pub use super::fake::{Silent, fakes};
 use splitsum::base::csv::Table;
 use splitsum::experiment::Plan;
 use splitsum::report::COMPANIONS;
+use splitsum::report::intermediates::{INTERMEDIATES_FILE, IntermediateRecord, PackedIntermediate};
 use splitsum::report::write::Written;
 use splitsum::run::estimate::Ahead;
 use splitsum::run::store::{CELLS_FOLDER, Store, TIMINGS_FOLDER};
@@ -201,6 +202,8 @@ pub fn assert_alike(dir: &Path, whole: &Path, plan: &Plan) {
             "provenance.json",
             "summary.md",
             ".lock",
+            // Of a run whose plan lost cells, it still has these.
+            INTERMEDIATES_FILE,
             "cells/",
             "timings",
             "timing_",
@@ -230,6 +233,8 @@ pub fn assert_alike(dir: &Path, whole: &Path, plan: &Plan) {
     for (name, bytes) in &due {
         assert!(found[name] == *bytes, "{name} differs");
     }
+    let [found, due] = [dir, whole].map(|dir| intermediates(dir, plan));
+    assert!(found == due, "pictures of what images are made of differ");
     let ids =
         |dir: &Path| [CELLS_FOLDER, TIMINGS_FOLDER].map(|folder| Store::read_only(dir).ids(folder));
     assert_eq!(ids(dir), ids(whole));
@@ -245,6 +250,21 @@ pub fn assert_alike(dir: &Path, whole: &Path, plan: &Plan) {
         // A second tone curve gives every cell a further file.
         assert_eq!(found, due);
     }
+}
+
+/// What the image of each cell of a plan is made of, as a run of the plan recorded it.
+fn intermediates(dir: &Path, plan: &Plan) -> Vec<Vec<PackedIntermediate>> {
+    let record: IntermediateRecord =
+        serde_json::from_slice(&read(dir.join(INTERMEDIATES_FILE))).unwrap();
+    let pictures = |set: &usize| {
+        let set = record.sets[*set].iter();
+        set.map(|index| record.pictures[*index].clone()).collect()
+    };
+    let cells = plan.cells.iter();
+    cells
+        .filter_map(|cell| record.cells.get(&cell.id))
+        .map(pictures)
+        .collect()
 }
 
 pub fn read(path: impl AsRef<Path>) -> Vec<u8> {

@@ -100,7 +100,7 @@ pub fn read(dir: &Path) -> (Finished, Vec<Answer>) {
     (run, answers)
 }
 
-fn model_of(page: &str) -> Value {
+pub fn model_of(page: &str) -> Value {
     let start = page.find("id=\"model\">").unwrap() + "id=\"model\">".len();
     let end = start + page[start..].find("</script>").unwrap();
     serde_json::from_str(&page[start..end]).unwrap()

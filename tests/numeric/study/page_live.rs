@@ -1,6 +1,7 @@
 //! The files of a run for the live view, and the part that a report embeds.
 
 use crate::gltf_files::{png, textured};
+use crate::run::runs::finished;
 use crate::scene::gltf::quad;
 use crate::study::page::{decoded, finished_run, read};
 use glam::{DVec3, Vec3};
@@ -312,4 +313,43 @@ fn a_model_has_the_means_of_its_maps() {
         (model.parts[0].triangle_count, model.note.as_str()),
         (2, "The textures of x are replaced by their means.")
     );
+}
+
+/// Lights of the experiment and of a scene's file are named, since the view draws none.
+#[test]
+fn a_note_says_that_direct_lights_are_missing() {
+    let note = |head: &str, scene: &str| -> Vec<String> {
+        let dir = tempfile::tempdir().unwrap();
+        let mut model = quad();
+        model["extensionsUsed"] = json!(["KHR_lights_punctual"]);
+        model["extensions"] =
+            json!({ "KHR_lights_punctual": { "lights": [{ "type": "directional" }] } });
+        model["nodes"].as_array_mut().unwrap().push(json!({
+            "extensions": { "KHR_lights_punctual": { "light": 0 } }
+        }));
+        let last = model["nodes"].as_array().unwrap().len() - 1;
+        model["scenes"][0]["nodes"]
+            .as_array_mut()
+            .unwrap()
+            .push(json!(last));
+        std::fs::write(dir.path().join("lit.gltf"), model.to_string()).unwrap();
+        let file = dir.path().join("lit.toml");
+        let text = format!(
+            "name = \"lit\"\nsize = [16, 16]\nscene = \"{scene}\"\n{head}\n[axes]\n\
+             environment = [\"builtin:constant\"]\nmethod = [\"split-sum\"]\n"
+        );
+        let plan = Plan::from_text(&file, &text, &[]).unwrap_or_else(|error| panic!("{error}"));
+        let run = finished(&plan, &dir.path().join("run"));
+        light(&run, BUDGET_BYTES).notes
+    };
+    let sun = "[[lights]]\nkind = \"directional\"\ndirection = [0, -1, 0]";
+    for (head, scene, is_named) in [
+        ("", "sphere", false),
+        (sun, "sphere", true),
+        ("", "lit.gltf", true),
+    ] {
+        let notes = note(head, scene);
+        let is_note = |note: &String| note.starts_with("The direct lights of the run");
+        assert_eq!(notes.iter().any(is_note), is_named, "{scene}: {notes:?}");
+    }
 }

@@ -1,11 +1,13 @@
 //! Pictures of what lies between a scene and its image: attachments of the g-buffer, and the tables
 //! that the terms of the image read.
 
+mod tiles;
+
+use super::inputs::{DfgInputs, IrradianceInputs, PrefilterInputs, sh9_key};
 use super::light_tables::{read_level, read_texels};
 use super::resources::Prepared;
 use super::{Pipeline, PipelineError, RenderRequest};
 use crate::base::color::srgb_encode;
-use crate::base::math::equirect::direction_from_uv;
 use crate::base::math::spherical_harmonics;
 use crate::base::names::{Listed, listed};
 use crate::base::pixels::{GrayImage, Pixels, Rgb8Image, RgbImage};
@@ -13,10 +15,18 @@ use crate::instrument::environment::layout::FilteredMap;
 use crate::instrument::gbuffer::Gbuffer;
 use crate::instrument::gpu::Image;
 use crate::instrument::tonemap::ToneCurve;
-use glam::{DVec2, DVec3, Vec3};
+use glam::{DVec3, Vec3};
+use serde::{Deserialize, Serialize};
 use std::f64::consts::PI;
 use std::fmt;
 use std::sync::Arc;
+use tiles::{TileValue, Tiles};
+
+/// Widths of lat-longs of [`Selection::fitted_size`], pixels.
+const MAP_WIDTH_MIN: u32 = 16;
+const MAP_WIDTH_MAX: u32 = 128;
+/// Side of its DFG table, which is smooth.
+const DFG_SIDE_MAX: u32 = 64;
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Intermediate {
@@ -51,6 +61,13 @@ listed!(Intermediate, "intermediate", {
     "prefiltered": Prefiltered,
     "dfg": Dfg,
 });
+
+impl Intermediate {
+    /// Whether it has a pixel for each pixel of the image.
+    pub fn is_attachment(self) -> bool {
+        !matches!(self, Self::Irradiance | Self::Prefiltered | Self::Dfg)
+    }
+}
 
 /// What a picture shows of a request.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -92,6 +109,74 @@ impl Selection {
         }
     }
 
+    /// Lists what lies between the scene and the image of `request`, level by level.
+    pub fn all(request: &RenderRequest) -> impl Iterator<Item = Self> {
+        let level_count = request.shading.precompute.prefilter_level_count;
+        let selections = Intermediate::all().flat_map(move |&intermediate| {
+            let levels = match intermediate {
+                Intermediate::Prefiltered => (0..level_count).map(Some).collect(),
+                _ => vec![None],
+            };
+            levels.into_iter().map(move |level| Self {
+                intermediate,
+                level,
+            })
+        });
+        selections.filter(|selection| selection.fault(request).is_none())
+    }
+
+    /// Returns all that determines the values: requests with equal keys have equal values. Panics
+    /// where [`Selection::fault`] names a fault.
+    pub fn key(self, request: &RenderRequest) -> String {
+        assert_eq!(self.fault(request), None);
+        let storage = request.shading.tables().storage.name();
+        let inputs = match self.intermediate {
+            Intermediate::Prefiltered => PrefilterInputs::from_request(request).key().text(),
+            Intermediate::Dfg => DfgInputs::from_request(request).key().text(),
+            Intermediate::Irradiance => match request.shading.diffuse.sh9 {
+                Some(projection) => sh9_key(&request.environment, projection).text(),
+                None => IrradianceInputs::from_request(request).key().text(),
+            },
+            _ => {
+                let RenderRequest {
+                    scene,
+                    camera,
+                    size,
+                    ..
+                } = request;
+                format!("{} {camera:?} {size:?}", scene.hash)
+            }
+        };
+        format!("{self} {storage} {inputs}")
+    }
+
+    /// Returns the size of a picture with about one pixel a texel: of a map 16 to 128 pixels
+    /// wide, of the DFG table at most 64, of an attachment the size of the image.
+    pub fn fitted_size(self, request: &RenderRequest) -> [u32; 2] {
+        let made = request.shading.tables();
+        let latlong = |texel_count: u32| {
+            let width = f64::from(2 * texel_count).sqrt().ceil() as u32;
+            let width = width
+                .next_power_of_two()
+                .clamp(MAP_WIDTH_MIN, MAP_WIDTH_MAX);
+            [width, width / 2]
+        };
+        match self.intermediate {
+            Intermediate::Prefiltered => {
+                let level = self.level.unwrap_or(0);
+                let side = |length: u32| (length >> level).max(1);
+                let [width, height] = made.prefilter_size.map(side);
+                latlong(made.layout.face_count * width * height)
+            }
+            Intermediate::Irradiance => {
+                let [width, height] = made.irradiance_size;
+                latlong(made.layout.face_count * width * height)
+            }
+            Intermediate::Dfg => [made.dfg_size.min(DFG_SIDE_MAX); 2],
+            _ => request.size,
+        }
+    }
+
     /// Returns why the image of `request` has no such intermediate, if it has none.
     pub fn fault(&self, request: &RenderRequest) -> Option<String> {
         let shading = &request.shading;
@@ -119,18 +204,60 @@ impl Selection {
 }
 
 /// How a picture shows values.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Display {
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Encoding {
     /// By the tone curve of the image.
     Radiance,
     /// Encoded as sRGB.
     Color,
-    /// 0 to 1 as black to white, linear.
-    Fraction,
-    /// -1 to 1 as black to white, linear.
-    Direction,
-    /// The extent of each coordinate as black to white, linear.
-    Extent,
+    /// The extent of each channel as 0 to 1, linear.
+    Linear([Extent; 3]),
+}
+
+impl Encoding {
+    const FRACTION: Self = Self::Linear([Extent { min: 0.0, max: 1.0 }; 3]);
+    const DIRECTION: Self = Self::Linear(
+        [Extent {
+            min: -1.0,
+            max: 1.0,
+        }; 3],
+    );
+}
+
+/// The least and the largest value of a channel.
+#[derive(Clone, Copy, Debug, Deserialize, PartialEq, Serialize)]
+pub struct Extent {
+    pub min: f32,
+    pub max: f32,
+}
+
+impl Extent {
+    /// The extent of a channel over the pixels of a mask; 0 to 0 if it is empty.
+    fn of_channel(values: &RgbImage, mask: &GrayImage, channel: usize) -> Self {
+        let covered = values.data.iter().zip(&mask.data);
+        let points = covered
+            .filter(|(_, covered)| **covered > 0.0)
+            .map(|(rgb, _)| Self {
+                min: rgb[channel],
+                max: rgb[channel],
+            });
+        let joined = points.reduce(|a, b| Self {
+            min: a.min.min(b.min),
+            max: a.max.max(b.max),
+        });
+        joined.unwrap_or(Self { min: 0.0, max: 0.0 })
+    }
+
+    /// Where a value lies, 0 to 1; the middle in an extent of one value.
+    fn share(self, value: f32) -> f32 {
+        let length = self.max - self.min;
+        if length > 0.0 {
+            (value - self.min) / length
+        } else {
+            0.5
+        }
+    }
 }
 
 /// The values of an intermediate. Scalars are grey.
@@ -139,7 +266,7 @@ pub struct IntermediateImage {
     pub values: RgbImage,
     /// 1 where there is a value, else 0; values are 0 there.
     pub mask: Arc<GrayImage>,
-    display: Display,
+    pub encoding: Encoding,
 }
 
 impl Pipeline {
@@ -151,22 +278,28 @@ impl Pipeline {
         request: &RenderRequest,
         selection: Selection,
     ) -> Result<IntermediateImage, PipelineError> {
-        assert_eq!(selection.fault(request), None);
-        self.with_memory(|pipeline| pipeline.read_intermediate(request, selection))
+        self.intermediate_of_size(request, selection, request.size)
     }
 
-    fn read_intermediate(
+    /// The same with tables in an image of another size; attachments keep the size of the request.
+    pub fn intermediate_of_size(
         &mut self,
         request: &RenderRequest,
         selection: Selection,
+        table_size: [u32; 2],
     ) -> Result<IntermediateImage, PipelineError> {
-        let maps = match selection.intermediate {
-            Intermediate::Irradiance => self.irradiance(request)?,
-            Intermediate::Prefiltered => self.prefiltered_levels(request, selection.level)?,
-            Intermediate::Dfg => self.dfg_square(request)?,
-            attachment => return self.attachment(request, attachment),
-        };
-        Ok(maps.image(request.size))
+        assert_eq!(selection.fault(request), None);
+        self.with_memory(|pipeline| {
+            let maps = match selection.intermediate {
+                Intermediate::Irradiance => pipeline.irradiance(request)?,
+                Intermediate::Prefiltered => {
+                    pipeline.prefiltered_levels(request, selection.level)?
+                }
+                Intermediate::Dfg => pipeline.dfg_square(request)?,
+                attachment => return pipeline.attachment(request, attachment),
+            };
+            Ok(maps.image(table_size))
+        })
     }
 
     fn attachment(
@@ -184,12 +317,11 @@ impl Pipeline {
         };
         let (_, target) = self.resources.view(&self.gpu, request)?;
         let gbuffer = target.gbuffer.read(&self.gpu)?;
-        let (values, display) = attachment_values(&gbuffer, attachment);
-        Ok(IntermediateImage {
-            values,
-            mask: target.mask.clone(),
-            display,
-        })
+        Ok(IntermediateImage::of_gbuffer(
+            &gbuffer,
+            target.mask.clone(),
+            attachment,
+        ))
     }
 
     fn irradiance(&mut self, request: &RenderRequest) -> Result<Tiles, PipelineError> {
@@ -253,142 +385,45 @@ impl Pipeline {
             values: vec![Box::new(value)],
             aspect: 1,
             position: |u, v| DVec3::new(u, v, 0.0),
-            display: Display::Fraction,
+            encoding: Encoding::FRACTION,
         })
-    }
-}
-
-/// The value of a tile at a position of it.
-type TileValue = Box<dyn Fn(DVec3) -> DVec3>;
-
-/// Maps that share an image, in rows from the top left.
-struct Tiles {
-    values: Vec<TileValue>,
-    /// Width over height of a tile.
-    aspect: u32,
-    /// What `values` take, by the share of the width and of the height.
-    position: fn(f64, f64) -> DVec3,
-    display: Display,
-}
-
-impl Tiles {
-    /// Radiance by direction, as lat-longs.
-    fn maps(values: Vec<TileValue>) -> Self {
-        Self {
-            values,
-            aspect: 2,
-            position: |u, v| direction_from_uv(DVec2::new(u, v)),
-            display: Display::Radiance,
-        }
-    }
-
-    /// Draws the tiles as large as an image of `size` pixels has room for.
-    fn image(self, size: [u32; 2]) -> IntermediateImage {
-        let grid = Grid::largest(self.values.len() as u32, self.aspect, size);
-        let mut mask = GrayImage::filled(size[0], size[1], 0.0);
-        let values = RgbImage::from_fn(size[0], size[1], |x, y| {
-            let Some(place) = grid.place(x, y) else {
-                return [0.0; 3];
-            };
-            mask.data[(y * size[0] + x) as usize] = 1.0;
-            let value = &self.values[place.tile as usize];
-            value((self.position)(place.u, place.v))
-                .as_vec3()
-                .to_array()
-        });
-        IntermediateImage {
-            values,
-            mask: Arc::new(mask),
-            display: self.display,
-        }
-    }
-}
-
-/// Tiles of one size in columns and rows, in the middle of an image.
-struct Grid {
-    count: u32,
-    columns: u32,
-    /// Pixels of a tile; 0 if an image has no room for it.
-    tile: [u32; 2],
-    corner: [u32; 2],
-}
-
-/// A pixel of a tile, as shares of its width and height.
-struct Place {
-    tile: u32,
-    u: f64,
-    v: f64,
-}
-
-impl Grid {
-    /// Returns the grid whose tiles are largest; of equal ones the one with fewer columns.
-    fn largest(count: u32, aspect: u32, [width, height]: [u32; 2]) -> Self {
-        let with_columns = |columns: u32| {
-            let rows = count.div_ceil(columns);
-            let tile_height = (height / rows).min(width / columns / aspect);
-            let tile = [tile_height * aspect, tile_height];
-            Self {
-                count,
-                columns,
-                tile,
-                corner: [
-                    (width - columns * tile[0]) / 2,
-                    (height - rows * tile[1]) / 2,
-                ],
-            }
-        };
-        let mut best = with_columns(1);
-        for columns in 2..=count {
-            let grid = with_columns(columns);
-            if grid.tile[1] > best.tile[1] {
-                best = grid;
-            }
-        }
-        best
-    }
-
-    fn place(&self, x: u32, y: u32) -> Option<Place> {
-        let [x, y] = [
-            x.checked_sub(self.corner[0])?,
-            y.checked_sub(self.corner[1])?,
-        ];
-        let [width, height] = self.tile;
-        if height == 0 {
-            return None;
-        }
-        let [column, row] = [x / width, y / height];
-        let tile = row * self.columns + column;
-        let share = |pixel: u32, side: u32| (f64::from(pixel % side) + 0.5) / f64::from(side);
-        (column < self.columns && tile < self.count).then(|| Place {
-            tile,
-            u: share(x, width),
-            v: share(y, height),
-        })
-    }
-}
-
-/// Reads an attachment, and how to show it.
-fn attachment_values(gbuffer: &Gbuffer<f32>, attachment: Intermediate) -> (RgbImage, Display) {
-    let rgb = |texels: &Pixels<[f32; 4]>| texels.map(|[r, g, b, _]| [r, g, b]);
-    let grey = |texels: &Pixels<[f32; 4]>| texels.map(|[_, _, _, a]| [a; 3]);
-    match attachment {
-        Intermediate::Position => (rgb(&gbuffer.position_mask), Display::Extent),
-        Intermediate::Normal => (rgb(&gbuffer.normal_alpha), Display::Direction),
-        Intermediate::Albedo => (rgb(&gbuffer.albedo_metallic), Display::Color),
-        Intermediate::F0 => (rgb(&gbuffer.f0_material), Display::Color),
-        Intermediate::Alpha => (grey(&gbuffer.normal_alpha), Display::Fraction),
-        Intermediate::Metallic => (grey(&gbuffer.albedo_metallic), Display::Fraction),
-        Intermediate::Occlusion => {
-            let red = |[r, ..]: [f32; 4]| [r; 3];
-            (gbuffer.albedo_metallic.map(red), Display::Fraction)
-        }
-        Intermediate::Irradiance | Intermediate::Prefiltered | Intermediate::Dfg => {
-            unreachable!("tables are read elsewhere")
-        }
     }
 }
 
 impl IntermediateImage {
+    /// Reads an attachment. Panics on tables, which a g-buffer does not have.
+    pub fn of_gbuffer(
+        gbuffer: &Gbuffer<f32>,
+        mask: Arc<GrayImage>,
+        attachment: Intermediate,
+    ) -> Self {
+        let rgb = |texels: &Pixels<[f32; 4]>| texels.map(|[r, g, b, _]| [r, g, b]);
+        let red = |texels: &Pixels<[f32; 4]>| texels.map(|[r, ..]| [r; 3]);
+        let alpha = |texels: &Pixels<[f32; 4]>| texels.map(|[_, _, _, a]| [a; 3]);
+        let (values, encoding) = match attachment {
+            Intermediate::Position => {
+                let values = rgb(&gbuffer.position_mask);
+                let extents = [0, 1, 2].map(|axis| Extent::of_channel(&values, &mask, axis));
+                (values, Encoding::Linear(extents))
+            }
+            Intermediate::Normal => (rgb(&gbuffer.normal_alpha), Encoding::DIRECTION),
+            Intermediate::Albedo => (rgb(&gbuffer.albedo_metallic), Encoding::Color),
+            Intermediate::F0 => (rgb(&gbuffer.f0_material), Encoding::Color),
+            Intermediate::Alpha => (alpha(&gbuffer.normal_alpha), Encoding::FRACTION),
+            Intermediate::Metallic => (alpha(&gbuffer.albedo_metallic), Encoding::FRACTION),
+            // The scene of `Scene::occlusions` has it in its albedo.
+            Intermediate::Occlusion => (red(&gbuffer.albedo_metallic), Encoding::FRACTION),
+            Intermediate::Irradiance | Intermediate::Prefiltered | Intermediate::Dfg => {
+                panic!("{} is not an attachment", attachment.name())
+            }
+        };
+        Self {
+            values,
+            mask,
+            encoding,
+        }
+    }
+
     /// Paints the values; `ground` where there is none.
     pub fn picture(
         &self,
@@ -396,14 +431,11 @@ impl IntermediateImage {
         curve: ToneCurve,
         ground: [u8; 3],
     ) -> Result<Rgb8Image, PipelineError> {
-        let mut picture = match self.display {
-            Display::Radiance => pipeline.tonemap(&self.values, curve)?.0,
-            Display::Color => self.encoded(|_, value| srgb_encode(value)),
-            Display::Fraction => self.encoded(|_, value| value),
-            Display::Direction => self.encoded(|_, value| 0.5 * value + 0.5),
-            Display::Extent => {
-                let extents: [Extent; 3] = std::array::from_fn(|axis| self.extent(axis));
-                self.encoded(|axis, value| extents[axis].share(value))
+        let mut picture = match self.encoding {
+            Encoding::Radiance => pipeline.tonemap(&self.values, curve)?.0,
+            Encoding::Color => self.encoded(|_, value| srgb_encode(value)),
+            Encoding::Linear(extents) => {
+                self.encoded(|channel, value| extents[channel].share(value))
             }
         };
         for (color, covered) in picture.data.iter_mut().zip(&self.mask.data) {
@@ -421,41 +453,5 @@ impl IntermediateImage {
                 (255.0 * signal(channel, rgb[channel]).clamp(0.0, 1.0)).round() as u8
             })
         })
-    }
-
-    /// The least and the largest coordinate of covered pixels.
-    fn extent(&self, axis: usize) -> Extent {
-        let covered = self.values.data.iter().zip(&self.mask.data);
-        let values = covered
-            .filter(|(_, covered)| **covered > 0.0)
-            .map(|(rgb, _)| rgb[axis]);
-        values.fold(
-            Extent {
-                min: f32::INFINITY,
-                max: f32::NEG_INFINITY,
-            },
-            |extent, value| Extent {
-                min: extent.min.min(value),
-                max: extent.max.max(value),
-            },
-        )
-    }
-}
-
-#[derive(Clone, Copy)]
-struct Extent {
-    min: f32,
-    max: f32,
-}
-
-impl Extent {
-    /// Where a value lies, 0 to 1; the middle in an extent of one value.
-    fn share(self, value: f32) -> f32 {
-        let length = self.max - self.min;
-        if length > 0.0 {
-            (value - self.min) / length
-        } else {
-            0.5
-        }
     }
 }
