@@ -22,9 +22,10 @@ import numpy as np
 import sapien
 from sapien import render
 
-# Its cube has 8 bits that end at 1, so the light is dimmed and the picture brightened: light above BRIGHTEST is cut.
+# Its cube has 8 bits of sRGB that end at 1, so the light is dimmed and the picture brightened: light above BRIGHTEST is cut.
+# An .exr it holds as half floats, but its filter writes bytes into them and cuts every sample at 1.
 BRIGHTEST = 8
-SIDE = 256
+SIDE = 128
 LEFT_OUT = {"coated": "its material has no coat", "anisotropic": "its material has one roughness"}
 
 
@@ -43,9 +44,10 @@ def cube_of(name, image, folder):
     height, width, _ = image.shape
     column = (0.5 - np.arctan2(x, z) / (2 * np.pi)) * width - 0.5
     row = np.arccos(y) / np.pi * height - 0.5
-    texels = bilinear(image, column, row) / BRIGHTEST
+    texels = (bilinear(image, column, row) / BRIGHTEST).clip(0, 1)
+    coded = np.where(texels < 0.0031308, 12.92 * texels, 1.055 * np.maximum(texels, 1e-9) ** (1 / 2.4) - 0.055)
     names = []
-    for k, face in enumerate(np.rint(255 * texels.clip(0, 1)).astype(np.uint8)):
+    for k, face in enumerate(np.rint(255 * coded).astype(np.uint8)):
         names.append(str(folder / f"{name}-{k}.png"))
         cv2.imwrite(names[-1], face[..., ::-1])
     return names
