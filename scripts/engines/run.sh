@@ -12,6 +12,7 @@ root=$(cd "$here/../.." && pwd)
 . "$root/scripts/setup.sh"
 program=${SPLITSUM:-$root/target/release/splitsum}
 installed=${ENGINES:-$root/target/engines}
+export BEVY_PEER="${BEVY_PEER:-$root/target/bevy/release/bevy-peer}"
 refuse() {
     echo "splitsum: $*" >&2
     exit 2
@@ -67,7 +68,7 @@ render() { # engine: fails with 77 if it cannot run here
     }
     install_python "$environment" "$here/$environment/requirements.txt" "$python" || { echo "$1: its packages cannot be installed"; return 77; }
     if [ -f "$here/$1/bake.sh" ]; then
-        SPLITSUM=$program sh "$here/$1/bake.sh" "$out"
+        SPLITSUM=$program sh "$here/$1/bake.sh" "$out" || return
     fi
     display=
     if [ "$1" = materialx ] && [ -z "${DISPLAY:-}" ] && has_command xvfb-run; then
