@@ -1,7 +1,7 @@
 """Compares the pictures of run.sh with `reference` and with our model of each engine; writes results/engines.
 
 Arguments: FOLDER of run.sh, --splitsum PROGRAM, --out DIR. Pictures of splitsum are kept in FOLDER/ours and reused.
-With --keep, DIR's rows of engines without pictures in FOLDER stay.
+With --keep, rows of DIR stay whose engine and material have no picture in FOLDER.
 With --check PERCENT in place of --out it fails if the mean of a picture is further from its model, or a pixel in the mean
 by eight times as much.
 """
@@ -203,10 +203,10 @@ def compare(folder, program, names, with_reference):
 
 
 def with_kept(rows, path):
-    """`rows`, and those of the file whose engine has none among them, in the order of ENGINES."""
-    drawn = {row["engine"] for row in rows}
+    """`rows`, and those of the file whose engine and material have none among them, in the order of ENGINES."""
+    drawn = {(row["engine"], row["material"]) for row in rows}
     with open(path, newline="") as file:
-        kept = [row for row in csv.DictReader(file) if row["engine"] not in drawn]
+        kept = [row for row in csv.DictReader(file) if (row["engine"], row["material"]) not in drawn]
     names = ("engine", "version", "material", "map")
     kept = [{key: value if key in names else float(value) if value else None for key, value in row.items()} for row in kept]
     return sorted([*kept, *rows], key=lambda row: list(ENGINES).index(row["engine"]))
@@ -317,7 +317,7 @@ def main():
     wanted.add_argument("--out", type=pathlib.Path)
     wanted.add_argument("--check", type=float, metavar="PERCENT")
     parser.add_argument("--engine", action="append", choices=ENGINES, help="these alone")
-    parser.add_argument("--keep", action="store_true", help="keep the rows in --out of engines that are not compared")
+    parser.add_argument("--keep", action="store_true", help="keep the rows in --out that are not compared")
     arguments = parser.parse_args()
     rows = compare(arguments.folder, arguments.splitsum, arguments.engine or list(ENGINES), arguments.check is None)
     if not rows:
