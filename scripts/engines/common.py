@@ -64,6 +64,19 @@ def read_pfm(path):
     return np.frombuffer(texels, order).reshape(height, width, 3)[::-1].astype(np.float32)
 
 
+def read_hdr(path):
+    """Linear RGB, float32, of a Radiance file as spheres.py writes it: rows of planes without runs."""
+    head, body = pathlib.Path(path).read_bytes().split(b"+X ", 1)
+    height = int(head.rsplit(b"-Y ", 1)[1])
+    width, body = body.split(b"\n", 1)
+    width = int(width)
+    lengths = [min(128, width - at) for at in range(0, width, 128)]
+    is_value = np.concatenate([[False] * 4] + [[False] + [True] * length for length in lengths * 4])
+    rows = np.frombuffer(body, np.uint8).reshape(height, -1)[:, is_value].reshape(height, 4, width)
+    digits, exponent = np.moveaxis(rows[:, :3], 1, -1), rows[:, 3, :, None]
+    return np.ldexp(digits.astype(np.float32), exponent.astype(np.int32) - 136)
+
+
 def unit_sphere(bands):
     """Positions, UV coordinates and triangles of a sphere about +y, `bands` from pole to pole; normals equal positions.
 

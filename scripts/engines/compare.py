@@ -1,6 +1,7 @@
 """Compares the pictures of run.sh with `reference` and with our model of each engine; writes results/engines.
 
 Arguments: FOLDER of run.sh, --splitsum PROGRAM, --out DIR. Pictures of splitsum are kept in FOLDER/ours and reused.
+With --keep, rows of DIR stay whose engine and material have no picture in FOLDER.
 With --check PERCENT in place of --out it fails if the mean of a picture is further from its model, or a pixel in the mean
 by eight times as much.
 """
@@ -56,7 +57,18 @@ ENGINES = {
         "title": "VTK 9.7.1", "brdf": "--masking schlick --compensation fdez-aguera", "widths": "kulla",
         "model": f"--method file:{HERE}/vtk/model.glsl {CUBE}", "lacks": ["anisotropic", "coated"],
     },
+    "f3d": {
+        "title": "F3D 4.0.0", "brdf": "--masking schlick --compensation fdez-aguera",
+    },
+    "sapien": {
+        "title": "SAPIEN 3.0.3", "brdf": "--masking schlick",
+        "model": f"--method file:{pathlib.Path(__file__).parent}/sapien/model.glsl {CUBE.replace('irradiance-map', 'none').replace('count 6', 'count 5')}",
+    },
+    "materialx": {"title": "MaterialX 1.39.5", "brdf": "--masking correlated --compensation turquin", "widths": "gltf"},
+    "eevee": {"title": "EEVEE (Blender 5.2.3)", "brdf": "--masking correlated --compensation cycles"},
 }
+# It shades with VTK's code.
+ENGINES["f3d"]["model"] = ENGINES["vtk"]["model"]
 EXPLAINED = ["metal", "plastic", "coated"]
 PAGE = """# Spheres in real engines
 
@@ -190,6 +202,16 @@ def compare(folder, program, names, with_reference):
     return rows
 
 
+def with_kept(rows, path):
+    """`rows`, and those of the file whose engine and material have none among them, in the order of ENGINES."""
+    drawn = {(row["engine"], row["material"]) for row in rows}
+    with open(path, newline="") as file:
+        kept = [row for row in csv.DictReader(file) if (row["engine"], row["material"]) not in drawn]
+    names = ("engine", "version", "material", "map")
+    kept = [{key: value if key in names else float(value) if value else None for key, value in row.items()} for row in kept]
+    return sorted([*kept, *rows], key=lambda row: list(ENGINES).index(row["engine"]))
+
+
 def check(rows, percent):
     """Prints a line a picture that has a model; returns whether all are close to it. A turned or mirrored map, another scale
     or another SH moves a picture by far more."""
@@ -295,6 +317,7 @@ def main():
     wanted.add_argument("--out", type=pathlib.Path)
     wanted.add_argument("--check", type=float, metavar="PERCENT")
     parser.add_argument("--engine", action="append", choices=ENGINES, help="these alone")
+    parser.add_argument("--keep", action="store_true", help="keep the rows in --out that are not compared")
     arguments = parser.parse_args()
     rows = compare(arguments.folder, arguments.splitsum, arguments.engine or list(ENGINES), arguments.check is None)
     if not rows:
@@ -302,6 +325,8 @@ def main():
     if arguments.check is not None:
         raise SystemExit(not check(rows, arguments.check))
     arguments.out.mkdir(parents=True, exist_ok=True)
+    if arguments.keep:
+        rows = with_kept(rows, arguments.out / "spheres.csv")
     with open(arguments.out / "spheres.csv", "w", newline="") as file:
         writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
         writer.writeheader()
@@ -314,7 +339,8 @@ def main():
     remark = arguments.out / "remark.md"
     page = PAGE.format(remark=remark.read_text() if remark.exists() else "", answer=answer_table(rows), table=table(rows), error=f"{100 * REFERENCE_ERROR:g}", size=listed["size"], map=listed["maps"][-1])
     (arguments.out / "README.md").write_text(page)
-    picture(arguments.folder, Ours(arguments.splitsum, arguments.folder, listed["size"]), arguments.out / "spheres.png")
+    if not arguments.keep:
+        picture(arguments.folder, Ours(arguments.splitsum, arguments.folder, listed["size"]), arguments.out / "spheres.png")
 
 
 if __name__ == "__main__":

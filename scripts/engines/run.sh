@@ -4,7 +4,7 @@
 #
 #     sh scripts/engines/run.sh ENGINE... --out DIR [--map NAME|FILE.exr]... [--material M,...] [--roughness R,...] [--size N]
 #
-# Needs Python 3.11 or newer, for Cycles 3.13, for the three engines in a browser node, npm and Chromium, and a network for
+# Needs Python 3.11 or newer, for Cycles and EEVEE 3.13, for the three engines in a browser node, npm and Chromium, and a network for
 # the packages, which go to target/engines. 77: an engine cannot run here, and no other failed.
 set -eu
 here=$(cd "$(dirname "$0")" && pwd)
@@ -13,6 +13,7 @@ root=$(cd "$here/../.." && pwd)
 . "$here/python.sh"
 program=${SPLITSUM:-$root/target/release/splitsum}
 installed=${ENGINES:-$root/target/engines}
+export BEVY_PEER="${BEVY_PEER:-$root/target/bevy/release/bevy-peer}"
 refuse() {
     echo "splitsum: $*" >&2
     exit 2
@@ -37,16 +38,24 @@ render() { # engine: fails with 77 if it cannot run here
         sh "$here/browser.sh" "$1" "$out" "$installed"
         return
     fi
+    # Comments in its requirements.txt may name a version of Python, and the engine whose environment it shares.
     version=$(sed -n 's/^# python \([0-9.]*\)$/\1/p' "$here/$1/requirements.txt")
+    shared=$(sed -n 's/^# environment \([a-z]*\)$/\1/p' "$here/$1/requirements.txt")
+    environment=${shared:-$1}
     python=$(python_of "${version:-3.11}" "$([ -n "$version" ] && echo '!=' || echo '<')") || {
         echo "$1: needs Python ${version:-3.11}"
         return 77
     }
-    install_python "$1" "$here/$1/requirements.txt" "$python" || { echo "$1: its packages cannot be installed"; return 77; }
+    install_python "$environment" "$here/$environment/requirements.txt" "$python" || { echo "$1: its packages cannot be installed"; return 77; }
     if [ -f "$here/$1/bake.sh" ]; then
-        SPLITSUM=$program sh "$here/$1/bake.sh" "$out"
+        SPLITSUM=$program sh "$here/$1/bake.sh" "$out" || return
     fi
-    "$installed/$1/bin/python" "$here/$1/render.py" "$out"
+    display=
+    if [ "$1" = materialx ] && [ -z "${DISPLAY:-}" ] && has_command xvfb-run; then
+        display='xvfb-run -a'
+    fi
+    # shellcheck disable=SC2086 # a command with a flag
+    $display "$installed/$environment/bin/python" "$here/$1/render.py" "$out"
 }
 
 python=$(python_of 3.11 '<') || stop "needs Python 3.11 or newer"

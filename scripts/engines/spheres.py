@@ -20,7 +20,10 @@ MATERIALS = {
     "plastic": {"base_color": [0.5, 0.2, 0.1], "metallic": 0},
     "coated": {"base_color": [0.5, 0.5, 0.5], "metallic": 1, "coat": 1, "coat_roughness": 0.3},
     "anisotropic": {"base_color": [1, 0.5, 0.2], "metallic": 1, "anisotropy": 0.7},
+    "white": {"base_color": [1, 1, 1], "metallic": 1},
 }
+# `white` is drawn if it is asked for.
+DEFAULT_MATERIALS = [name for name in MATERIALS if name != "white"]
 ROUGHNESS = [0.1, 0.3, 0.5, 0.7, 1]
 MAPS = ["marker", "constant", "studio"]
 
@@ -98,7 +101,7 @@ def main():
     parser.add_argument("--splitsum", required=True)
     parser.add_argument("--size", type=int, default=96)
     parser.add_argument("--map", action="append", default=[])
-    parser.add_argument("--material", type=lambda text: text.split(","), default=list(MATERIALS))
+    parser.add_argument("--material", type=lambda text: text.split(","), default=DEFAULT_MATERIALS)
     parser.add_argument("--roughness", type=lambda text: [float(part) for part in text.split(",")], default=ROUGHNESS)
     arguments = parser.parse_args()
     unknown = sorted(set(arguments.material) - set(MATERIALS))

@@ -1,0 +1,109 @@
+"""Renders the spheres by MaterialX' GLSL of glTF PBR, as its viewer sets it up: filtered importance sampling with 16 samples.
+
+Arguments: FOLDER of spheres.json. Its renderer opens an X11 window: run.sh starts Xvfb.
+"""
+import os
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).parents[1]))
+from common import CANNOT_RUN, EXTENT, Spheres, check_version, read_hdr, stop, unit_sphere
+
+check_version("materialx", "MaterialX")
+if not os.environ.get("DISPLAY"):
+    stop("materialx", "its renderer needs an X11 display: install Xvfb", CANNOT_RUN)
+import MaterialX as mx
+import numpy as np
+from MaterialX import PyMaterialXGenGlsl as gen_glsl, PyMaterialXGenShader as gen, PyMaterialXRender as render, PyMaterialXRenderGlsl as glsl
+
+SAMPLES = 16
+# The shader takes the direction of view from the camera's position even in parallel projection, so the camera is far away.
+DISTANCE = 500
+DIFFUSE = (64, 32)
+
+
+def write_sphere(path):
+    points, uvs, triangles = unit_sphere(128)
+    lines = [f"v {x} {y} {z}" for x, y, z in points] + [f"vt {u} {v}" for u, v in uvs] + [f"vn {x} {y} {z}" for x, y, z in points]
+    lines += ["f " + " ".join(f"{i}/{i}/{i}" for i in triangle + 1) for triangle in triangles]
+    path.write_text("\n".join(lines) + "\n")
+
+
+def directions(width, height):
+    """Of texels in our lat-long layout, with their solid angles."""
+    phi = 2 * np.pi * (0.5 - (np.arange(width) + 0.5) / width)
+    theta = np.pi * (np.arange(height)[:, None] + 0.5) / height
+    found = np.stack(np.broadcast_arrays(np.sin(theta) * np.sin(phi), np.cos(theta), np.sin(theta) * np.cos(phi)), axis=-1)
+    return found.reshape(-1, 3), np.repeat(np.sin(theta[:, 0]), width) * 2 * np.pi**2 / (width * height)
+
+
+def irradiance_over_pi(image):
+    """The viewer fits spherical harmonics; this is the integral itself, of a map of at most 128 columns."""
+    step = max(1, image.shape[1] // 128)
+    height, width = image.shape[0] // step, image.shape[1] // step
+    small = image.reshape(height, step, width, step, 3).mean(axis=(1, 3))
+    normals, _ = directions(*DIFFUSE)
+    lights, solid_angles = directions(width, height)
+    cosines = np.maximum(normals @ lights.T, 0) * solid_angles
+    return (cosines @ small.reshape(-1, 3) / np.pi).reshape(DIFFUSE[1], DIFFUSE[0], 3)
+
+
+def image_of(texels):
+    height, width, _ = texels.shape
+    found = render.Image.create(width, height, 3, render.FLOAT)
+    found.createResourceBuffer()
+    for y in range(height):
+        for x in range(width):
+            found.setTexelColor(x, y, mx.Color4(*map(float, texels[y, x]), 1.0))
+    return found
+
+
+def shader_of(library, sphere):
+    document = mx.createDocument()
+    document.setDataLibrary(library)
+    node = document.addNode("gltf_pbr", "surface", "surfaceshader")
+    values = {
+        "metallic": sphere["metallic"], "roughness": sphere["roughness"], "clearcoat": sphere.get("coat", 0),
+        "clearcoat_roughness": sphere.get("coat_roughness", 0), "anisotropy_strength": sphere.get("anisotropy", 0),
+    }
+    node.setInputValue("base_color", mx.Color3(*map(float, sphere["base_color"])))
+    for name, value in values.items():
+        node.setInputValue(name, float(value))
+    document.addMaterialNode("material", node)
+    context.getOptions().hwSpecularEnvironmentMethod = gen.SPECULAR_ENVIRONMENT_FIS
+    return generator.generate("shader", node, context)
+
+
+spheres = Spheres("materialx", sys.argv[1])
+size = spheres.size
+generator = gen_glsl.GlslShaderGenerator.create()
+context = gen.GenContext(generator)
+search = mx.getDefaultDataSearchPath()
+context.registerSourceCodeSearchPath(search)
+library = mx.createDocument()
+mx.loadLibraries(mx.getDefaultDataLibraryFolders(), search, library)
+renderer = glsl.GlslRenderer.create(size, size, render.FLOAT)
+renderer.initialize()
+renderer.setImageHandler(glsl.GLTextureHandler.create(render.StbImageLoader.create()))
+mesh = spheres.out / "sphere.obj"
+write_sphere(mesh)
+renderer.getGeometryHandler().addLoader(render.TinyObjLoader.create())
+renderer.getGeometryHandler().loadGeometry(mx.FilePath(str(mesh)), False)
+camera = renderer.getCamera()
+camera.setViewMatrix(render.Camera.createViewMatrix(mx.Vector3(0, 0, DISTANCE), mx.Vector3(0, 0, 0), mx.Vector3(0, 1, 0)))
+camera.setProjectionMatrix(render.Camera.createOrthographicMatrix(-EXTENT, EXTENT, -EXTENT, EXTENT, DISTANCE - 2, DISTANCE + 2))
+for name in spheres.maps:
+    image = read_hdr(spheres.map_path(name, "hdr"))
+    lights = render.LightHandler.create()
+    lights.setEnvRadianceMap(image_of(image))
+    lights.setEnvIrradianceMap(image_of(irradiance_over_pi(image)))
+    lights.setEnvSampleCount(SAMPLES)
+    renderer.setLightHandler(lights)
+    for sphere in spheres.of_map(name):
+        renderer.createProgram(shader_of(library, sphere))
+        renderer.setSize(size, size)
+        renderer.render()
+        found = renderer.captureImage(None)
+        # Its rows go up.
+        picture = [[list(found.getTexelColor(x, y))[:3] for x in range(size)] for y in reversed(range(size))]
+        spheres.save(sphere, np.array(picture, np.float32))
