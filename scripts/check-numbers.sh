@@ -20,7 +20,10 @@
 #     docs/own-method.md                            ranges of inputs
 #     docs/paste.md          Tables                 algebra of a clamped lookup
 #     docs/python.md         PyTorch                versions and tolerances
-#     docs/recovery.md                              runs of python/examples/recover_material.py and a benchmark
+#     docs/recovery.md       nvdiffrec's own prefilter  runs of its code, by findings/envlight-prefilter.sh
+#     docs/recovery.md       Example                runs of python/examples/recover_material.py
+#     docs/recovery.md       Unknown light          runs of python/examples/recovery_light.py
+#     docs/recovery.md       Time and memory        a benchmark on one machine
 #     docs/research.md       Taps                   constants of the fit
 #     docs/research.md       Trials without a published run  trials without a published run
 #     docs/running.md                               times of single commands on one machine

@@ -19,6 +19,8 @@ NUMBER = r"-?\d+(?:\.\d+)?(?:e-?\d+)?"
 INTERVAL = re.compile(rf"({NUMBER}|more than {NUMBER})(?: \({NUMBER} % rms\))? \(95 % ({NUMBER}) to (more than )?({NUMBER})\)")
 ROUNDING = 0.05
 ZERO = 1e-12
+# Cells that are printed of a table: those that differ most.
+SHOWN = 5
 
 
 def rows(path):
@@ -69,6 +71,14 @@ def agrees(column, old, new):
     return then == now or is_near(then, now)
 
 
+def difference(old, new):
+    """How far two cells differ, relative to the larger one; infinite for words."""
+    then, now = number(old), number(new)
+    if then is None or now is None:
+        return float("inf")
+    return abs(now - then) / max(abs(then), abs(now), ZERO)
+
+
 def compare(old, new):
     """Prints how a table agrees; returns the number of cells that do not."""
     then, now = rows(old), rows(new)
@@ -88,8 +98,11 @@ def compare(old, new):
             elif agrees(column, a, b):
                 within += 1
             else:
-                wrong.append(f"  {old}:{line}: {column}: {b[column]}, published {a[column]}")
-    print(f"{old.name}: {same} cells equal, {within} within their errors, {len(wrong)} differ", *wrong[:5], sep="\n")
+                place = f"  {old}:{line}: {column}: {b[column]}, published {a[column]}"
+                wrong.append((difference(a[column], b[column]), place))
+    wrong.sort(key=lambda one: -one[0])
+    most = [place for _, place in wrong[:SHOWN]]
+    print(f"{old.name}: {same} cells equal, {within} within their errors, {len(wrong)} differ", *most, sep="\n")
     return len(wrong)
 
 

@@ -7,7 +7,8 @@
 #     sh scripts/gpu.sh rehearse MINUTES              # packs, unpacks and runs on the software driver of this machine
 #
 # `run` writes DIR/splitsum-gpu-results.tar.xz after each step, so that a run that is cut off leaves what it has. Each
-# step has its own share of MINUTES. A device that is a CPU is refused without --rehearse, since its times are a CPU's.
+# step has its own limit, a share of the time that is left: steps that end early leave their time to the others. A
+# device that is a CPU is refused without --rehearse, since its times are a CPU's.
 set -eu
 
 ARCHIVE_MIB_MAX=25
@@ -26,7 +27,7 @@ refuse() {
 }
 
 usage() {
-    sed -n '2,10s/^# \{0,1\}//p' "$0" >&2
+    sed -n '2,11s/^# \{0,1\}//p' "$0" >&2
     exit 2
 }
 
@@ -86,6 +87,13 @@ pack() { # archive
     say "$archive: $(($(wc -c <"$archive") / 1024)) KiB, commit $(cat "$top/commit")"
 }
 
+# Sets `limit`: the part of the time left that a step of this weight may take.
+share() { # weight
+    left=$((deadline - $(date +%s)))
+    limit=$((left * $1 / weights_left))
+    weights_left=$((weights_left - $1))
+}
+
 # Runs a step within its own limit and notes how it ended. Its output is a file of the results.
 step() { # name, seconds, command...
     step_name=$1
@@ -132,9 +140,10 @@ packed_maps() {
     done <experiments/environments.csv | paste -s -d , -
 }
 
-experiment() { # name, seconds
+experiment() { # name, weight
     lights=$(lights_of "$1" "$(packed_maps)")
-    step "run-$1" "$2" ./splitsum run "experiments/$1.toml" ${lights:+--set "environment=$lights"} --out "$out/runs/$1" --no-cache
+    share "$2"
+    step "run-$1" "$limit" ./splitsum run "experiments/$1.toml" ${lights:+--set "environment=$lights"} --out "$out/runs/$1" --no-cache
     # A run that was cut off lacks rows. Times are of another machine.
     case "$ending $1" in "ok timing" | "ok equal-time") return 0 ;; "ok "*) ;; *) return 0 ;; esac
     if [ ! -d "results/$1/answers" ] || ! command -v python3 >/dev/null; then
@@ -183,17 +192,16 @@ run() { # minutes, options
     fi
     cp commit "$out/commit"
     deadline=$(($(date +%s) + 60 * minutes))
-    total=$((60 * minutes))
+    # The sum of the weights below.
+    weights_left=110
     LD_LIBRARY_PATH=${LD_LIBRARY_PATH:+$LD_LIBRARY_PATH:}$PWD/lib
     # Containers mount NVIDIA's manifest where the loader does not look.
     nvidia=/usr/local/nvidia/share/vulkan/icd.d/nvidia_icd.json
     [ -n "${VK_DRIVER_FILES:-}${VK_ICD_FILENAMES:-}" ] || [ ! -e "$nvidia" ] || export VK_DRIVER_FILES="$nvidia"
     export LD_LIBRARY_PATH SPLITSUM_VALIDATION=0 GOLDEN=require
 
-    ./splitsum devices >"$out/devices.txt" 2>&1 || {
-        cat "$out/devices.txt" >&2
-        refuse "no Vulkan device answers: install its driver, or name its manifest by VK_DRIVER_FILES"
-    }
+    ./splitsum devices >"$out/devices.txt" 2>&1 ||
+        refuse "$(tail -n 1 "$out/devices.txt")"
     cat "$out/devices.txt"
     # Column 3 is the type of the device that runs use by default, the first one.
     type=$(sed -n '3s/^|[^|]*|[^|]*| *\([a-z-]*\) *|.*/\1/p' "$out/devices.txt")
@@ -202,19 +210,25 @@ run() { # minutes, options
             refuse "the device is a CPU, so all times would be a CPU's; to rehearse the script on it: --rehearse"
         say "a rehearsal: every time below is a CPU's"
     fi
+    # A device that lacks what runs need, such as timestamps, is refused before the first step.
+    ./splitsum render --method none --diffuse none --environment builtin:constant --size 8x8 \
+        --out "$out/probe.exr" >"$out/probe.log" 2>&1 || refuse "$(tail -n 1 "$out/probe.log")"
+    rm "$out/probe.exr" "$out/probe.log"
     [ -e "$out/steps.csv" ] || echo "step,ending,seconds" >"$out/steps.csv"
     describe_gpu >"$out/gpu-before.txt" 2>&1 || true
     keep
     # The last test takes as long as all others together: it comes last of the tests, so that it cuts off none of them.
     last=every_method_matches_its_f64_twin
-    step device-tests $((total * 25 / 100)) ./device --skip "$last"
+    share 25
+    step device-tests "$limit" ./device --skip "$last"
     for name in $COMPARED; do
-        experiment "$name" $((total * 10 / 100))
+        experiment "$name" 10
     done
     for name in $TIMED; do
-        experiment "$name" $((total * 12 / 100))
+        experiment "$name" 12
     done
-    step device-last-test $((total * 20 / 100)) ./device "$last"
+    share 21
+    step device-last-test "$limit" ./device "$last"
     describe_gpu >"$out/gpu-after.txt" 2>&1 || true
     keep
     check_size "$out/splitsum-gpu-results.tar.xz" "$RESULTS_MIB_MAX" || return 1

@@ -277,6 +277,14 @@ NAN_MAP[2, 5, 0] = float("nan")
         (lambda: st.shade(LEVELS, UP, UP[:, :2], 0.5, 1.0), r"v: its shape is \(1, 2\); expected"),
         (lambda: st.shade(LEVELS, UP.expand(4, 3), UP, torch.ones(5), 1.0), "do not broadcast"),
         (lambda: st.shade(LEVELS, UP.half(), UP, 0.5, 1.0), "n: it is of type torch.float16; expected"),
+        (lambda: st.shade(LEVELS, UP, UP, 0.5, float("nan")), r"f0: 1 NaN or infinite values, the first at \[0\]; expected"),
+        (lambda: st.shade(LEVELS, UP * float("nan"), UP, 0.5, 1.0), "n: 3 NaN or infinite values, .* expected finite numbers"),
+        (
+            lambda: st.shade(
+                st.prefilter(LEVELS[0], mapping=[0.1, 0.5, 1], size=(8, 8)), UP, UP, 0.5, 1.0, tables=st.Tables(3)
+            ),
+            "tables: made for levels of roughness 0, 0.5, 1, but the map has 0.1, 0.5, 1; expected Tables of its levels",
+        ),
         (lambda: st.prefilter(NAN_MAP, 0.5), r"environment: 1 NaN or infinite values, the first at \[2, 5, 0\]"),
         (lambda: st.prefilter(NAN_MAP[..., :2], 0.5), r"environment: its shape is \(8, 16, 2\)"),
         (

@@ -229,7 +229,7 @@ pub fn check_unscored(config: &Config, faults: &mut Faults) {
 /// Fewest widths of a grid whose best one has neighbours.
 const GRID_WIDTHS_MIN: usize = 3;
 
-/// Reports what `[recovery]` lacks: photos by a reference, another method, and its images over a
+/// Reports what `[recovery]` lacks: photos by the reference, another method, and its images over a
 /// grid of widths at two values of F0.
 pub fn check_recovery(config: &Config, faults: &mut Faults) {
     if config.recovery.is_none() {
@@ -237,16 +237,16 @@ pub fn check_recovery(config: &Config, faults: &mut Faults) {
     }
     let count = |axis: AxisId| config.sweep(axis).map_or(1, |sweep| sweep.values.len());
     let is_reference =
-        |value: &Value| Method::by_name(value.text()).is_some_and(|method| method.is_integrated());
+        |value: &Value| Method::by_name(value.text()).is_some_and(|method| method.is_reference());
     let methods = config.sweep(METHOD).map_or(&[][..], |sweep| &sweep.values);
     let references = methods
         .iter()
         .filter(|placed| is_reference(&placed.value))
         .count();
     let lack = if config.is_scored {
-        format!("reference = {UNSCORED:?}: its photos are cells of a reference method")
+        format!("reference = {UNSCORED:?}: its photos are cells of the method reference")
     } else if references == 0 || references == methods.len() {
-        "a reference in the axis method, for photos, and a method that recovers materials"
+        "reference in the axis method, for photos, and a method that recovers materials"
             .to_owned()
     } else if count(ALPHA) < GRID_WIDTHS_MIN {
         format!("at least {GRID_WIDTHS_MIN} widths in the axis alpha or perceptual_roughness")

@@ -132,3 +132,61 @@ fn a_repeated_run_agrees_within_its_own_errors_alone() {
     ];
     assert_eq!(found, [Some(false); 4]);
 }
+
+/// Three maps, one surface: two of three fits of the textbook are within its interval of
+/// roughness, one within its interval of F0. Fits of parts of a photo do not count, nor does a
+/// loss without a prediction.
+#[test]
+fn fits_within_the_predictions_of_another_run_are_counted() {
+    let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let dir = scratch();
+    for folder in ["published/answers", "run", "out"] {
+        std::fs::create_dir_all(dir.join(folder)).unwrap();
+    }
+    let write = |name: &str, text: &str| std::fs::write(dir.join(name), text).unwrap();
+    write(
+        "published/answers/recovery.csv",
+        "scene,perceptual_roughness,f0,method,loss,n_dot_v_from,n_dot_v_to,\
+         new_roughness_lo,new_roughness_hi,new_f0_ratio_lo,new_f0_ratio_hi\n\
+         sphere,0.7,0.5,split-sum,mse,0,1,0.8,0.9,1.2,1.4\n\
+         sphere,0.7,0.5,split-sum,mse,0,0.2,0,1,0,3\n\
+         sphere,0.7,0.5,split-sum,relative,0,1,,,,\n",
+    );
+    write(
+        "run/errors.csv",
+        "cell,scene,method\n\
+         photo,sphere,reference\n\
+         textbook,sphere,split-sum\n",
+    );
+    write(
+        "run/recovery.csv",
+        "cell,candidate,loss,n_dot_v_from,n_dot_v_to,true_roughness,true_f0,roughness,f0\n\
+         photo,textbook,mse,0,1,0.7000000000000001,0.5,0.85,0.65\n\
+         photo,textbook,mse,0,1,0.7,0.5,0.9001,0.75\n\
+         photo,textbook,mse,0,1,0.7,0.5,0.95,0.5\n\
+         photo,textbook,mse,0,0.2,0.7,0.5,0.5,0.5\n\
+         photo,textbook,relative,0,1,0.7,0.5,0.5,0.5\n",
+    );
+    let output = Command::new("python3")
+        .arg(root.join("scripts/check_predictions.py"))
+        .args(["published", "run", "out"].map(|folder| dir.join(folder)))
+        .output();
+    let Ok(output) = output else {
+        return eprintln!("skipped: no Python");
+    };
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert_eq!(
+        said,
+        "roughness: 2 of 3 fits within their prediction interval (66.7 %)\n\
+         f0: 1 of 3 fits within their prediction interval (33.3 %)\n"
+    );
+    let read = |name: &str| std::fs::read_to_string(dir.join("out").join(name)).unwrap();
+    assert_eq!(
+        read("predictions.csv").lines().nth(1).unwrap(),
+        "sphere,0.7,0.5,split-sum,mse,3,2,0.8,0.9,0.85,0.95,1,1.2,1.4,1.0,1.5"
+    );
+    assert_eq!(
+        read("predictions_digest.csv").lines().last().unwrap(),
+        "sphere,0.5,split-sum,mse,2 of 3,1 of 3"
+    );
+}

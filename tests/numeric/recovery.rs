@@ -1,12 +1,12 @@
 //! Recovered materials: fits to photos with known answers, and the table of a run.
 
 use crate::run::runs::{Bench, log};
-use splitsum::base::math::golden_section;
+use splitsum::base::math::brent;
 use splitsum::base::names::Listed;
 use splitsum::instrument::metrics::Epsilon;
 use splitsum::instrument::recovery::{F0_MAX, Fit, Lines, Loss, Photo, Problem};
 
-/// Widths of a grid, with a gap of 0.05 as in `experiments/recovery.toml`.
+/// Widths of a grid, with a gap of 0.05 as in `experiments/recovery.toml` below 0.7.
 fn grid() -> Vec<f64> {
     (0..17).map(|index| 0.2 + 0.05 * f64::from(index)).collect()
 }
@@ -42,12 +42,29 @@ fn solved(family: &[Lines], photo: &Photo, loss: Loss) -> Fit {
     .solve()
 }
 
+/// A parabola, a smooth minimum that is not one, a kink, a cusp and an end of the interval.
 #[test]
-fn the_golden_section_narrows_to_the_minimum() {
-    let found = golden_section::minimum(|x| (x - 0.3).abs().powf(1.5), [-2.0, 1.0], 1e-8);
-    assert!((found - 0.3).abs() < 1e-8, "{found}");
-    let edge = golden_section::minimum(|x| x, [2.0, 3.0], 1e-8);
-    assert!((edge - 2.0).abs() < 1e-8, "{edge}");
+fn brents_method_narrows_to_the_minimum() {
+    // Function, its minimum, and the largest count of values; the golden section takes 33.
+    let functions: [(&dyn Fn(f64) -> f64, f64, u32); 5] = [
+        (&|x| (x - 0.3).powi(2), 0.3, 8),
+        (&|x| ((x + 2.01).ln() - 0.8).powi(2), 0.8_f64.exp() - 2.01, 12),
+        (&|x| (x - 0.3).abs(), 0.3, 33),
+        (&|x| (x - 0.3).abs().sqrt(), 0.3, 33),
+        (&|x| x, -2.0, 33),
+    ];
+    for (index, (function, due, count_max)) in functions.into_iter().enumerate() {
+        let count = std::cell::Cell::new(0);
+        let counted = |x| {
+            count.set(count.get() + 1);
+            function(x)
+        };
+        let found = brent::minimum(counted, [-2.0, 1.0], 1e-6);
+        assert!((found - due).abs() < 1e-6, "{index}: {found}");
+        assert!(count.get() <= count_max, "{index}: {count:?}");
+    }
+    // Within an interval that is narrow already nothing is sought.
+    assert_eq!(brent::minimum(|x| x, [0.5, 0.5], 1e-6), 0.5);
 }
 
 /// Photos by the method itself hide nothing.
@@ -59,7 +76,7 @@ fn an_image_of_the_method_itself_is_recovered_exactly() {
             let photo = photo(family[index].at(f0).collect());
             let fit = solved(&family, &photo, *loss);
             let name = loss.name();
-            // Without a curve F0 has a closed form; with one, the golden section narrows it.
+            // Without a curve F0 has a closed form; with one, a search narrows it.
             let near = if [Loss::Relative, Loss::Mse].contains(loss) {
                 0.0
             } else {
@@ -204,7 +221,7 @@ reference = "none"
 [axes]
 environment = ["builtin:constant", "builtin:sky"]
 environment_orientation = [0, 3]
-method = ["reference", "split-sum", "split-sum-two"]
+method = ["reference", "split-sum", "split-sum-two", "ladder-view"]
 samples = [64]
 perceptual_roughness = [0.2, 0.35, 0.5, 0.7]
 f0 = [1, 0.25]
@@ -256,7 +273,7 @@ fn a_run_recovers_what_its_renderer_hides() {
         }
         // 2 environments, 4 widths, 2 values of F0, 4 losses; all views and at least two bands.
         assert!(count >= 2 * 4 * 2 * 4 * 3, "{count}");
-        // Two exposures are one linear image.
+        // Two exposures are one linear image; a step of the ladder is a candidate, not a photo.
         let cells = table.column("cell").unwrap();
         let photos: std::collections::BTreeSet<&String> =
             table.rows.iter().map(|row| &row[cells]).collect();
@@ -290,7 +307,7 @@ fn what_a_fit_lacks_is_named() {
     };
     for (from, to, lack) in [
         ("reference = \"none\"\n", "", "reference = \"none\""),
-        ("\"reference\", ", "", "a reference in the axis method"),
+        ("\"reference\", ", "", "reference in the axis method"),
         ("0.2, 0.35, 0.5, 0.7", "0.2, 0.35", "at least 3 widths"),
         ("f0 = [1, 0.25]", "f0 = [1]", "two values in the axis f0"),
     ] {

@@ -2,12 +2,12 @@
 //! spherical harmonics, order statistics.
 
 pub mod blue_noise;
+pub mod brent;
 pub mod design;
 pub mod equirect;
 pub mod equirect_quadrature;
 pub mod erf;
 pub mod frame;
-pub mod golden_section;
 pub mod harmonics;
 pub mod incomplete_beta;
 pub mod order_statistics;

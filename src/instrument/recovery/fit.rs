@@ -2,21 +2,29 @@
 //!
 //! With Schlick's Fresnel each value of an image is a line in F0, so two images give all. Between
 //! two widths values are interpolated linearly. For each width of the grid the best F0 is known in
-//! closed form, or by the golden section if the loss has a curve; then the width is refined on both
-//! sides of the best one.
+//! closed form, or by Brent's method if the loss has a curve; then the width is refined between the
+//! neighbours of the best one.
 
 use super::loss::{Comparison, Loss};
-use crate::base::math::golden_section::minimum;
+use crate::base::math::brent::minimum;
 use crate::base::math::order_statistics::median;
 use crate::instrument::metrics::Epsilon;
 
 /// Largest F0 of a fit. Above 1 it is not a material, but a fit without this freedom would hide
 /// how much brightness the method lacks.
 pub const F0_MAX: f64 = 3.0;
-/// How far the golden section narrows the roughness.
+/// How exact the roughness of a fit is.
 const ROUGHNESS_TOLERANCE: f64 = 2e-4;
-/// How far it narrows F0, relative to F0.
+/// How exact F0 is, relative to F0.
 const F0_TOLERANCE: f64 = 2e-4;
+/// The same, to tell which width of the grid is the best. A loss has its least value at the best F0,
+/// so it is exact to the square of this.
+const GRID_F0_TOLERANCE: f64 = 1e-2;
+/// Every n-th value tells which width of the grid is the best. Not a multiple of three, so that all
+/// channels count.
+const GRID_STRIDE: usize = 4;
+/// With fewer values than this all count there.
+const GRID_VALUES_MIN: usize = 2048;
 /// The F0 of a curved loss is sought within this factor of the relative loss's F0.
 const F0_FACTOR: f64 = 4.0;
 
@@ -131,33 +139,60 @@ pub struct Problem<'a> {
 impl Problem<'_> {
     /// Recovers the material with the least loss.
     pub fn solve(&self) -> Fit {
-        let on_grid: Vec<Fit> = self
-            .lines
-            .iter()
-            .map(|lines| self.at_width(lines))
-            .collect();
-        let least = |a: Fit, b: Fit| if b.loss < a.loss { b } else { a };
-        let best = (0..on_grid.len())
-            .min_by(|&a, &b| on_grid[a].loss.total_cmp(&on_grid[b].loss))
-            .expect("at least one width");
-        let first = best.saturating_sub(1);
-        let last = (best + 1).min(on_grid.len() - 1);
-        (first..last).fold(on_grid[best], |known, index| {
-            least(
-                known,
-                self.refined([&self.lines[index], &self.lines[index + 1]]),
-            )
-        })
+        let photo = self.curved_photo();
+        let best = self.best_width();
+        let at_best = self.at_width(&self.lines[best], &photo, F0_TOLERANCE);
+        let last = self.lines.len() - 1;
+        let neighbours = [best.saturating_sub(1), (best + 1).min(last)];
+        let refined = self.refined(neighbours.map(|index| self.lines[index].roughness), &photo);
+        if refined.loss < at_best.loss {
+            refined
+        } else {
+            at_best
+        }
     }
 
     /// The loss of a material whose roughness is within the widths.
     pub fn loss_of(&self, roughness: f64, f0: f64) -> f64 {
+        self.loss_at(&self.lines_at(roughness), &self.curved_photo(), f0)
+    }
+
+    /// The lines at a roughness within the widths.
+    fn lines_at(&self, roughness: f64) -> Lines {
         let above = self
             .lines
             .partition_point(|lines| lines.roughness < roughness);
         let above = above.clamp(1, self.lines.len() - 1);
-        let lines = self.lines[above - 1].between(&self.lines[above], roughness);
-        self.loss_at(&lines, &self.curved_photo(), f0)
+        self.lines[above - 1].between(&self.lines[above], roughness)
+    }
+
+    /// Index of the width with the least loss, by some of the values.
+    fn best_width(&self) -> usize {
+        let count = self.photo.values.len();
+        let stride = if count < GRID_VALUES_MIN {
+            1
+        } else {
+            GRID_STRIDE
+        };
+        let indices: Vec<usize> = (0..count).step_by(stride).collect();
+        let lines: Vec<Lines> = self
+            .lines
+            .iter()
+            .map(|lines| lines.selected(&indices))
+            .collect();
+        let some = Problem {
+            lines: &lines,
+            photo: &self.photo.selected(&indices),
+            loss: self.loss,
+        };
+        let photo = some.curved_photo();
+        let losses: Vec<f64> = lines
+            .iter()
+            .map(|lines| some.at_width(lines, &photo, GRID_F0_TOLERANCE).loss)
+            .collect();
+        (0..losses.len())
+            .min_by(|&a, &b| losses[a].total_cmp(&losses[b]))
+            .expect("at least one width")
     }
 
     /// Whether a fit ends at a limit of the roughness or of F0.
@@ -169,33 +204,32 @@ impl Problem<'_> {
             || fit.f0 >= F0_MAX * (1.0 - F0_TOLERANCE)
     }
 
-    /// The best material between two widths.
-    fn refined(&self, [a, b]: [&Lines; 2]) -> Fit {
-        let at = |roughness| self.at_width(&a.between(b, roughness));
-        let ends = [a.roughness, b.roughness];
+    /// The best material between two widths of roughness; `curved_photo` as made by
+    /// [`Self::curved_photo`].
+    fn refined(&self, widths: [f64; 2], curved_photo: &[f64]) -> Fit {
+        let at = |roughness| self.at_width(&self.lines_at(roughness), curved_photo, F0_TOLERANCE);
         at(minimum(
             |roughness| at(roughness).loss,
-            ends,
+            widths,
             ROUGHNESS_TOLERANCE,
         ))
     }
 
-    /// The best F0 at a width.
-    fn at_width(&self, lines: &Lines) -> Fit {
-        let photo = self.curved_photo();
+    /// The best F0 at a width, to a relative tolerance.
+    fn at_width(&self, lines: &Lines, curved_photo: &[f64], tolerance: f64) -> Fit {
         let f0 = match self.loss.comparison() {
             Comparison::Weighted(weight) => self.least_squares(lines, weight),
             Comparison::Curved { .. } => {
                 let near = self.least_squares(lines, |p, epsilon| epsilon.relative(1.0, p));
                 let ends = [near / F0_FACTOR, (near * F0_FACTOR).min(F0_MAX)];
-                let loss = |f0| self.loss_at(lines, &photo, f0);
-                minimum(loss, ends, F0_TOLERANCE * near.max(F0_TOLERANCE))
+                let loss = |f0| self.loss_at(lines, curved_photo, f0);
+                minimum(loss, ends, tolerance * near.max(F0_TOLERANCE))
             }
         };
         Fit {
             roughness: lines.roughness,
             f0,
-            loss: self.loss_at(lines, &photo, f0),
+            loss: self.loss_at(lines, curved_photo, f0),
         }
     }
 

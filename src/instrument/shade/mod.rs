@@ -27,6 +27,11 @@ macro_rules! of_a_term {
                 self.lobe.is_some()
             }
 
+            /// Whether it is exact, and not a step between the exact term and an approximation.
+            pub fn is_reference(&self) -> bool {
+                self.name == REFERENCE
+            }
+
             pub fn is_none(&self) -> bool {
                 self.name == NONE
             }

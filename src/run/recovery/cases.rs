@@ -116,11 +116,11 @@ fn of_cells<'p>(cells: impl Iterator<Item = &'p Cell>) -> Vec<Case<'p>> {
 fn case(methods: IndexMap<Vec<Value>, Surfaces>) -> Case {
     let mut case = Case::default();
     for surfaces in methods.into_values() {
-        let is_reference = surfaces.values().any(|(_, images)| {
+        let are_photos = surfaces.values().any(|(_, images)| {
             let mut cells = images.values();
-            cells.any(|cell| cell.point.method().is_integrated())
+            cells.any(|cell| cell.point.method().is_reference())
         });
-        if is_reference {
+        if are_photos {
             let truths = surfaces.into_values();
             case.truths
                 .extend(truths.map(|(surface, photos)| Truth { surface, photos }));

@@ -1,7 +1,7 @@
 //! `recovery.csv`: the material that each method recovers from photos, by `[recovery]` of the
 //! experiment.
 //!
-//! Photos are the images of a reference method, pooled over `environment_orientation`. Each other
+//! Photos are the images of the method `reference`, pooled over `environment_orientation`. Each other
 //! method is a candidate, with its images over a grid of widths and at two values of F0 or more, of
 //! which the least and the largest count. Images are read back from `images/`.
 
@@ -24,7 +24,7 @@ use std::collections::BTreeMap;
 
 pub const RECOVERY_FILE: &str = "recovery.csv";
 /// Most pixels of pooled photos in a fit; of more, every n-th counts.
-const PIXELS_MAX: usize = 4096;
+const PIXELS_MAX: usize = 2048;
 /// Fewest pixels of a band of n·v in a fit.
 const BAND_PIXELS_MIN: usize = 32;
 /// Channels of a pixel.

@@ -20,12 +20,13 @@ def real(name: str, value: Any) -> Tensor:
     return value
 
 
-def _finite(name: str, value: Tensor) -> None:
+def finite(name: str, value: Tensor, what: str) -> None:
+    """Checks that a tensor has neither NaN nor infinite values; `what` it should hold, in words."""
     is_bad = ~torch.isfinite(value.detach())
     if is_bad.any():
         place = is_bad.nonzero()[0].tolist()
         raise ValueError(
-            f"{name}: {int(is_bad.sum())} NaN or infinite values, the first at {place}; expected finite radiance"
+            f"{name}: {int(is_bad.sum())} NaN or infinite values, the first at {place}; expected {what}"
         )
 
 
@@ -40,7 +41,7 @@ def map_level(name: str, value: Any) -> Tensor:
         raise ValueError(
             f"{name}: its shape is {shape}; expected a cube (6, s, s, 3) or an equirectangular map (h, w, 3)"
         )
-    _finite(name, value)
+    finite(name, value, "finite radiance")
     return value
 
 

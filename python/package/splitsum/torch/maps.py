@@ -44,8 +44,9 @@ def equirect_uv(directions: Tensor) -> Tensor:
 class Levels:
     """The levels of a map, finest first, side by side for lookups."""
 
-    def __init__(self, levels: Sequence[Tensor]):
-        """All levels are cubes or all are equirectangular. Autograd sees a copy of them."""
+    def __init__(self, levels: Sequence[Tensor], alphas: Sequence[float] | None = None):
+        """All levels are cubes or all are equirectangular. Autograd sees a copy of them. `alphas` are their widths, if known."""
+        self.alphas = alphas
         self.shapes = tuple(tuple(level.shape) for level in levels)
         self.is_cube = levels[0].ndim == 4
         parts = []

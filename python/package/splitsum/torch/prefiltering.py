@@ -18,6 +18,14 @@ DEGREE_MAX = 1024
 """Highest degree of a map's coefficients."""
 
 
+class FilteredMap(list):
+    """The levels of a map, finest first, with the alpha of each, so that `shade` refuses tables of other levels."""
+
+    def __init__(self, levels: Sequence[Tensor], alphas: Sequence[float]):
+        super().__init__(levels)
+        self.alphas = tuple(alphas)
+
+
 def prefilter(
     environment: Tensor,
     alphas: float | Sequence[float] | None = None,
@@ -30,7 +38,7 @@ def prefilter(
     weight: str = "cosine",
     masking: str = "separable",
     degree: int = DEGREE_MAX,
-) -> list[Tensor]:
+) -> FilteredMap:
     """Averages an environment over lobes of the widths `alphas`, without noise; the levels are linear in the environment.
 
     `environment` is equirectangular, a tensor (h, w, 3), or a cube (6, s, s, 3) with the faces +x, -x, +y, -y, +z, -z.
@@ -61,7 +69,7 @@ def prefilter(
         else:
             level = _mirror(image, shape)
         found.append(level.to(environment.dtype))
-    return found
+    return FilteredMap(found, alphas)
 
 
 @lru_cache(maxsize=64)

@@ -19,6 +19,8 @@ from .maps import Levels
 
 LOOKUPS = {"split-sum": 0, "split-sum-one": 1, "split-sum-two": 2, "split-sum-four": 4}
 """Taps of each method; the textbook's lookup has none."""
+ROUGHNESS_TOLERANCE = 1e-4
+"""How far the roughness of a map's level may differ from the tables': lists are typed with few digits."""
 
 
 class Tables:
@@ -149,10 +151,7 @@ def shade(
     check_method(method)
     levels = prepare(levels)
     tables = tables or _default_tables(len(levels.shapes))
-    if tables.level_count != len(levels.shapes):
-        raise ValueError(
-            f"tables: made for {tables.level_count} levels, but the map has {len(levels.shapes)}; expected Tables of its levels"
-        )
+    _check_tables(levels, tables)
     shape, n, v, roughness, f0 = _pixels(n, v, roughness, f0)
     _check_roughness(roughness, tables)
     n, v = normalise(n), normalise(v)
@@ -183,7 +182,20 @@ def prepare(levels: Sequence[Tensor] | Levels) -> Levels:
     checked = [checks.map_level(f"levels[{k}]", level) for k, level in enumerate(levels)]
     if len(checked) < 2 or len({level.ndim for level in checked}) > 1:
         raise ValueError(f"levels: {len(checked)} of them; expected two or more of one layout, the finest first")
-    return Levels(checked)
+    return Levels(checked, getattr(levels, "alphas", None))
+
+
+def _check_tables(levels: Levels, tables: Tables) -> None:
+    if tables.level_count != len(levels.shapes):
+        raise ValueError(
+            f"tables: made for {tables.level_count} levels, but the map has {len(levels.shapes)}; expected Tables of its levels"
+        )
+    roughnesses = [alpha**0.5 for alpha in levels.alphas or []]
+    if any(abs(a - b) > ROUGHNESS_TOLERANCE for a, b in zip(roughnesses, tables.roughnesses)):
+        made, has = (", ".join(f"{value:.3g}" for value in values) for values in (tables.roughnesses, roughnesses))
+        raise ValueError(
+            f"tables: made for levels of roughness {made}, but the map has {has}; expected Tables of its levels"
+        )
 
 
 @lru_cache(maxsize=8)
@@ -208,6 +220,9 @@ def _pixels(n: Tensor, v: Tensor, roughness: Tensor, f0: Tensor) -> tuple:
         roughness = roughness[..., None]
     if f0.ndim < axes and f0.shape[-1:] != (3,) or f0.ndim == 0:
         f0 = f0[..., None]
+    # A NaN would become an index of a table. Roughness has a range of its own.
+    for name, value in (("n", n), ("v", v), ("f0", f0)):
+        checks.finite(name, value, "finite numbers")
     common = torch.float32 if all(value.dtype == torch.float32 for value in (n, v, roughness, f0)) else torch.float64
     n, v, roughness, f0 = (value.to(common) for value in (n, v, roughness, f0))
     try:

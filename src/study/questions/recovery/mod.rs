@@ -122,8 +122,17 @@ impl Recovered<'_, '_> {
     }
 }
 
+fn role(row: &Row) -> Option<Role> {
+    Method::by_name(&row.text(METHOD)).and_then(Method::role)
+}
+
 fn is_textbook(row: &Row) -> bool {
-    Method::by_name(&row.text(METHOD)).and_then(Method::role) == Some(Role::Textbook)
+    role(row) == Some(Role::Textbook)
+}
+
+/// Whether a renderer could use the candidate: not a step of the ladder.
+fn has_role(row: &Row) -> bool {
+    role(row).is_some()
 }
 
 /// The axes of a surface and its light, besides the environments.

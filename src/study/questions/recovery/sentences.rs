@@ -1,9 +1,10 @@
 //! The sentences of the question.
 
 use super::super::prelude::*;
-use super::{Recovered, candidate_name, candidate_phrases, nearer_of_all};
+use super::{Recovered, candidate_name, candidate_phrases, has_role, nearer_of_all};
 
-/// The textbook where it errs most, beside the candidate that errs least over all roughness.
+/// The textbook where it errs most, beside the candidate that errs least over all roughness. Steps of
+/// the ladder are not candidates that a renderer could use.
 pub fn sentences(frame: &Frame, lead: &[&Recovered]) -> Option<Sentences> {
     let by_candidate = grouped(lead.iter().copied(), |one| {
         candidate_name(frame, one.candidate)
@@ -17,7 +18,7 @@ pub fn sentences(frame: &Frame, lead: &[&Recovered]) -> Option<Sentences> {
     let bias = |fits: &[&Recovered]| fits.iter().map(|one| one.bias().abs()).sum::<f64>();
     let others = by_candidate
         .iter()
-        .filter(|(_, fits)| !fits[0].is_textbook());
+        .filter(|(_, fits)| has_role(fits[0].candidate) && !fits[0].is_textbook());
     let best = others.min_by(|(_, a), (_, b)| bias(a).total_cmp(&bias(b)));
     let beside = best.and_then(|(_, fits)| {
         let alike = fits
