@@ -110,10 +110,10 @@ impl Harmonics {
                 for ((band, value), p) in bands[m..].iter_mut().zip(&self.orders[m]).zip(&p) {
                     for (channel, band) in band.iter_mut().enumerate() {
                         let [re, im] = [value[channel], value[channel + 3]];
-                        for lane in 0..LANES {
+                        (0..LANES).for_each(|lane| {
                             let (sin, cos) = turns[lane];
                             band[lane] += twice * p[lane] * (re * cos - im * sin);
-                        }
+                        });
                     }
                 }
             }
