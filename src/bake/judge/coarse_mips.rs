@@ -16,8 +16,8 @@ use glam::DVec3;
 const LEVELS_MIN: f64 = 0.75;
 const LEVELS_MAX: f64 = 4.0;
 const LEVELS_STEP: f64 = 0.25;
-/// One of so many compared texels is tried first.
-const FIRST_STEP: usize = 7;
+/// Approximate number of texels that are tried first.
+const FIRST_TEXELS: usize = 120;
 /// Bisections around the best.
 const REFINED: u32 = 4;
 /// Phase of the highest degree between two rings, rad, and the largest step of rings in ln tan(γ/2).
@@ -44,12 +44,13 @@ impl Sample<'_, '_> {
         let even = search.least(level.alpha, &|values| self.relmse(&self.stored(values)));
         // The last mips, which wide lobes read at their edges, do not resemble even blurs.
         let range = [LEVELS_MIN, LEVELS_MAX];
-        let first = self.every(FIRST_STEP);
+        let step = (self.found.len() / FIRST_TEXELS).max(1);
+        let first = self.every(step);
         let tries = [MipSource::Cube, MipSource::LatLong].map(|source| MipTry {
             source,
             found: first.by_mips(source, range),
         });
-        let right: Vec<DVec3> = right.iter().copied().step_by(FIRST_STEP).collect();
+        let right: Vec<DVec3> = right.iter().copied().step_by(step).collect();
         let of_tries = tries.iter().map(|tried| tried.found.relmse);
         let most =
             (RIVAL * of_tries.fold(f64::INFINITY, f64::min)).min(LIKELY * first.relmse(&right));

@@ -17,11 +17,13 @@ use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
 
-/// Step of the rings of a lobe in `ln tan(γ/2)`: denser than the blurs are wide.
-const RING_STEP: f64 = 0.25;
+/// Steps of the rings of a lobe in `ln tan(γ/2)`. Samples of irradiance blur the least for the width
+/// of their lobe.
+const RING_STEP: f64 = 0.125;
+const RING_STEP_OF_IRRADIANCE: f64 = 0.0625;
 /// Fewest and most directions in a ring: as far apart as the texels that are read.
 const RING_COUNT_MIN: f64 = 4.0;
-const RING_COUNT_MAX: f64 = 20.0;
+const RING_COUNT_MAX: f64 = 100.0;
 /// Turn from ring to ring, so that directions do not line up: the golden angle, rad.
 const RING_TURN: f64 = 2.399_963_229_728_653;
 /// Largest share of a lobe that rings may leave out.
@@ -131,7 +133,12 @@ impl MipChain {
     }
 
     fn rings(&self, lobe: SampledLobe, alpha: f64, levels: [f64; 2]) -> Vec<MipRing> {
-        let rings = lobe.rings(alpha, |_| RING_STEP);
+        let step = if lobe.is_irradiance {
+            RING_STEP_OF_IRRADIANCE
+        } else {
+            RING_STEP
+        };
+        let rings = lobe.rings(alpha, |_| step);
         let whole: f64 = rings.iter().map(|ring| ring.weight).sum();
         let least = LEFT_OUT * whole / rings.len() as f64;
         let last = self.map.levels.len() - 1;
