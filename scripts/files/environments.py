@@ -147,6 +147,7 @@ def layers():
         Case("oiio r g b", renamed("small.exr", "r,g,b")),
         Case("oiio Y alone", grey, green),
         Case("oiio alpha", by_oiio("alpha.exr", "--ch", "R,G,B,A=1")),
+        Case("oiio alpha below 1", by_oiio("clear.exr", "--ch", "R,G,B,A=0.5"), says="Alpha is below 1"),
         Case("oiio depth beside colour", by_oiio("depth.exr", "--ch", "R,G,B,Z=7")),
     ]
 

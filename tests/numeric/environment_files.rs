@@ -161,6 +161,24 @@ fn texels_of_a_lat_long_map_may_lie_on_its_edges() {
     );
 }
 
+/// OpenEXR stores colours times alpha, so a map that is not opaque is darker than it may seem.
+#[test]
+fn alpha_below_one_is_named() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("map.exr");
+    let rgb = RgbImage::filled(8, 4, [0.5; 3]);
+    for (alpha, share) in [(1.0, None), (0.5, Some("12.50 %"))] {
+        let alpha = GrayImage::from_fn(8, 4, |x, _| if x == 0 { alpha } else { 1.0 });
+        exr_file::write_rgba(&path, &rgb, &alpha, &[]).unwrap();
+        let map = load("map.exr", folder.path(), None).unwrap();
+        assert_eq!(map.image, rgb);
+        match share {
+            Some(share) => assert!(map.warnings[0].contains(share), "{:?}", map.warnings),
+            None => assert!(map.warnings.is_empty(), "{:?}", map.warnings),
+        }
+    }
+}
+
 /// A file of @monogrid/gainmap-js at quality 0.9: six lights on a floor and a hot texel, whose mean in
 /// the Radiance file that it was made from is 1.812 in each channel.
 #[test]

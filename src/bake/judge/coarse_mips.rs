@@ -16,9 +16,8 @@ use glam::DVec3;
 const LEVELS_MIN: f64 = 0.75;
 const LEVELS_MAX: f64 = 4.0;
 const LEVELS_STEP: f64 = 0.25;
-/// Distances from the levels of even blurs at which mips of a map are tried.
-const BELOW: f64 = 1.5;
-const ABOVE: f64 = 0.5;
+/// Approximate number of texels that are tried first.
+const FIRST_TEXELS: usize = 120;
 /// Bisections around the best.
 const REFINED: u32 = 4;
 /// Phase of the highest degree between two rings, rad, and the largest step of rings in ln tan(γ/2).
@@ -27,9 +26,11 @@ const STEP_MAX: f64 = 0.1;
 /// Variance along an axis of a linear lookup in mips, over the solid angle of their texels: 1/12
 /// of the box that a texel averages, 1/6 of the tent that interpolates.
 const LOOKUP_VARIANCE: f64 = 0.25;
-/// Largest share of a level's relMSE that even blurs leave, if mips of maps are tried, which take
-/// longer.
+/// Largest share of a relMSE that mips of a map leave of the texels tried first, if they are tried
+/// on all.
 const LIKELY: f64 = 0.8;
+/// Largest ratio to the relMSE that mips of the other map leave of them.
+const RIVAL: f64 = 2.0;
 
 impl Sample<'_, '_> {
     /// Lists the level by mips that are too coarse by the levels of least error: even blurs, and mips
@@ -39,22 +40,40 @@ impl Sample<'_, '_> {
         if !has_width(level.alpha) {
             return Vec::new();
         }
-        let search = CoarseSearch::new(level.truth, self.lobe(), &self.directions);
+        let search = CoarseSearch::new(level.truth, self.lobe(), level.alpha, &self.directions);
+        let even = search.least(level.alpha, &|values| self.relmse(&self.stored(values)));
+        // The last mips, which wide lobes read at their edges, do not resemble even blurs.
+        let range = [LEVELS_MIN, LEVELS_MAX];
+        let step = (self.found.len() / FIRST_TEXELS).max(1);
+        let first = self.every(step);
+        let tries = [MipSource::Cube, MipSource::LatLong].map(|source| MipTry {
+            source,
+            found: first.by_mips(source, range),
+        });
+        let right: Vec<DVec3> = right.iter().copied().step_by(step).collect();
+        let of_tries = tries.iter().map(|tried| tried.found.relmse);
+        let most =
+            (RIVAL * of_tries.fold(f64::INFINITY, f64::min)).min(LIKELY * first.relmse(&right));
+        let on_all = |tried: &MipTry| {
+            let around = [-LEVELS_STEP, LEVELS_STEP];
+            let range = around.map(|step| (tried.found.levels + step).max(LEVELS_MIN));
+            self.by_mips(tried.source, range).slipped(tried.source)
+        };
+        let likely = tries.iter().filter(|tried| tried.found.relmse <= most);
+        std::iter::once(even.slipped(MipSource::Cube))
+            .chain(likely.map(on_all))
+            .collect()
+    }
+
+    /// Finds the levels in a range of least error by which samples read mips of a map too coarse.
+    fn by_mips(&self, source: MipSource, range: [f64; 2]) -> CoarseLevel {
+        let level = self.level;
+        // Bisections step beyond the range by less than a step of it.
+        let tried = [range[0] - LEVELS_STEP, range[1] + LEVELS_STEP];
+        let mips = level.lights.mips(source);
+        let rings = mips.ring_means(self.lobe(), level.alpha, tried, &self.directions);
         let relmse = |values: &[DVec3]| self.relmse(&self.stored(values));
-        let even = search.least(level.alpha, &relmse);
-        let is_likely = even.relmse <= LIKELY * self.relmse(right);
-        let range = [even.levels - BELOW, even.levels + ABOVE];
-        let range = range.map(|levels| levels.clamp(LEVELS_MIN, LEVELS_MAX));
-        let mut all = vec![even.slipped(MipSource::Cube)];
-        if is_likely {
-            all.extend([MipSource::Cube, MipSource::LatLong].map(|source| {
-                let mips = level.lights.mips(source);
-                let values =
-                    |levels| mips.level(self.lobe(), level.alpha, levels, &self.directions);
-                least(range, &relmse, &values).slipped(source)
-            }));
-        }
-        all
+        least(range, &relmse, &|levels| rings.level(levels))
     }
 
     fn lobe(&self) -> SampledLobe {
@@ -63,6 +82,12 @@ impl Sample<'_, '_> {
             is_irradiance: self.is_irradiance(),
         }
     }
+}
+
+/// Mips of a map on the texels that are tried first.
+struct MipTry {
+    source: MipSource,
+    found: CoarseLevel,
 }
 
 /// Searches the levels by which samples read mips too coarse, as even blurs.
@@ -89,8 +114,10 @@ impl CoarseLevel {
 }
 
 impl CoarseSearch {
-    pub fn new(truth: &Truth, lobe: SampledLobe, directions: &Directions) -> Self {
-        let bands = truth.harmonics.bands(fit::DEGREE_MAX, &directions.world);
+    /// Prepares the search for widths from `narrowest` on.
+    pub fn new(truth: &Truth, lobe: SampledLobe, narrowest: f64, directions: &Directions) -> Self {
+        let degree = fit::degree(narrowest);
+        let bands = truth.harmonics.bands(degree, &directions.world);
         Self { lobe, bands }
     }
 

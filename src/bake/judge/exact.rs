@@ -2,6 +2,7 @@
 
 use super::directions::Directions;
 use super::{Truth, has_width};
+use crate::base::math::harmonics::SmoothMap;
 use crate::instrument::environment::Environment;
 use crate::instrument::precompute::prefilter::Kernel;
 use glam::DVec3;
@@ -10,10 +11,24 @@ use rayon::prelude::*;
 /// Returns exact texels of a level: prefiltered radiance, or the averaged environment for a mirror
 /// level.
 pub fn exact(truth: &Truth, kernel: Kernel, directions: &Directions, alpha: f64) -> Vec<DVec3> {
-    if !has_width(alpha) {
-        return mirror(truth.environment, directions);
-    }
-    let map = truth.prefiltered_by(kernel, alpha);
+    let map = prefiltered(truth, kernel, alpha);
+    exact_of(map.as_ref(), truth.environment, directions)
+}
+
+/// Convolves the light for a level; `None` for a mirror level.
+pub fn prefiltered(truth: &Truth, kernel: Kernel, alpha: f64) -> Option<SmoothMap> {
+    has_width(alpha).then(|| truth.prefiltered_by(kernel, alpha))
+}
+
+/// Returns exact texels of a level whose light is convolved.
+pub fn exact_of(
+    map: Option<&SmoothMap>,
+    environment: &Environment,
+    directions: &Directions,
+) -> Vec<DVec3> {
+    let Some(map) = map else {
+        return mirror(environment, directions);
+    };
     directions
         .world
         .par_iter()

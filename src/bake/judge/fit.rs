@@ -3,6 +3,7 @@
 use super::directions::Directions;
 use super::{EXPLAINED, Truth, errors};
 use crate::instrument::metrics::Epsilon;
+use crate::instrument::precompute::prefilter::harmonic;
 use glam::DVec3;
 use std::f64::consts::PI;
 
@@ -13,6 +14,8 @@ const BEYOND: f64 = 1.5;
 const DIRECTIONS: usize = 600;
 /// Largest degree of the harmonics of a fit.
 pub const DEGREE_MAX: usize = 320;
+/// Least degree of the harmonics of a fit, enough for the horizon edges of wide lobes.
+const DEGREE_MIN: usize = 192;
 /// Narrower lobes reach beyond [`DEGREE_MAX`].
 pub const ALPHA_MIN: f64 = 5.0 / DEGREE_MAX as f64;
 /// Widths on the grid, then bisections around the best.
@@ -49,6 +52,11 @@ pub fn is_narrow(alpha: f64) -> bool {
     alpha * REACH < 2.0 * ALPHA_MIN
 }
 
+/// Returns the degree up to which lobes from `alpha` to 1 are compared.
+pub fn degree(alpha: f64) -> usize {
+    harmonic::degree(alpha).clamp(DEGREE_MIN, DEGREE_MAX)
+}
+
 /// Fits a level of width `alpha` with texels `found` at `directions`, which should be `exact`.
 pub fn fit(
     truth: &Truth,
@@ -61,7 +69,8 @@ pub fn fit(
     let found = picked(found, &chosen);
     let exact = picked(exact, &chosen);
     let directions = directions.only(&chosen);
-    let bands = truth.harmonics.bands(DEGREE_MAX, &directions.world);
+    let low = (alpha / REACH).max(ALPHA_MIN);
+    let bands = truth.harmonics.bands(degree(low), &directions.world);
     let epsilon = truth.epsilon();
     let unfitted = errors(&directions, &found, &exact, epsilon, 1.0).relmse;
     let with_width = |alpha: f64| {
@@ -80,7 +89,6 @@ pub fn fit(
         let widest = if alpha > 1.0 { BEYOND * alpha } else { 1.0 };
         (alpha * REACH).min(widest)
     };
-    let low = (alpha / REACH).max(ALPHA_MIN);
     let widths = (0..=GRID).map(|k| low * (high / low).powf(f64::from(k) / f64::from(GRID)));
     let mut best = widths
         .map(with_width)

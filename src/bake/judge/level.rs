@@ -2,7 +2,7 @@
 
 use super::cause::{Mips, Scale, ScaleFlag, Unknown, WidthSlip};
 use super::directions::{Directions, texels};
-use super::exact::{exact, finer};
+use super::exact::{exact_of, finer, prefiltered};
 use super::faces::BlackFaces;
 use super::fit::{self, Fit, KnownFactor, picked};
 use super::light::{self, OtherLights};
@@ -13,6 +13,7 @@ use super::verdict::{Quality, Verdict};
 use super::{Cause, Errors, GOOD, Truth, errors, has_width, relative_square};
 use crate::bake::convention::{Axes, Convention};
 use crate::bake::parts::Map;
+use crate::base::math::harmonics::SmoothMap;
 use crate::base::pixels::RgbImage;
 use crate::instrument::environment::layout::{FilteredMap, MapLayout};
 use glam::DVec3;
@@ -99,9 +100,11 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
     for (k, sheet) in sheets.iter().enumerate() {
         let faces = &map.levels[k];
         let alpha = alphas[k];
+        let exact_map = prefiltered(truth, truth.kernel, alpha);
         let level = Level {
             truth,
             kernel: truth.kernel,
+            map: exact_map.as_ref(),
             lights: &lights,
             directions: &sheet.directions,
             found: &sheet.found,
@@ -121,8 +124,8 @@ pub fn score(truth: &Truth, map: &Map, convention: &Convention) -> Result<Vec<Le
             score.verdict = Verdict::from_causes(vec![Cause::Mips(Mips::OfLevelBefore)]);
         }
         is_lost |= truth.is_other && has_width(alpha) && !score.is_explained();
-        if k < read_count && has_width(alpha) {
-            let relmse = between_texels(truth, map.layout, faces, convention, alpha);
+        if let Some(exact_map) = exact_map.as_ref().filter(|_| k < read_count) {
+            let relmse = between_texels(truth, map.layout, faces, convention, exact_map);
             score.between = Some(relmse);
         }
         if let Some(between) = score.coarseness() {
@@ -232,7 +235,7 @@ impl Level<'_, '_> {
     /// Returns the right texels; for a mirror, means or lookups, whichever are nearer.
     fn exact_and_errors(&self) -> (Vec<DVec3>, Errors) {
         let environment = self.truth.environment;
-        let exact = exact(self.truth, self.kernel, self.directions, self.alpha);
+        let exact = exact_of(self.map, environment, self.directions);
         let errors = self.errors(&exact);
         // Lookups of a level as fine as the environment give the environment back.
         if !has_width(self.alpha) && finer(environment, self.directions) <= 1 {
@@ -370,14 +373,14 @@ impl Level<'_, '_> {
     }
 }
 
-/// Returns relMSE at four points per texel, looked up as a GPU does: linear, across the edges of
-/// faces.
+/// Returns relMSE of a level at four points per texel, looked up as a GPU does: linear, across the
+/// edges of faces.
 pub fn between_texels(
     truth: &Truth,
     layout: &'static MapLayout,
     faces: &[RgbImage],
     convention: &Convention,
-    alpha: f64,
+    exact_map: &SmoothMap,
 ) -> f64 {
     let texel = |texel: [f32; 3]| convention.scale * DVec3::from_array(texel.map(f64::from));
     let level = FilteredMap {
@@ -391,7 +394,7 @@ pub fn between_texels(
         .par_iter()
         .map(|world| level.value(convention.axes.to_file(*world), 0.0))
         .collect();
-    let exact = exact(truth, truth.kernel, &directions, alpha);
+    let exact = exact_of(Some(exact_map), truth.environment, &directions);
     errors(&directions, &found, &exact, truth.epsilon(), 1.0).relmse
 }
 
@@ -407,9 +410,11 @@ pub fn score_irradiance(truth: &Truth, map: &Map, convention: &Convention) -> Le
     });
     let summed = LazyCell::new(|| light::summed(truth.environment));
     let level_0 = LazyCell::new(Vec::new);
+    let exact_map = truth.prefiltered_by(kernel, alpha);
     let level = Level {
         truth,
         kernel,
+        map: Some(&exact_map),
         lights: &OtherLights::new(truth, &[], &changed, &summed, &level_0),
         directions: &sheet.directions,
         found: &sheet.found,

@@ -18,10 +18,12 @@ use std::f64::consts::PI;
 pub const SAME_MEAN: f64 = 0.02;
 /// Texels below this share of a cut are not cut.
 pub const UNCUT: f64 = 0.98;
-/// Rows of a map whose mean is searched.
-const ROWS: u32 = 64;
-/// Rows of a map whose mean decides.
-const ROWS_SURE: u32 = 8 * ROWS;
+/// Bins of a channel's values for each factor of e: the values of a bin differ by less than 1 %.
+const BINS_PER_E: f64 = 128.0;
+/// Smallest value that has a bin of its own.
+const BIN_LEAST: f64 = 1e-6;
+/// Fewest and most rows of a map that a level 0 is resampled to.
+const LEVEL_0_ROWS_RANGE: [u32; 2] = [64, 512];
 /// Rows of a lat-long map for each row of a face: a cube has two faces from pole to pole, and
 /// linear lookups between its texels need more.
 const LEVEL_0_ROWS: u32 = 4;
@@ -206,9 +208,47 @@ struct WeightedTexel {
     color: DVec3,
 }
 
+/// Values of a channel that are nearly alike.
+#[derive(Clone, Copy, Default)]
+struct Bin {
+    weight: f64,
+    /// Weighted sum.
+    sum: f64,
+}
+
+/// The values of a channel in bins: the mean of any smooth function of them takes little time.
+struct ChannelBins(Vec<Bin>);
+
+impl ChannelBins {
+    fn new(texels: &[WeightedTexel], channel: usize) -> Self {
+        let mut bins: Vec<Bin> = Vec::new();
+        for texel in texels {
+            let value = texel.color[channel];
+            // Saturates at 0.
+            let index = (1.0 + BINS_PER_E * (value / BIN_LEAST).ln()) as usize;
+            if index >= bins.len() {
+                bins.resize(index + 1, Bin::default());
+            }
+            bins[index].weight += texel.weight;
+            bins[index].sum += texel.weight * value;
+        }
+        bins.retain(|bin| bin.weight > 0.0);
+        Self(bins)
+    }
+
+    /// Returns the weighted sum of a function of the values.
+    fn sum(&self, function: impl Fn(f64) -> f64) -> f64 {
+        let terms = self.0.iter();
+        terms
+            .map(|bin| bin.weight * function(bin.sum / bin.weight))
+            .sum()
+    }
+}
+
 /// Means of a lat-long map by solid angle, as it is and after changes of its texels.
 struct MapMeans<'e> {
     image: &'e RgbImage,
+    channels: [ChannelBins; 3],
     /// Darkest first.
     texels: Vec<WeightedTexel>,
     /// Weighted sum of the texels before each index.
@@ -234,6 +274,7 @@ impl<'e> MapMeans<'e> {
         }
         Self {
             image,
+            channels: [0, 1, 2].map(|channel| ChannelBins::new(&texels, channel)),
             weight: texels.iter().map(|texel| texel.weight).sum(),
             texels,
             sums,
@@ -246,18 +287,33 @@ impl<'e> MapMeans<'e> {
         }
     }
 
-    /// Averages about `rows` rows of the changed map.
-    fn changed(&self, slip: SourceSlip, rows: u32) -> DVec3 {
+    /// Averages the map after a change that treats rows and channels alike.
+    fn changed(&self, change: impl Fn(DVec3) -> DVec3) -> DVec3 {
+        let channel = |index: usize| {
+            let changed = |value: f64| change(DVec3::splat(value))[index];
+            self.channels[index].sum(changed) / self.weight
+        };
+        DVec3::new(channel(0), channel(1), channel(2))
+    }
+
+    /// Averages one half of the map, with the other one black.
+    fn half(&self, half: Half) -> DVec3 {
         let RgbImage { width, height, .. } = *self.image;
-        let mut sum = DVec3::ZERO;
-        let mut whole = 0.0;
-        for y in (0..height).step_by(height.div_ceil(rows) as usize) {
-            let weight = row_weight(self.image, y);
+        let slip = SourceSlip::WithoutHalf(half);
+        let row = |y: u32| {
             let changed = |x: u32| slip.apply(color(self.image, x, y), y, height);
-            whole += weight * f64::from(width);
-            sum += weight * (0..width).map(changed).sum::<DVec3>();
-        }
-        sum / whole
+            row_weight(self.image, y) * (0..width).map(changed).sum::<DVec3>()
+        };
+        (0..height).map(row).sum::<DVec3>() / self.weight
+    }
+
+    /// Whether a change of the map gives it this mean.
+    fn has_mean(&self, slip: SourceSlip, mean: DVec3) -> bool {
+        let found = match slip {
+            SourceSlip::WithoutHalf(half) => self.half(half),
+            _ => self.changed(|color| slip.apply(color, 0, 1)),
+        };
+        is_same(found, mean)
     }
 
     /// Averages the cut map. A cut leaves dark texels as they are, so only bright ones count again.
@@ -284,7 +340,7 @@ impl<'e> MapMeans<'e> {
 
     fn exposed(&self, tone: Tone, mean: DVec3) -> SourceSlip {
         let exposure = solved_exposure(mean.element_sum(), |exposure| {
-            self.changed(SourceSlip::Tone { tone, exposure }, ROWS)
+            self.changed(|color| tone.apply(exposure * color))
                 .element_sum()
         });
         SourceSlip::Tone { tone, exposure }
@@ -330,7 +386,7 @@ pub fn sources(environment: &Environment, mean: DVec3, gains: &[f64]) -> Vec<Sou
         .into_iter()
         .chain(curves)
         .chain(tones)
-        .filter(|slip| is_same(means.changed(*slip, ROWS_SURE), mean));
+        .filter(|slip| means.has_mean(*slip, mean));
     cuts.chain(others)
         .map(|slip| means.source(environment, slip))
         .collect()
@@ -370,7 +426,8 @@ pub fn of_level_0(
         layout,
         levels: vec![faces.iter().map(|face| face.map(texel)).collect()],
     };
-    let rows = (LEVEL_0_ROWS * faces[0].height).clamp(ROWS, ROWS_SURE);
+    let [least, most] = LEVEL_0_ROWS_RANGE;
+    let rows = (LEVEL_0_ROWS * faces[0].height).clamp(least, most);
     let size = DVec2::new((2 * rows).into(), rows.into());
     let image = RgbImage::from_fn(2 * rows, rows, |x, y| {
         let uv = (DVec2::new(x.into(), y.into()) + 0.5) / size;

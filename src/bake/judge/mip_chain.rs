@@ -6,7 +6,7 @@
 
 use super::directions::Directions;
 use super::exact::mirror;
-use super::sampled_lobe::SampledLobe;
+use super::sampled_lobe::{Ring, SampledLobe};
 use crate::bake::convention::Axes;
 use crate::base::names::Listed;
 use crate::base::pixels::Pixels;
@@ -15,11 +15,15 @@ use crate::instrument::environment::layout::{FilteredMap, MapLayout};
 use glam::DVec3;
 use rayon::prelude::*;
 use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
-/// Step of the rings of a lobe in `ln tan(γ/2)`, and the directions in a ring: denser than the
-/// blurs are wide.
-const RING_STEP: f64 = 0.25;
-const RING_COUNT: u32 = 20;
+/// Steps of the rings of a lobe in `ln tan(γ/2)`. Samples of irradiance blur the least for the width
+/// of their lobe.
+const RING_STEP: f64 = 0.125;
+const RING_STEP_OF_IRRADIANCE: f64 = 0.0625;
+/// Fewest and most directions in a ring: as far apart as the texels that are read.
+const RING_COUNT_MIN: f64 = 4.0;
+const RING_COUNT_MAX: f64 = 100.0;
 /// Turn from ring to ring, so that directions do not line up: the golden angle, rad.
 const RING_TURN: f64 = 2.399_963_229_728_653;
 /// Largest share of a lobe that rings may leave out.
@@ -43,11 +47,23 @@ pub struct MipChain {
     texel_angle: f64,
 }
 
-/// A direction of light about +z.
-struct Light {
-    local: DVec3,
+/// Light at one angle to the middle of a lobe. Its samples read one mip.
+struct MipRing {
     weight: f64,
+    /// Mip whose texels are as large as a sample. It may lie outside the chain.
     mip: f64,
+    /// Mips that are averaged.
+    mips: Range<usize>,
+    /// Directions about +z.
+    local: Vec<DVec3>,
+}
+
+/// The mips of a chain, averaged over the rings of a lobe about each compared direction. A level of
+/// samples that read any mips is a sum of these.
+pub struct RingMeans {
+    rings: Vec<MipRing>,
+    /// By direction: the means of each ring, one for each of its mips.
+    means: Vec<Vec<DVec3>>,
 }
 
 impl MipChain {
@@ -84,49 +100,103 @@ impl MipChain {
         }
     }
 
-    /// Returns the level whose samples read mips these many levels too coarse.
-    pub fn level(
+    /// Averages the mips over the rings of a lobe, for samples that read mips too coarse by a number
+    /// of levels in a range.
+    pub fn ring_means(
         &self,
         lobe: SampledLobe,
         alpha: f64,
-        levels: f64,
+        levels: [f64; 2],
         directions: &Directions,
-    ) -> Vec<DVec3> {
-        let lights = self.lights(lobe, alpha, levels);
-        let whole: f64 = lights.iter().map(|light| light.weight).sum();
-        let value = |r: &DVec3| {
+    ) -> RingMeans {
+        let rings = self.rings(lobe, alpha, levels);
+        let means_about = |r: &DVec3| {
             let (right, up) = r.any_orthonormal_pair();
-            let radiance = |light: &Light| {
-                let world = right * light.local.x + up * light.local.y + *r * light.local.z;
-                light.weight * self.map.value(world, light.mip)
-            };
-            lights.iter().map(radiance).sum::<DVec3>() / whole
+            let mut means = Vec::with_capacity(rings.iter().map(|ring| ring.mips.len()).sum());
+            for ring in &rings {
+                let first = means.len();
+                means.resize(first + ring.mips.len(), DVec3::ZERO);
+                for local in &ring.local {
+                    let world = right * local.x + up * local.y + *r * local.z;
+                    let values = self.map.level_values(world, ring.mips.clone());
+                    for (mean, value) in means[first..].iter_mut().zip(values) {
+                        *mean += value / ring.local.len() as f64;
+                    }
+                }
+            }
+            means
         };
-        directions.world.par_iter().map(value).collect()
+        RingMeans {
+            means: directions.world.par_iter().map(means_about).collect(),
+            rings,
+        }
     }
 
-    fn lights(&self, lobe: SampledLobe, alpha: f64, levels: f64) -> Vec<Light> {
-        let rings = lobe.rings(alpha, |_| RING_STEP);
+    fn rings(&self, lobe: SampledLobe, alpha: f64, levels: [f64; 2]) -> Vec<MipRing> {
+        let step = if lobe.is_irradiance {
+            RING_STEP_OF_IRRADIANCE
+        } else {
+            RING_STEP
+        };
+        let rings = lobe.rings(alpha, |_| step);
         let whole: f64 = rings.iter().map(|ring| ring.weight).sum();
         let least = LEFT_OUT * whole / rings.len() as f64;
-        let mut lights = Vec::new();
-        for (index, ring) in rings.iter().enumerate() {
-            if ring.weight < least {
-                continue;
-            }
+        let last = self.map.levels.len() - 1;
+        let mip_ring = |(index, ring): (usize, &Ring)| {
             let sin = (1.0 - ring.cos * ring.cos).max(0.0).sqrt();
-            let mip = levels + 0.5 * (ring.solid_angle / self.texel_angle).log2();
-            lights.extend((0..RING_COUNT).map(|k| {
-                let turn = TAU * f64::from(k) / f64::from(RING_COUNT);
-                let phi = turn + RING_TURN * index as f64;
-                Light {
-                    local: DVec3::new(sin * phi.cos(), sin * phi.sin(), ring.cos),
-                    weight: ring.weight,
-                    mip,
-                }
-            }));
-        }
-        lights
+            let mip = 0.5 * (ring.solid_angle / self.texel_angle).log2();
+            let read = levels.map(|levels| (mip + levels).clamp(0.0, last as f64));
+            // The finest texels that are read.
+            let side = (self.texel_angle * (2.0 * read[0]).exp2()).sqrt();
+            let count = (TAU * sin / side)
+                .ceil()
+                .clamp(RING_COUNT_MIN, RING_COUNT_MAX);
+            let direction = |k: u32| {
+                let phi = TAU * f64::from(k) / count + RING_TURN * index as f64;
+                DVec3::new(sin * phi.cos(), sin * phi.sin(), ring.cos)
+            };
+            MipRing {
+                weight: ring.weight,
+                mip,
+                mips: read[0].floor() as usize..read[1].ceil() as usize + 1,
+                local: (0..count as u32).map(direction).collect(),
+            }
+        };
+        rings
+            .iter()
+            .enumerate()
+            .filter(|(_, ring)| ring.weight >= least)
+            .map(mip_ring)
+            .collect()
+    }
+}
+
+impl RingMeans {
+    /// Returns the level whose samples read mips these many levels too coarse.
+    pub fn level(&self, levels: f64) -> Vec<DVec3> {
+        let whole: f64 = self.rings.iter().map(|ring| ring.weight).sum();
+        let value = |means: &Vec<DVec3>| {
+            let mut sum = DVec3::ZERO;
+            let mut first = 0;
+            for ring in &self.rings {
+                let mips = &means[first..first + ring.mips.len()];
+                sum += ring.weight * ring.lookup(mips, levels);
+                first += ring.mips.len();
+            }
+            sum / whole
+        };
+        self.means.iter().map(value).collect()
+    }
+}
+
+impl MipRing {
+    /// Interpolates between the means of its mips, these many levels too coarse.
+    fn lookup(&self, means: &[DVec3], levels: f64) -> DVec3 {
+        let mip = self.mip + levels - self.mips.start as f64;
+        let mip = mip.clamp(0.0, (means.len() - 1) as f64);
+        let fine = mip.floor() as usize;
+        let coarse = (fine + 1).min(means.len() - 1);
+        means[fine].lerp(means[coarse], mip.fract())
     }
 }
 

@@ -72,13 +72,30 @@ pub const GOOD: f64 = 1e-3;
 /// Largest share of the error that an explanation may leave.
 const EXPLAINED: f64 = 0.25;
 
+/// The degree at which harmonics of a level are cut off.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum CutOff {
+    /// As our bakes are.
+    Bake,
+    /// Beyond it, so that our bakes are not judged by their own cut-off.
+    Judge,
+}
+
+impl CutOff {
+    fn degree(self, alpha: f64) -> usize {
+        match self {
+            Self::Bake => harmonic::degree(alpha),
+            Self::Judge => harmonic::degree_of_judge(alpha),
+        }
+    }
+}
+
 /// The light of a bake, and the kernel that it should have.
 pub struct Truth<'a> {
     pub environment: &'a Environment,
     kernel: Kernel,
     harmonics: Harmonics,
-    /// Multiple of the degree at which a bake is cut off: 1, or 2 to judge bakes.
-    reach: usize,
+    cut_off: CutOff,
     /// Whether the axes of the prefiltered map fit so badly that it seems to be of another light.
     is_other: bool,
     /// Whether the files are RGBP whose scale was rounded up.
@@ -88,33 +105,34 @@ pub struct Truth<'a> {
 impl<'a> Truth<'a> {
     /// Prepares the integrals for levels of these widths.
     pub fn new(environment: &'a Environment, kernel: Kernel, alphas: &[f64]) -> Self {
-        Self::reaching(1, environment, kernel, alphas)
+        Self::cut_off_at(CutOff::Bake, environment, kernel, alphas)
     }
 
-    /// Doubles the degree, so that our own bakes are not judged by their own cut-off.
+    /// The same for a judge: our own bakes are not judged by their own cut-off.
     pub fn judging(environment: &'a Environment, kernel: Kernel, alphas: &[f64]) -> Self {
-        Self::reaching(2, environment, kernel, alphas)
+        Self::cut_off_at(CutOff::Judge, environment, kernel, alphas)
     }
 
-    fn reaching(
-        reach: usize,
+    fn cut_off_at(
+        cut_off: CutOff,
         environment: &'a Environment,
         kernel: Kernel,
         alphas: &[f64],
     ) -> Self {
         let widths = alphas.iter().filter(|alpha| has_width(**alpha));
         let degree = widths
-            .map(|alpha| harmonic::degree(*alpha))
+            .map(|alpha| cut_off.degree(*alpha))
             .max()
             .unwrap_or_default();
         // A fit tries narrower lobes than the levels'.
-        let degree = (reach * degree.max(harmonic::degree(1.0)))
+        let degree = degree
+            .max(cut_off.degree(1.0))
             .clamp(fit::DEGREE_MAX, harmonic::DEGREE_MAX);
         Self {
             environment,
             kernel,
             harmonics: harmonic::harmonics(&environment.image, degree),
-            reach,
+            cut_off,
             is_other: false,
             has_rounded_up_scale: false,
         }
@@ -124,8 +142,12 @@ impl<'a> Truth<'a> {
         // Other kernels only explain a level.
         let is_expected =
             kernel.brdf.name() == self.kernel.brdf.name() && kernel.weight == self.kernel.weight;
-        let reach = if is_expected { self.reach } else { 1 };
-        harmonic::factors(kernel, alpha, degree.min(reach * harmonic::degree(alpha)))
+        let cut_off = if is_expected {
+            self.cut_off
+        } else {
+            CutOff::Bake
+        };
+        harmonic::factors(kernel, alpha, degree.min(cut_off.degree(alpha)))
     }
 
     /// Convolves the light for a width that [`has_width`].

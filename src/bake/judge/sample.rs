@@ -123,6 +123,8 @@ pub fn least_turn(steps: i32, error: impl Fn(f64) -> f64) -> f64 {
 pub struct Level<'t, 'd> {
     pub truth: &'t Truth<'t>,
     pub kernel: Kernel,
+    /// The right map; `None` for a mirror.
+    pub map: Option<&'d SmoothMap>,
     pub lights: &'d OtherLights<'t>,
     pub directions: &'d Directions,
     pub found: &'d [DVec3],
@@ -169,8 +171,6 @@ pub struct Sample<'a, 't> {
     pub level: &'a Level<'t, 'a>,
     pub directions: Directions,
     pub found: Vec<DVec3>,
-    /// The right map; `None` for a mirror.
-    map: Option<SmoothMap>,
     /// Largest value of the level.
     pub most: f64,
 }
@@ -183,21 +183,29 @@ impl<'a, 't> Sample<'a, 't> {
             .iter()
             .map(|texel| texel.max_element())
             .fold(0.0, f64::max);
-        let map =
-            has_width(level.alpha).then(|| level.truth.prefiltered_by(level.kernel, level.alpha));
         Self {
             level,
             directions: level.directions.only(&chosen),
             found: fit::picked(level.found, &chosen),
-            map,
             most,
+        }
+    }
+
+    /// Keeps one of `step` texels.
+    pub fn every(&self, step: usize) -> Sample<'_, 't> {
+        let chosen: Vec<usize> = (0..self.found.len()).step_by(step).collect();
+        Sample {
+            level: self.level,
+            directions: self.directions.only(&chosen),
+            found: fit::picked(&self.found, &chosen),
+            most: self.most,
         }
     }
 
     /// Returns the right texels at these directions, turned.
     pub fn right(&self, directions: &Directions, turn: DQuat) -> Vec<DVec3> {
         let light = self.level.truth.environment;
-        match &self.map {
+        match self.level.map {
             Some(map) => directions
                 .world
                 .iter()

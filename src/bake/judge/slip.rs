@@ -12,7 +12,7 @@ use super::sample::{Level, Sample, Slipped};
 use super::texel::{
     ChannelCopy, ChannelOrder, ColorConversion, Curve, Cut, Packing, Primaries, Rgbm, Tone,
 };
-use super::{EXPLAINED, GOOD, GOOD_BIAS, faces, fit, has_width};
+use super::{EXPLAINED, GOOD, GOOD_BIAS, errors, faces, fit, has_width};
 use crate::instrument::precompute::prefilter::{Kernel, harmonic};
 use glam::{DQuat, DVec3};
 
@@ -38,6 +38,8 @@ pub const BETTER: f64 = 0.3;
 const BETTER_THAN_FIT: f64 = 0.5;
 /// Largest share of a relMSE that the rounding of a file may leave, if it is named.
 const ROUNDED: f64 = 0.8;
+/// relMSE of values that the rounding changes enough to be named beside a larger rest: 1 % rms.
+const ROUNDING_SHOWS: f64 = 1e-4;
 /// Smallest ratio of two channels' gains that is a slip.
 const CHANNELS_APART: f64 = 1.02;
 /// Largest difference of the texels of a flat level, as a share.
@@ -331,8 +333,12 @@ impl Sample<'_, '_> {
         if !self.level.truth.has_rounded_up_scale {
             return Candidate { relmse, causes };
         }
-        let by_rounding = self.relmse(&self.stored(&slipped.values));
-        if by_rounding < ROUNDED * relmse {
+        let stored = self.stored(&slipped.values);
+        let by_rounding = self.relmse(&stored);
+        let epsilon = self.level.truth.epsilon();
+        let change = errors(&self.directions, &stored, &slipped.values, epsilon, 1.0).relmse;
+        let shows = change > ROUNDING_SHOWS && by_rounding < relmse;
+        if shows || by_rounding < ROUNDED * relmse {
             causes.push(Cause::Encoding(Encoding::RgbpScaleRoundedUp));
         }
         Candidate {

@@ -134,7 +134,8 @@ fn last_between(
     let count = map.levels.len();
     let faces = &map.levels[count.min(convention.mapping_levels(count) as usize) - 1];
     let alpha = exact.alphas[exact.alphas.len() - 1];
-    let relmse = level::between_texels(&exact.truth, map.layout, faces, convention, alpha);
+    let exact_map = exact.truth.prefiltered(alpha);
+    let relmse = level::between_texels(&exact.truth, map.layout, faces, convention, &exact_map);
     let has_choice = making.form().has_taps();
     let is_too_small = has_choice && relmse > GOOD && faces[0].width < LAST_SIDE;
     let product = making.preset.product();

@@ -9,8 +9,8 @@ use crate::base::color::luminance;
 #[cfg(feature = "gpu")]
 use crate::base::pixels::gain_map;
 use crate::base::pixels::{
-    Content, Decoded, Fault, HALF_MAX, PixelsError, Projection, RgbImage, TexelPosition, exr,
-    radiance, read_bounded,
+    Content, Decoded, Fault, GrayImage, HALF_MAX, PixelsError, Projection, RgbImage, TexelPosition,
+    exr, radiance, read_bounded,
 };
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -103,6 +103,8 @@ impl Default for LoadOptions {
 
 /// Relative deviation from 2:1 that rounding of a size can explain.
 const ASPECT_TOLERANCE: f64 = 0.01;
+/// Alpha from which a pixel is opaque: lossy compression changes it a little.
+const OPAQUE: f32 = 0.99;
 
 impl Environment {
     /// Loads `builtin:NAME[:PARAMETER=VALUE,...]`, an image file or `FILE.exr#LAYER`; paths are
@@ -223,10 +225,10 @@ pub fn checked(
 ) -> Result<Environment, EnvironmentError> {
     let Decoded {
         rgb: mut image,
+        alpha,
         mut warnings,
         content,
         projection,
-        ..
     } = decoded;
     if content == Content::Data {
         let what = "it holds no colours, by its label; expected radiance".to_owned();
@@ -248,6 +250,7 @@ pub fn checked(
         clamp_invalid(&mut image);
     }
     check_peak(spec, &image)?;
+    warnings.extend(alpha.as_ref().and_then(transparency));
     if projection.is_none() {
         check_not_a_strip(spec, &image)?;
         check_not_a_cross(spec, &image)?;
@@ -446,6 +449,18 @@ fn check_peak(spec: &str, image: &RgbImage) -> Result<(), EnvironmentError> {
          {MAX_RADIANCE:e}, above which sums of squares overflow (scale the file)"
     );
     Err(not_radiance(spec, what))
+}
+
+/// Warns of pixels that are not opaque: formats with alpha store colours that are multiplied by it.
+fn transparency(alpha: &GrayImage) -> Option<String> {
+    let clear_count = alpha.data.iter().filter(|alpha| **alpha < OPAQUE).count();
+    (clear_count > 0).then(|| {
+        let share = 100.0 * clear_count as f64 / alpha.data.len() as f64;
+        format!(
+            "Alpha is below 1 in {share:.2} % of the pixels; their colours were taken as they are \
+             stored, over black."
+        )
+    })
 }
 
 /// Returns warnings about a map with valid texels.

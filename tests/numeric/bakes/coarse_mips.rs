@@ -9,10 +9,11 @@ use glam::{DVec2, DVec3};
 use splitsum::bake::Bake;
 use splitsum::bake::judge::{Cause, Encoding, MipSource, Truth};
 use splitsum::base::math::equirect::uv_from_direction;
-use splitsum::base::pixels::RgbImage;
+use splitsum::base::names::Listed;
+use splitsum::base::pixels::{Pixels, RgbImage};
 use splitsum::instrument::brdf::{Brdf, Ggx};
 use splitsum::instrument::environment::Environment;
-use splitsum::instrument::environment::layout::LAYOUTS;
+use splitsum::instrument::environment::layout::{FilteredMap, LAYOUTS, MapLayout};
 use splitsum::instrument::precompute::prefilter::Kernel;
 use std::f64::consts::PI;
 
@@ -83,7 +84,7 @@ fn level_of_vtk(light: &Environment, alpha: f64) -> Vec<RgbImage> {
 #[test]
 fn mips_of_a_lat_long_map_are_named_with_their_levels() {
     let light = lamps();
-    let widths = [0.04];
+    let widths = [0.04, 0.16, 0.64];
     let map = of_levels(widths.map(|alpha| level_of_vtk(&light, alpha)).to_vec());
     let judged = judged(&light, map, Some(&widths));
     for level in 0..widths.len() {
@@ -124,7 +125,61 @@ fn coarse_mips_of_irradiance_are_named_with_their_levels() {
     assert!((levels - 2.5).abs() < 0.4, "{levels}");
 }
 
-/// PlayCanvas 2.23.3 rounds the scale of RGBP up.
+/// Side of the cube whose mips are read, texels.
+const CUBE_SIDE: u32 = 64;
+
+/// A cube of the light with mips as `glGenerateMipmap` makes them.
+fn cube_mips(light: &Environment) -> FilteredMap {
+    let layout = MapLayout::listed("cube");
+    let face = |face: u32| {
+        Pixels::from_fn(CUBE_SIDE, CUBE_SIDE, |x, y| {
+            let uv = (DVec2::new(x.into(), y.into()) + 0.5) / f64::from(CUBE_SIDE);
+            light.radiance((layout.direction)(face, uv))
+        })
+    };
+    let halved = |face: &Pixels<DVec3>| {
+        Pixels::from_fn(face.width / 2, face.height / 2, |x, y| {
+            let texel = |[i, j]: [u32; 2]| face.get(2 * x + i, 2 * y + j);
+            [[0, 0], [1, 0], [0, 1], [1, 1]]
+                .map(texel)
+                .iter()
+                .sum::<DVec3>()
+                / 4.0
+        })
+    };
+    let mut levels: Vec<Vec<Pixels<DVec3>>> = vec![(0..6).map(face).collect()];
+    while levels[levels.len() - 1][0].width > 1 {
+        levels.push(levels[levels.len() - 1].iter().map(halved).collect());
+    }
+    FilteredMap { layout, levels }
+}
+
+/// The mip that PlayCanvas 2.23.3 reads for a density of samples: it divides texels by samples, and
+/// forgets the 4 pi of the sphere, ½ log2 4π = 1.83 levels.
+fn mip_of_playcanvas(sample_count: u32, density: f64) -> f64 {
+    let texels_per_sample = f64::from(6 * CUBE_SIDE * CUBE_SIDE) / f64::from(sample_count);
+    0.5 * (texels_per_sample / density).log2()
+}
+
+/// A texel of a level as PlayCanvas filters it.
+fn filtered_by_playcanvas(mips: &FilteredMap, halves: &[DVec3], alpha: f64, n: DVec3) -> DVec3 {
+    let (t, b) = n.any_orthonormal_pair();
+    let mut sum = DVec3::ZERO;
+    let mut whole = 0.0;
+    for h in halves {
+        let h_world = t * h.x + b * h.y + n * h.z;
+        let l = 2.0 * n.dot(h_world) * h_world - n;
+        let n_dot_l = n.dot(l);
+        if n_dot_l > 0.0 {
+            let density = 0.25 * Ggx.d(*h, alpha) + 1e-3;
+            sum += n_dot_l * mips.value(l, mip_of_playcanvas(halves.len() as u32, density));
+            whole += n_dot_l;
+        }
+    }
+    sum / whole
+}
+
+/// PlayCanvas 2.23.3 reads mips 1.83 levels too coarse, and rounds the scale of RGBP up.
 #[test]
 fn scales_of_rgbp_that_are_rounded_up_are_named() {
     let lamps = lamps();
@@ -132,13 +187,17 @@ fn scales_of_rgbp_that_are_rounded_up_are_named() {
     let light = Environment::from_image("bright", bright);
     let alphas: [f64; 6] = std::array::from_fn(|k| (k as f64 / 5.0).powi(2));
     let truth = Truth::new(&light, Kernel::cosine(&Ggx), &alphas);
-    let maps: Vec<_> = alphas[1..]
+    let exact: Vec<_> = alphas[1..]
         .iter()
         .map(|alpha| truth.prefiltered(*alpha))
         .collect();
+    let mips = cube_mips(&light);
+    let halves = alphas.map(|alpha| half_vectors(1024, alpha));
+    // The coarse levels have few texels, so that the test takes little time.
     let value = |k: usize, d: DVec3| match k {
         0 => light.radiance(d),
-        _ => maps[k - 1].value(d),
+        1..3 => exact[k - 1].value(d),
+        _ => filtered_by_playcanvas(&mips, &halves[k], alphas[k], d),
     };
     let dir = tempfile::tempdir().unwrap();
     let path = dir.path().join("atlas.png");
@@ -146,14 +205,58 @@ fn scales_of_rgbp_that_are_rounded_up_are_named() {
     for scale in [RgbpScale::RoundedUp, RgbpScale::RoundedDown] {
         atlas_of(&light, scale, value).save(&path).unwrap();
         let judged = judged_file(&light, &path);
-        let is_named = causes_of(&judged, 0).contains(&rounding);
-        assert_eq!(
-            is_named,
-            scale == RgbpScale::RoundedUp,
-            "{}",
-            judged.verdict()
-        );
+        let verdict = judged.verdict();
+        for level in [0, 3, 4, 5] {
+            let causes = causes_of(&judged, level);
+            assert_eq!(
+                causes.contains(&rounding),
+                scale == RgbpScale::RoundedUp,
+                "level {level}: {verdict}"
+            );
+            let levels = causes.iter().find_map(|cause| match cause {
+                Cause::CoarseMips { levels, .. } => Some(*levels),
+                _ => None,
+            });
+            match levels {
+                Some(levels) => {
+                    assert!(
+                        level > 0 && (levels - 1.83).abs() < 0.3,
+                        "level {level}: {levels}"
+                    );
+                }
+                None => assert_eq!(level, 0, "{verdict}"),
+            }
+        }
     }
+}
+
+/// Grazing samples of irradiance read the last mips of a cube, which even blurs do not resemble.
+#[test]
+fn irradiance_of_a_cubes_mips_is_named() {
+    let light = lamps();
+    let mips = cube_mips(&light);
+    let texel = |n: DVec3| {
+        let (t, b) = n.any_orthonormal_pair();
+        let sample = |i: u32| {
+            let sin = (f64::from(i.reverse_bits()) / 2f64.powi(32)).sqrt();
+            let cos = (1.0 - sin * sin).sqrt();
+            let (y, x) = (2.0 * PI * f64::from(i) / 1024.0).sin_cos();
+            let l = sin * (x * t + y * b) + cos * n;
+            mips.value(l, 0.5 + mip_of_playcanvas(1024, cos / PI))
+        };
+        (0..1024).map(sample).sum::<DVec3>() / 1024.0
+    };
+    let bake = Bake {
+        irradiance: Some(of_levels(vec![faces(&LAYOUTS[0], [12; 2], texel)])),
+        ..Bake::default()
+    };
+    let judged = judged_bake(&light, bake, None);
+    let irradiance = judged.irradiance.as_ref().unwrap();
+    let [Cause::CoarseMips { levels, source }] = irradiance.verdict.causes() else {
+        panic!("{irradiance:?}");
+    };
+    assert_eq!(*source, MipSource::Cube);
+    assert!((levels - 2.33).abs() < 0.3, "{levels}");
 }
 
 /// What a level lacks because the sun was cut does not count as a gain of others.

@@ -163,9 +163,10 @@ fn odd_exposures_and_first_lines_are_read_with_a_warning() {
     }
 }
 
-/// Radiance's views are not lat-long maps, and its pixels may not be square.
+/// Radiance's views are not lat-long maps, its pixels may not be square, and other programs' files
+/// may be encoded.
 #[test]
-fn views_and_pixel_aspects_are_named() {
+fn views_pixel_aspects_and_gammas_are_named() {
     let warnings = |field: &str| {
         let header = format!("{MAGIC}{field}\n\n-Y 1 +X 1\n");
         read(&header, &[128, 128, 128, 128]).unwrap().warnings
@@ -173,10 +174,12 @@ fn views_and_pixel_aspects_are_named() {
     assert!(warnings("VIEW= -vta -vh 180 -vv 180")[0].contains("an angular fisheye (-vta)"));
     assert!(warnings("VIEW= -vp 0 0 0 -vtv -vh 45")[0].contains("a perspective view"));
     assert!(warnings("PIXASPECT=2.0")[0].contains("pixel aspect ratio 2.0"));
+    assert!(warnings("GAMMA= 2.2")[0].contains("GAMMA is \"2.2\""));
     for harmless in [
         "VIEW= -vtc -vh 360 -vv 180",
         "VIEW= -vp 0 0 0",
         "PIXASPECT= 1.000",
+        "GAMMA=1.00",
     ] {
         assert!(warnings(harmless).is_empty(), "{harmless}");
     }

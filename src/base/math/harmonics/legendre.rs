@@ -4,8 +4,9 @@
 use glam::DVec3;
 use std::f64::consts::PI;
 
-/// Row pairs per recurrence.
-pub(super) const LANES: usize = 4;
+/// Row pairs per recurrence. Each step of a recurrence waits for the one before, so a processor has
+/// time for this many side by side.
+pub(super) const LANES: usize = 8;
 /// Constants of the recurrence of `P_lm`, the same for all rows.
 #[derive(Clone, Debug)]
 pub(super) struct Legendre {

@@ -95,7 +95,10 @@ impl Harmonics {
         let degree = degree.min(self.degree());
         let bands_of = |members: &[DVec3]| {
             let block = Block::from_directions(members);
-            let mut bands = vec![vec![DVec3::ZERO; degree + 1]; members.len()];
+            let phi = |lane: usize| TAU * uv_from_direction(members[lane.min(members.len() - 1)]).x;
+            let phi: [f64; LANES] = std::array::from_fn(phi);
+            // Lanes side by side, by degree and channel.
+            let mut bands = vec![[[0.0; LANES]; 3]; degree + 1];
             let mut p = Vec::new();
             for m in 0..=degree {
                 if !self.legendre.fill(m, degree, &block, &mut p) {
@@ -103,15 +106,23 @@ impl Harmonics {
                 }
                 // Orders -m are conjugates: they double the real part.
                 let twice = if m == 0 { 1.0 } else { 2.0 };
-                for (lane, (bands, d)) in bands.iter_mut().zip(members).enumerate() {
-                    let (sin, cos) = (m as f64 * TAU * uv_from_direction(*d).x).sin_cos();
-                    for ((band, value), p) in bands[m..].iter_mut().zip(&self.orders[m]).zip(&p) {
-                        let part = |i: usize| value[i] * cos - value[i + 3] * sin;
-                        *band += twice * p[lane] * DVec3::new(part(0), part(1), part(2));
+                let turns = phi.map(|phi| (m as f64 * phi).sin_cos());
+                for ((band, value), p) in bands[m..].iter_mut().zip(&self.orders[m]).zip(&p) {
+                    for (channel, band) in band.iter_mut().enumerate() {
+                        let [re, im] = [value[channel], value[channel + 3]];
+                        (0..LANES).for_each(|lane| {
+                            let (sin, cos) = turns[lane];
+                            band[lane] += twice * p[lane] * (re * cos - im * sin);
+                        });
                     }
                 }
             }
-            bands
+            let of_lane = |lane: usize| -> Vec<DVec3> {
+                let band =
+                    |band: &[[f64; LANES]; 3]| DVec3::from_array(band.map(|lanes| lanes[lane]));
+                bands.iter().map(band).collect()
+            };
+            (0..members.len()).map(of_lane).collect::<Vec<_>>()
         };
         directions
             .par_chunks(LANES)

@@ -12,9 +12,6 @@ use std::sync::Arc;
 /// Sums over the degrees of one order, by parity of l + m, part of a [`Sextet`] and lane.
 type OrderSums = [[[f64; LANES]; 6]; 2];
 
-/// The texels of a row and of its mirror image.
-type RowPair = [Vec<DVec3>; 2];
-
 /// The convolution of a map with a zonal kernel, ready for rows of `width` texels.
 pub(super) struct Synthesis<'a> {
     legendre: &'a Legendre,
@@ -26,11 +23,19 @@ pub(super) struct Synthesis<'a> {
     inverse: Arc<dyn ComplexToReal<f64>>,
 }
 
-/// The buffers of an inverse FFT.
+/// What the rows of a block are computed in: the sums over its degrees, and an inverse FFT.
 struct Buffers {
+    legendre: Vec<[f64; LANES]>,
+    sums: Vec<OrderSums>,
     spectrum: Vec<Complex<f64>>,
     line: Vec<f64>,
     scratch: Vec<Complex<f64>>,
+}
+
+/// The rows of a block in the map, and their mirror images: the last row is the first one's.
+struct BlockRows<'t> {
+    north: &'t mut [DVec3],
+    south: &'t mut [DVec3],
 }
 
 impl<'a> Synthesis<'a> {
@@ -61,63 +66,84 @@ impl<'a> Synthesis<'a> {
 
     /// Returns the texels of `height` rows.
     pub(super) fn map(&self, height: usize) -> Vec<DVec3> {
-        let rows: Vec<RowPair> = Block::all(height)
-            .par_iter()
-            .flat_map_iter(|block| self.rows(block))
-            .collect();
-        let pairs = height.div_ceil(2);
-        let north = rows[..pairs].iter().map(|[north, _]| north);
+        let mut texels = vec![DVec3::ZERO; self.width * height];
         // The middle row of an odd number mirrors itself.
-        north
-            .chain(rows[..height / 2].iter().rev().map(|[_, south]| south))
-            .flatten()
-            .copied()
-            .collect()
+        let (north, south) = texels.split_at_mut(self.width * height.div_ceil(2));
+        let block_size = self.width * LANES;
+        let north = north.par_chunks_mut(block_size);
+        let south = south.par_rchunks_mut(block_size).map(Some);
+        // The middle row may have a block of its own.
+        let south = south.chain(rayon::iter::once(None));
+        Block::all(height)
+            .par_iter()
+            .zip(north.zip(south))
+            .for_each_init(
+                || self.buffers(),
+                |buffers, (block, (north, south))| {
+                    let south = south.unwrap_or_default();
+                    self.fill(block, BlockRows { north, south }, buffers);
+                },
+            );
+        texels
     }
 
-    /// Returns the rows of a block's lanes.
-    fn rows(&self, block: &Block) -> Vec<RowPair> {
-        let sums = self.sums(block);
-        let mut buffers = Buffers {
+    fn buffers(&self) -> Buffers {
+        Buffers {
+            legendre: Vec::new(),
+            sums: vec![[[[0.0; LANES]; 6]; 2]; self.orders.len()],
             spectrum: self.inverse.make_input_vec(),
             line: self.inverse.make_output_vec(),
             scratch: self.inverse.make_scratch_vec(),
-        };
-        (0..LANES)
-            .map(|lane| [1.0, -1.0].map(|sign| self.row(&sums, lane, sign, &mut buffers)))
-            .collect()
+        }
+    }
+
+    /// Computes the rows of a block's lanes.
+    fn fill(&self, block: &Block, rows: BlockRows, buffers: &mut Buffers) {
+        self.sum(block, buffers);
+        let north = rows.north.chunks_mut(self.width);
+        for (lane, row) in north.enumerate() {
+            self.fill_row(row, lane, 1.0, buffers);
+        }
+        let south = rows.south.rchunks_mut(self.width);
+        for (lane, row) in south.enumerate() {
+            self.fill_row(row, lane, -1.0, buffers);
+        }
     }
 
     /// Sums over the degrees of each order.
-    fn sums(&self, block: &Block) -> Vec<OrderSums> {
+    fn sum(&self, block: &Block, buffers: &mut Buffers) {
         let degree = self.orders.len() - 1;
-        let mut sums: Vec<OrderSums> = vec![[[[0.0; LANES]; 6]; 2]; degree + 1];
-        let mut p = Vec::new();
-        for (m, (values, sums)) in self.orders.iter().zip(&mut sums).enumerate() {
-            if !self.legendre.fill(m, degree, block, &mut p) {
+        let p = &mut buffers.legendre;
+        for (m, (values, sums)) in self.orders.iter().zip(&mut buffers.sums).enumerate() {
+            *sums = [[[0.0; LANES]; 6]; 2];
+            if !self.legendre.fill(m, degree, block, p) {
                 continue;
             }
             for (parity, sums) in sums.iter_mut().enumerate() {
-                let mut parity_sums = [[0.0; LANES]; 6];
-                let values = values.iter().skip(parity).step_by(2);
-                for (value, p) in values.zip(p.iter().skip(parity).step_by(2)) {
-                    (0..6).for_each(|i| {
-                        (0..LANES).for_each(|lane| parity_sums[i][lane] += value[i] * p[lane])
-                    });
+                // The real parts, then the imaginary ones: sums of all six fill too many registers.
+                for (part, sums) in sums.chunks_exact_mut(3).enumerate() {
+                    let mut part_sums = [[0.0; LANES]; 3];
+                    let values = values.iter().skip(parity).step_by(2);
+                    for (value, p) in values.zip(p.iter().skip(parity).step_by(2)) {
+                        for (sum, value) in part_sums.iter_mut().zip(&value[3 * part..]) {
+                            (0..LANES).for_each(|lane| sum[lane] += value * p[lane]);
+                        }
+                    }
+                    sums.copy_from_slice(&part_sums);
                 }
-                *sums = parity_sums;
             }
         }
-        sums
     }
 
-    /// Returns the row of a lane (`sign` 1) or its mirror image (-1).
-    fn row(&self, sums: &[OrderSums], lane: usize, sign: f64, buffers: &mut Buffers) -> Vec<DVec3> {
-        let mut texels = vec![DVec3::ZERO; self.width];
+    /// Computes the row of a lane (`sign` 1) or its mirror image (-1).
+    fn fill_row(&self, row: &mut [DVec3], lane: usize, sign: f64, buffers: &mut Buffers) {
         for channel in 0..3 {
-            self.fill_spectrum(&mut buffers.spectrum, sums, channel, |[even, odd], i| {
-                even[i][lane] + sign * odd[i][lane]
-            });
+            self.fill_spectrum(
+                &mut buffers.spectrum,
+                &buffers.sums,
+                channel,
+                |[even, odd], i| even[i][lane] + sign * odd[i][lane],
+            );
             self.inverse
                 .process_with_scratch(
                     &mut buffers.spectrum,
@@ -125,11 +151,10 @@ impl<'a> Synthesis<'a> {
                     &mut buffers.scratch,
                 )
                 .expect("buffers of the plan's own size");
-            for (texel, value) in texels.iter_mut().zip(&buffers.line) {
+            for (texel, value) in row.iter_mut().zip(&buffers.line) {
                 texel[channel] = *value;
             }
         }
-        texels
     }
 
     /// Adds up the spectrum of a channel of a row; `part` reads the row's sums.

@@ -148,6 +148,17 @@ impl Fields {
                 self.warnings.extend(other_view(value));
                 Ok(())
             }
+            "GAMMA" => {
+                let gamma = value.trim();
+                if gamma.parse() != Ok(1.0) {
+                    self.warnings.push(format!(
+                        "GAMMA is {:?}, which Radiance does not define; values were taken as \
+                         linear.",
+                        shorten(gamma)
+                    ));
+                }
+                Ok(())
+            }
             _ => Ok(()),
         }
     }

@@ -9,6 +9,7 @@ mod octahedral;
 use crate::base::names::listed;
 use crate::base::pixels::Pixels;
 use glam::{DVec2, DVec3};
+use std::ops::Range;
 
 /// A layout. Names are the stems of shader files.
 #[derive(Debug)]
@@ -53,6 +54,10 @@ impl MapLayout {
     /// a face size.
     pub fn stencil(&self, d: DVec3, size: [u32; 2]) -> [([u32; 3], f64); 4] {
         let (face, uv) = (self.face_uv)(d);
+        self.stencil_at(face, uv, size)
+    }
+
+    fn stencil_at(&self, face: u32, uv: DVec2, size: [u32; 2]) -> [([u32; 3], f64); 4] {
         let position = uv * DVec2::new(size[0].into(), size[1].into()) - 0.5;
         let low = position.floor();
         let part = position - position.floor();
@@ -114,23 +119,32 @@ impl FilteredMap {
     pub fn value(&self, d: DVec3, lod: f64) -> DVec3 {
         let lod = lod.clamp(0.0, self.levels.len() as f64 - 1.0);
         let fine = lod.floor() as usize;
-        let coarse = (fine + 1).min(self.levels.len() - 1);
-        self.level_value(d, fine)
-            .lerp(self.level_value(d, coarse), lod.fract())
+        let mut levels = self.level_values(d, fine..fine + 2);
+        let value = levels.next().unwrap_or_default();
+        if lod.fract() == 0.0 {
+            return value;
+        }
+        value.lerp(levels.next().unwrap_or_default(), lod.fract())
+    }
+
+    /// Looks up a direction in each of these levels; linear in texels, across edges. Stops at the
+    /// last level of the chain.
+    pub fn level_values(&self, d: DVec3, levels: Range<usize>) -> impl Iterator<Item = DVec3> {
+        let (face, uv) = (self.layout.face_uv)(d);
+        let levels = &self.levels[levels.start..levels.end.min(self.levels.len())];
+        levels.iter().map(move |faces| {
+            let size = [faces[0].width, faces[0].height];
+            let stencil = self.layout.stencil_at(face, uv, size);
+            stencil
+                .into_iter()
+                .map(|([face, x, y], weight)| weight * faces[face as usize].get(x, y))
+                .sum()
+        })
     }
 
     /// Returns the solid angle (sr) of a texel of the finest level in a direction, its mean over a
     /// sample of `omega_s`.
     pub fn texel_solid_angle(&self, d: DVec3, omega_s: f64) -> f64 {
         (self.layout.texel_solid_angle)(d, self.size(), omega_s)
-    }
-
-    fn level_value(&self, d: DVec3, level: usize) -> DVec3 {
-        let faces = &self.levels[level];
-        let stencil = self.layout.stencil(d, [faces[0].width, faces[0].height]);
-        stencil
-            .into_iter()
-            .map(|([face, x, y], weight)| weight * faces[face as usize].get(x, y))
-            .sum()
     }
 }

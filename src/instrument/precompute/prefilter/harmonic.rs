@@ -28,6 +28,13 @@ pub fn degree(alpha: f64) -> usize {
     (counts.ceil() as usize).clamp(128, DEGREE_MAX)
 }
 
+/// Returns a degree beyond [`degree`], to judge maps that were cut off there: tails of narrow lobes
+/// fall from 1e-7 to 2e-9, and horizon edges count up to twice the degree.
+pub fn degree_of_judge(alpha: f64) -> usize {
+    let counts = f64::max(10.0 / alpha, 384.0 * alpha.sqrt());
+    (counts.ceil() as usize).clamp(256, DEGREE_MAX)
+}
+
 /// Returns the degree up to which a map matters whose levels have widths from `alpha` to 1.
 pub fn degree_of_map(alpha: f64) -> usize {
     degree(alpha).max(degree(1.0))
