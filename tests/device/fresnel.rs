@@ -1,12 +1,13 @@
 //! Exact Fresnel reflectance of dielectrics: methods and reference against integrals in f64.
 
+use crate::brdf_twins::reflectance;
 use crate::harness::{
     constant_environment, golden_environment, render_by_seeds, request, scene, with_pipeline,
 };
 use crate::methods::{EXACT, Sight, radiance, sights};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use splitsum::base::names::Listed;
-use splitsum::instrument::brdf::{Fresnel, FresnelWeight, f0_from_ior};
+use splitsum::instrument::brdf::{Compensation, Fresnel, FresnelWeight, f0_from_ior};
 use splitsum::instrument::pipeline::{PipelineError, RenderRequest};
 use splitsum::instrument::precompute::dfg::reference::dfg_of;
 use splitsum::instrument::precompute::exact_quadrature;
@@ -83,6 +84,74 @@ fn methods_reflect_the_exact_albedo_of_an_index() {
             }
         }
     });
+}
+
+/// A black dielectric in radiance 1 shows the light of single scattering and of a compensation, whose
+/// mean reflectance is the exact one of the index.
+#[test]
+fn compensations_have_the_mean_reflectance_of_an_index() {
+    with_pipeline(|pipeline| {
+        let white = constant_environment([1.0; 3]);
+        let black = plastic(&white, 2.4);
+        let black = RenderRequest {
+            scene: Arc::new(black.scene.apply(&MaterialOverride {
+                albedo: Some([0.0; 3]),
+                alpha: Some(0.8),
+                ..MaterialOverride::default()
+            })),
+            ..black
+        };
+        for compensation in [
+            Compensation::FdezAguera,
+            Compensation::KullaConty,
+            Compensation::Cycles,
+        ] {
+            for (method, diffuse) in [("split-sum", "sh9"), ("reference", "reference")] {
+                let request = black.shaded(|s| {
+                    s.compensation = compensation;
+                    s.method = Method::listed(method);
+                    s.diffuse = Diffuse::listed(diffuse);
+                });
+                let frame = render_by_seeds(pipeline, &request);
+                for sight in sights(&request, 5) {
+                    let surface = exact_surface(&sight);
+                    let found = radiance(&frame, sight.pixel).x;
+                    let shown = |fresnel| white_reflectance(&surface, compensation, fresnel);
+                    let expected = shown(surface.fresnel);
+                    let name = format!("{compensation:?} {method} {:?}", sight.pixel);
+                    assert!(
+                        (found / expected - 1.0).abs() < 4e-3,
+                        "{name}: {found} for {expected}"
+                    );
+                }
+            }
+        }
+    });
+}
+
+/// Returns what a surface reflects of radiance 1 with `F_avg` of this weight.
+fn white_reflectance(surface: &Surface, compensation: Compensation, mean: FresnelWeight) -> f64 {
+    const NODES: u32 = 64;
+    let Surface {
+        model,
+        masking,
+        alpha,
+        fresnel,
+        f0,
+        n,
+        v,
+        ..
+    } = *surface;
+    let pair = |cosine: f64| {
+        let pair = dfg_of(model, masking, fresnel, cosine, alpha);
+        DVec2::new(pair.f0_scale, pair.f90_scale)
+    };
+    let node = |i| (f64::from(i) + 0.5) / f64::from(NODES);
+    let mean_albedo = (0..NODES)
+        .map(|i| 2.0 * node(i) * pair(node(i)).element_sum())
+        .sum::<f64>()
+        / f64::from(NODES);
+    reflectance(compensation, mean, f0, pair(n.dot(v)), mean_albedo).x
 }
 
 /// The reference's specular term and the diffuse term with Fresnel inside, against f64.
