@@ -87,13 +87,23 @@ impl<'a> Writer<'a> {
         let mut keys = self.keys.clone();
         keys.push(("sh".to_owned(), sh_lines(&exact.radiance)));
         exact.maps().try_for_each(|map| self.map(map, &keys))?;
-        match self.making.preset.product().skybox {
-            Some(name) => {
-                let sharp = &exact.specular.faces[..1];
-                self.container(name, sharp, &self.keys.clone())
-            }
-            None => Ok(()),
+        if let Some(name) = self.making.preset.product().skybox {
+            let keys = self.keys_of_mirror();
+            self.container(name, &exact.specular.faces[..1], &keys)?;
         }
+        Ok(())
+    }
+
+    /// Returns the metadata of a file with level 0 alone.
+    fn keys_of_mirror(&self) -> Vec<(String, String)> {
+        let alphas = format!("{KEY}alphas");
+        let mut keys = self.keys.clone();
+        for (key, value) in &mut keys {
+            if *key == alphas {
+                *value = "0".to_owned();
+            }
+        }
+        keys
     }
 
     /// Writes the list of levels, then their images.
