@@ -20,7 +20,6 @@ import OpenEXR
 matplotlib.use("Agg")
 from matplotlib import pyplot
 
-HERE = pathlib.Path(__file__).parent
 EXTENT = 1.05
 # Relative standard error of a pixel of the reference.
 REFERENCE_ERROR = 0.01
@@ -40,12 +39,12 @@ ENGINES = {
     },
     "babylon": {
         "title": "Babylon.js 9.35.0", "brdf": "--masking correlated --compensation turquin", "widths": "gltf",
-        "model": f"--method file:{HERE}/babylon/model.glsl {CUBE.replace('irradiance-map', 'sh9')}",
+        "model": f"--method split-sum-babylon {CUBE.replace('irradiance-map', 'sh9')}",
         "coat": "--coat-renderer babylon", "lacks": ["anisotropic"],
     },
     "playcanvas": {
         "title": "PlayCanvas 2.23.3", "brdf": "--masking correlated", "widths": "gltf",
-        "model": f"--method file:{HERE}/playcanvas/model.glsl {CUBE}",
+        "model": f"--method split-sum-playcanvas {CUBE}",
         "bend": "--bend playcanvas", "coat": "--coat-renderer khronos", "lacks": ["anisotropic"],
     },
     "filament": {
@@ -55,7 +54,7 @@ ENGINES = {
     },
     "vtk": {
         "title": "VTK 9.7.1", "brdf": "--masking schlick --compensation fdez-aguera", "widths": "kulla",
-        "model": f"--method file:{HERE}/vtk/model.glsl {CUBE}", "lacks": ["anisotropic", "coated"],
+        "model": f"--method split-sum-vtk {CUBE}", "lacks": ["anisotropic", "coated"],
     },
     "f3d": {
         "title": "F3D 4.0.0", "brdf": "--masking schlick --compensation fdez-aguera",
@@ -114,8 +113,7 @@ class Ours:
     def picture(self, sphere, flags):
         flags = f"{flags} --size {self.size}x{self.size} --perceptual-roughness {sphere['roughness']}".split()
         light = self.maps / f"{sphere['map']}.exr"
-        named = [str(pathlib.Path(flag.removeprefix("file:")).read_text()) if flag.startswith("file:") else flag for flag in flags]
-        key = hashlib.sha256(json.dumps(named).encode() + light.read_bytes()).hexdigest()[:24]
+        key = hashlib.sha256(json.dumps(flags).encode() + light.read_bytes()).hexdigest()[:24]
         path = self.folder / f"{key}.exr"
         if not path.exists():
             command = [self.program, "render", *flags, "--environment", str(light), "--out", str(path)]

@@ -2,6 +2,7 @@
 // src/instrument/brdf/compensation.rs has the equations.
 
 #include "generated/constants.glsl"
+#include "lib/fresnel.glsl"
 #include "lib/prefilter_mapping.glsl"
 
 // The live view has no compensation.
@@ -28,11 +29,6 @@ float mean_albedo(sampler2D dfg, float alpha) {
         sum += 2.0 * cosine * albedo_of(dfg, cosine, alpha);
     }
     return sum / float(MEAN_ALBEDO_NODES);
-}
-
-// The mean of Schlick's reflectance over cosines.
-vec3 mean_fresnel(vec3 f0) {
-    return f0 + (1.0 - f0) / 21.0;
 }
 
 // The factor of single scattering.

@@ -6,8 +6,10 @@
 // The live view has Schlick's.
 #ifdef GL_ES
 const float FRESNEL_F0 = FRESNEL_SCHLICK;
+const float FRESNEL_MEAN = 0.0;
 #else
 #include "generated/specialization/fresnel_f0.glsl"
+#include "generated/specialization/fresnel_mean.glsl"
 #endif
 
 // (1 - v_dot_h)^5, the weight of f90 = 1. [Schlick94 eq. 15]
@@ -42,4 +44,9 @@ float fresnel_weight(float v_dot_h) {
 // The selected reflectance.
 vec3 fresnel(float v_dot_h, vec3 f0) {
     return f0 + (1.0 - f0) * fresnel_weight(v_dot_h);
+}
+
+// The mean of the selected reflectance over cosines.
+vec3 mean_fresnel(vec3 f0) {
+    return FRESNEL_F0 == FRESNEL_SCHLICK ? f0 + (1.0 - f0) / 21.0 : f0 + (1.0 - f0) * FRESNEL_MEAN;
 }

@@ -1,7 +1,8 @@
 //! The file of a prefiltered map, by its name.
 
 use super::babylon_env;
-use super::container::{FORMATS, Format, RGBD, RGBP, TEXELS, Texel};
+use super::container::{FORMATS, Format, RGBA8, RGBD, RGBP, TEXELS, Texel};
+use super::f3d_cache;
 use super::playcanvas_atlas;
 use crate::base::names::Listed;
 use crate::instrument::environment::layout::{LAYOUTS, MapLayout};
@@ -16,6 +17,8 @@ pub enum MapForm {
     BabylonEnv,
     /// PlayCanvas' atlas of lat-long levels, with irradiance in it.
     PlayCanvasAtlas,
+    /// F3D's list of levels, each an image in a folder beside it.
+    F3dCache,
 }
 
 impl MapForm {
@@ -26,6 +29,8 @@ impl MapForm {
             Self::BabylonEnv
         } else if has_extension("png") {
             Self::PlayCanvasAtlas
+        } else if has_extension(f3d_cache::EXTENSION) {
+            Self::F3dCache
         } else {
             container(name).map_or(Self::Faces, Self::Container)
         }
@@ -38,11 +43,12 @@ impl MapForm {
             Self::Container(format) => format.name,
             Self::BabylonEnv => ".env",
             Self::PlayCanvasAtlas => "an atlas",
+            Self::F3dCache => "F3D's cache",
         }
     }
 
     /// Whether a shader can read the levels by the table of taps: both packed files have levels of
-    /// other widths or another layout.
+    /// other widths or another layout, and F3D has shaders of its own.
     pub fn has_taps(self) -> bool {
         matches!(self, Self::Faces | Self::Container(_))
     }
@@ -52,11 +58,14 @@ impl MapForm {
         match self {
             Self::BabylonEnv => vec![&RGBD],
             Self::PlayCanvasAtlas => vec![&RGBP],
-            Self::Faces => vec![Texel::listed("rgba32f")],
-            Self::Container(format) => TEXELS
-                .iter()
-                .filter(|texel| texel.channels >= 3 && (!format.needs_dxgi || texel.dxgi.is_some()))
-                .collect(),
+            Self::Faces | Self::F3dCache => vec![Texel::listed("rgba32f")],
+            Self::Container(format) => {
+                let is_held = |texel: &&Texel| {
+                    texel.channels >= 3 && (!format.needs_dxgi || texel.dxgi.is_some())
+                };
+                let bytes = (format.name == "ktx").then_some(&RGBA8);
+                TEXELS.iter().filter(is_held).chain(bytes).collect()
+            }
         }
     }
 

@@ -9,6 +9,7 @@ mod babylon_env;
 pub mod container;
 pub mod convention;
 mod cube_environment;
+mod f3d_cache;
 pub mod given;
 pub mod judge;
 pub mod make;
@@ -22,6 +23,7 @@ pub mod product;
 mod rgbp;
 pub mod sh;
 pub mod source;
+mod vtk_xml;
 
 pub use cube_environment::ENVIRONMENT_FORMATS;
 pub use parts::{Bake, FileWarning, Map, Stated, TexelOrder};

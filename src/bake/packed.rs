@@ -2,7 +2,7 @@
 
 use super::parts::Map;
 use super::sh::Coefficients;
-use super::{babylon_env, playcanvas_atlas};
+use super::{babylon_env, f3d_cache, playcanvas_atlas};
 use crate::base::pixels::{PixelsError, png, read_bounded};
 use std::path::Path;
 
@@ -20,7 +20,7 @@ pub struct Packed {
     pub has_rounded_up_scale: bool,
 }
 
-/// Reads Babylon.js' `.env` or PlayCanvas' atlas; `None` for other files. A PNG is an atlas only
+/// Reads Babylon.js' `.env`, F3D's cache or PlayCanvas' atlas; `None` for other files. A PNG is an atlas only
 /// if it `may_be_map`; one that is named as a map, `is_map`, need not have bright texels.
 pub fn read(path: &Path, may_be_map: bool, is_map: bool) -> Result<Option<Packed>, PixelsError> {
     let extension = path
@@ -39,6 +39,14 @@ pub fn read(path: &Path, may_be_map: bool, is_map: bool) -> Result<Option<Packed
                 has_rounded_up_scale: false,
             }))
         }
+        Some(f3d_cache::EXTENSION) => Ok(Some(Packed {
+            specular: f3d_cache::read(path)?,
+            irradiance: None,
+            sh: None,
+            preset: f3d_cache::PRESET,
+            alphas: None,
+            has_rounded_up_scale: false,
+        })),
         Some("png") if may_be_map && path.is_file() => {
             // Other forms of PNG are tables.
             let Ok(image) = png::decode_rgba8(&read_bounded(path)?) else {

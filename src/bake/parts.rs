@@ -163,6 +163,9 @@ pub struct Manifest {
     pub units: String,
     pub pixel_format: String,
     pub specular: String,
+    /// The sharp map alone, for the background.
+    #[serde(default)]
+    pub skybox: Option<String>,
     pub irradiance: Option<String>,
     /// Files of one table in several formats.
     pub tables: Vec<String>,

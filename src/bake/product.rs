@@ -18,6 +18,9 @@ pub struct Product {
     pub about: &'static str,
     /// Prefiltered map: a container by its extension, else a folder of EXR faces.
     pub specular: &'static str,
+    /// Level 0 alone in another file, for the background.
+    #[serde(borrow = "'static")]
+    pub skybox: Option<&'static str>,
     /// Irradiance map; `None` if the engine uses SH.
     #[serde(borrow = "'static")]
     pub irradiance: Option<&'static str>,
@@ -53,6 +56,7 @@ impl Default for Product {
             engine: "",
             about: "",
             specular: "specular.ktx2",
+            skybox: None,
             irradiance: None,
             tables: Vec::new(),
             language: "GLSL",
@@ -97,6 +101,7 @@ impl Product {
     fn check_names(&self) -> Result<(), String> {
         let names = [
             Some(self.specular),
+            self.skybox,
             self.irradiance,
             self.sh,
             Some(TAPS),
@@ -127,6 +132,9 @@ impl Product {
             ("specular", Some(self.specular)),
             ("irradiance", self.irradiance),
         ];
+        if let Some(name) = self.skybox {
+            check_extension("skybox", name, &["ktx2", "ktx", "dds"])?;
+        }
         for (key, name) in maps {
             if let Some(name) = name.filter(|name| name.contains('.')) {
                 check_extension(key, name, &["ktx2", "ktx", "dds"])?;

@@ -1,5 +1,6 @@
-//! Nine coefficients of spherical harmonics in files: cmgen's text and our JSON.
+//! Nine coefficients of spherical harmonics in files: cmgen's text, our JSON, and F3D's tables.
 
+use super::f3d_cache;
 use crate::base::files::{TEXT_BYTES_MAX, read_text};
 use crate::base::math::quadrature::GaussLegendre;
 use crate::base::math::spherical_harmonics::{COSINE_LOBE, COUNT, DEGREE, basis};
@@ -17,7 +18,7 @@ pub struct Coefficients {
     pub factors: [f64; COUNT],
 }
 
-/// Reads `.json` as ours and other text as cmgen's. Numbers alone are read as cmgen's, with a
+/// Reads `.json` as ours, `.vtt` as F3D's and other text as cmgen's. Numbers alone are read as cmgen's, with a
 /// warning.
 pub fn read(path: &Path, warnings: &mut Vec<String>) -> Result<Coefficients, PixelsError> {
     let text = read_text(path, TEXT_BYTES_MAX).map_err(|error| {
@@ -39,8 +40,12 @@ pub fn read(path: &Path, warnings: &mut Vec<String>) -> Result<Coefficients, Pix
 }
 
 fn is_json(path: &Path) -> bool {
+    has_extension(path, "json")
+}
+
+fn has_extension(path: &Path, wanted: &str) -> bool {
     path.extension()
-        .is_some_and(|extension| extension.eq_ignore_ascii_case("json"))
+        .is_some_and(|extension| extension.eq_ignore_ascii_case(wanted))
 }
 
 /// Whether a text has numbers but no words.
@@ -62,7 +67,9 @@ fn number(word: &str) -> Option<f64> {
 
 /// Parses the text of the file at `path`.
 pub fn parse(path: &Path, text: &str) -> Result<Coefficients, PixelsError> {
-    let found = if is_json(path) {
+    let found = if has_extension(path, f3d_cache::SH_EXTENSION) {
+        f3d_cache::read_sh(text.as_bytes())
+    } else if is_json(path) {
         from_json(text)
     } else if is_bare(path, text) {
         from_numbers(text)

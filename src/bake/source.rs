@@ -4,6 +4,7 @@
 //! image is a DFG table; text is SH. `irradiance=FILE` and so on override this.
 
 use super::container::{FACE_COUNT, FORMATS, Texture, read_texture};
+use super::f3d_cache;
 use super::packed::{self, Packed};
 use super::parts::{Bake, Manifest, Map};
 use super::sh;
@@ -113,7 +114,10 @@ fn add_file(
     let extension = path
         .extension()
         .map(|extension| extension.to_string_lossy().to_lowercase());
-    let is_text = matches!(extension.as_deref(), Some("txt" | "json"));
+    let is_text = matches!(
+        extension.as_deref(),
+        Some("txt" | "json" | f3d_cache::SH_EXTENSION)
+    );
     if part == Some(Part::Sh) || (part.is_none() && is_text) {
         return add_sh(bake, path);
     }
@@ -266,9 +270,11 @@ fn read_folder(
     }
     // The files of a tool such as cmgen; its skybox is the map itself.
     let is_part = |name: &&String| {
-        let is_texture = FORMATS
+        let mut extensions = FORMATS
             .iter()
-            .any(|format| name.ends_with(&format!(".{}", format.extension)));
+            .map(|format| format.extension)
+            .chain([f3d_cache::EXTENSION, f3d_cache::SH_EXTENSION]);
+        let is_texture = extensions.any(|extension| name.ends_with(&format!(".{extension}")));
         (is_texture || name.ends_with("sh.txt")) && !name.contains("skybox")
     };
     let parts: Vec<&String> = names.iter().filter(is_part).collect();

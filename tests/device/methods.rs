@@ -15,7 +15,7 @@ use splitsum::base::math::sequence::PixelPoints;
 use splitsum::base::names::Listed;
 use splitsum::base::pixels::Pixels;
 use splitsum::instrument::brdf::Stretch;
-use splitsum::instrument::brdf::{Compensation, MODELS};
+use splitsum::instrument::brdf::{Compensation, FresnelWeight, MODELS};
 use splitsum::instrument::environment::Placement;
 use splitsum::instrument::environment::layout::MapLayout;
 use splitsum::instrument::gbuffer::Gbuffer;
@@ -338,8 +338,13 @@ fn the_lobe_of_several_scatterings_is_integrated() {
                     [(1.0 - pair(cosine).element_sum()) * cosine / (PI * (1.0 - mean))]
                 };
                 let light = exact.integrate(lobe, None, EXACT).value[0];
-                let expected =
-                    multiple(Compensation::KullaConty, albedo, pair(n.dot(v)), mean) * light;
+                let expected = multiple(
+                    Compensation::KullaConty,
+                    FresnelWeight::Schlick,
+                    albedo,
+                    pair(n.dot(v)),
+                    mean,
+                ) * light;
                 let [x, y] = sight.pixel;
                 let sigma = DVec3::from_array(
                     both.standard_error

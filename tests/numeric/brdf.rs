@@ -466,6 +466,29 @@ fn fresnel_and_parameter_mappings() {
     );
 }
 
+/// Means of the weight of f90 over cosines are the integrals `2 ∫ w(μ) μ dμ`.
+#[test]
+fn mean_weights_of_fresnel_are_their_integrals() {
+    const NODES: u32 = 100_000;
+    let weights =
+        [1.0 + 1e-4, 1.05, 1.33, 1.5, 2.4, 10.0].map(|ior| brdf::FresnelWeight::Dielectric {
+            f0: brdf::f0_from_ior(ior),
+        });
+    for weight in weights.into_iter().chain([brdf::FresnelWeight::Schlick]) {
+        let term = |i| {
+            let cosine = (f64::from(i) + 0.5) / f64::from(NODES);
+            2.0 * cosine * weight.at(cosine)
+        };
+        let integral = (0..NODES).map(term).sum::<f64>() / f64::from(NODES);
+        let found = weight.mean();
+        assert!(
+            (found - integral).abs() < 1e-8,
+            "{weight:?}: {found} for {integral}"
+        );
+    }
+    assert_eq!(brdf::FresnelWeight::Dielectric { f0: 0.0 }.mean(), 0.0);
+}
+
 /// The exact reflectance from Snell's law, for both polarisations.
 fn by_snell(ior: f64, cosine: f64) -> f64 {
     let refracted = (1.0 - (1.0 - cosine * cosine) / (ior * ior)).sqrt();

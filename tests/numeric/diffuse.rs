@@ -6,7 +6,7 @@ use glam::{DQuat, DVec2, DVec3};
 use splitsum::base::math::equirect::direction_from_uv;
 use splitsum::base::math::spherical_harmonics::{COUNT, basis, irradiance};
 use splitsum::base::names::Listed;
-use splitsum::instrument::brdf::{Compensation, MODELS, MaskingShadowing};
+use splitsum::instrument::brdf::{Compensation, FresnelWeight, MODELS, MaskingShadowing};
 use splitsum::instrument::precompute::dfg::reference::dfg;
 use splitsum::instrument::precompute::sh9::reference::{texture, texture_lookup};
 use std::f64::consts::PI;
@@ -93,7 +93,16 @@ fn compensation_returns_the_lost_light() {
                 let exact = dfg(*model, MaskingShadowing::SmithExact, n_dot_v, alpha);
                 let pair = DVec2::new(exact.f0_scale, exact.f90_scale);
                 for &compensation in Compensation::all() {
-                    let all = |f0: f64| reflectance(compensation, DVec3::splat(f0), pair, mean).x;
+                    let all = |f0: f64| {
+                        reflectance(
+                            compensation,
+                            FresnelWeight::Schlick,
+                            DVec3::splat(f0),
+                            pair,
+                            mean,
+                        )
+                        .x
+                    };
                     let single = |f0: f64| f0 * pair.x + pair.y;
                     let case = format!("{} {compensation:?} {alpha} {n_dot_v}", model.name());
                     match compensation {

@@ -4,7 +4,8 @@ use glam::DVec3;
 use rayon::prelude::*;
 use splitsum::base::math::quadrature::GaussLegendre;
 use splitsum::instrument::brdf::{
-    Brdf, Ggx, MODELS, MaskingShadowing, eval_without_fresnel, schlick_weight,
+    Brdf, FresnelWeight, Ggx, MODELS, MaskingShadowing, eval_without_fresnel, f0_from_ior,
+    schlick_weight,
 };
 use splitsum::instrument::precompute::prefilter::{Kernel, LEVEL_MAPPINGS, LevelSpacing, WEIGHTS};
 use splitsum::instrument::precompute::taps::{
@@ -251,13 +252,13 @@ impl Objective {
         model: &'static dyn Brdf,
         n_dot_v: f64,
         alpha: f64,
-        f0: f64,
+        (f0, fresnel): (f64, FresnelWeight),
         is_of_several: bool,
     ) -> Self {
         let v = DVec3::new((1.0 - n_dot_v * n_dot_v).sqrt(), 0.0, n_dot_v);
         let nodes = around(n_dot_v.acos(), 0.01 * alpha * n_dot_v);
         let density = |l: &DVec3| {
-            let fc = schlick_weight(v.dot((v + *l).normalize()));
+            let fc = fresnel.at(v.dot((v + *l).normalize()));
             (f0 + (1.0 - f0) * fc)
                 * eval_without_fresnel(model, v, *l, alpha, MASKING)
                 * l.z.max(0.0)
@@ -412,8 +413,9 @@ fn tables_match_a_search_over_all_pairs() {
         let (place, dielectric) = (parameters_from_node(node), (k % 2) as f64);
         let (theta, n_dot_v, alpha) = (place.x.acos(), place.x, place.y);
         let f0 = [1.0, 0.04][k % 2];
+        let surface = (f0, FresnelWeight::Schlick);
         let [unweighted, weighted] =
-            [false, true].map(|several| Objective::new(&Ggx, n_dot_v, alpha, f0, several));
+            [false, true].map(|several| Objective::new(&Ggx, n_dot_v, alpha, surface, several));
         let own_level = f64::from(LEVELS - 1) * alpha.sqrt();
         let [least_of_one, _] = unweighted.least_of_one_and_pairs(theta, own_level);
         let [_, least] = weighted.least_of_one_and_pairs(theta, own_level);
@@ -435,6 +437,29 @@ fn tables_match_a_search_over_all_pairs() {
         assert!(two < room * least + 1e-3, "{node:?}: {two} {least}");
         assert!(four < 1.1 * least + 1e-3, "{node:?}: {four} {least}");
     }
+}
+
+/// The two taps of a dielectric of index 1.5 are as good as the best pair of a dense grid for its
+/// exact reflectance, and the taps of Schlick's are not.
+#[test]
+fn taps_of_an_index_match_a_search_for_its_lobe() {
+    let f0 = f0_from_ior(1.5);
+    let exact = FresnelWeight::Dielectric { f0 };
+    let table = TapTable::fit_reflecting(&chain(), &Ggx, MASKING, exact, TapCount::Two);
+    let mut ratios = [0.0, 0.0];
+    for node in [[6, 6], [8, 8], [8, 12], [13, 12]] {
+        let place = parameters_from_node(node);
+        let (theta, n_dot_v, alpha) = (place.x.acos(), place.x, place.y);
+        let objective = Objective::new(&Ggx, n_dot_v, alpha, (f0, exact), true);
+        let own_level = f64::from(LEVELS - 1) * alpha.sqrt();
+        let [_, least] = objective.least_of_one_and_pairs(theta, own_level);
+        let [own, of_schlick] = [&table, &TABLES[1]]
+            .map(|table| objective.error(theta, &table.taps(n_dot_v, alpha, 1.0)));
+        println!("{node:?}: pairs {least:.4}, own {own:.4}, Schlick's {of_schlick:.4}");
+        assert!(own < 1.2 * least + 1e-3, "{node:?}: {own} {least}");
+        ratios = [ratios[0] + own / 4.0, ratios[1] + of_schlick / 4.0];
+    }
+    assert!(ratios[0] < ratios[1], "{ratios:?}");
 }
 
 /// Largest second differences of places, levels and weights from node to node, where levels 1 and

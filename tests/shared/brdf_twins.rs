@@ -3,7 +3,7 @@
 
 use glam::{DVec2, DVec3};
 use splitsum::base::math::sampling::direction_from_polar;
-use splitsum::instrument::brdf::{Compensation, Ggx, Widths};
+use splitsum::instrument::brdf::{Compensation, FresnelWeight, Ggx, Widths};
 
 /// Samples visible normals of GGX by spherical caps, for every model: the normals of the visible
 /// half sphere are the half vectors of the cap that `v` reflects into \[Dupuy23\]. `xi.x = 0` is
@@ -31,19 +31,25 @@ pub fn pdf_visible_l(v_local: DVec3, h_local: DVec3, widths: Widths) -> f64 {
     widths.d(&Ggx, h_local) / (4.0 * area)
 }
 
-/// The mean of Schlick's reflectance over cosines.
-fn mean_fresnel(f0: DVec3) -> DVec3 {
-    f0 + (1.0 - f0) / 21.0
+/// The mean of a reflectance over cosines.
+fn mean_fresnel(f0: DVec3, fresnel: FresnelWeight) -> DVec3 {
+    f0 + (1.0 - f0) * fresnel.mean()
 }
 
 /// Returns the factor of single scattering.
-pub fn factor(compensation: Compensation, f0: DVec3, pair: DVec2, mean_albedo: f64) -> DVec3 {
+pub fn factor(
+    compensation: Compensation,
+    fresnel: FresnelWeight,
+    f0: DVec3,
+    pair: DVec2,
+    mean_albedo: f64,
+) -> DVec3 {
     let lost = 1.0 / pair.element_sum() - 1.0;
     match compensation {
         Compensation::Turquin => 1.0 + f0 * lost,
         Compensation::Cycles => {
             // The sum over bounces between facets: each reflects `mean_albedo` out, the rest again.
-            let average = mean_fresnel(f0);
+            let average = mean_fresnel(f0, fresnel);
             1.0 + lost * average * mean_albedo / (1.0 - average * (1.0 - mean_albedo))
         }
         _ => DVec3::ONE,
@@ -51,10 +57,16 @@ pub fn factor(compensation: Compensation, f0: DVec3, pair: DVec2, mean_albedo: f
 }
 
 /// Returns the added share of irradiance over π, or of the compensation's own lobe.
-pub fn multiple(compensation: Compensation, f0: DVec3, pair: DVec2, mean_albedo: f64) -> DVec3 {
+pub fn multiple(
+    compensation: Compensation,
+    fresnel: FresnelWeight,
+    f0: DVec3,
+    pair: DVec2,
+    mean_albedo: f64,
+) -> DVec3 {
     // Fitted masking may reflect more than it receives: nothing is lost then.
     let lost = (1.0 - pair.element_sum()).max(0.0);
-    let average = mean_fresnel(f0);
+    let average = mean_fresnel(f0, fresnel);
     match compensation {
         Compensation::FdezAguera => {
             lost * (f0 * pair.x + pair.y) * average / (1.0 - average * lost)
@@ -67,7 +79,13 @@ pub fn multiple(compensation: Compensation, f0: DVec3, pair: DVec2, mean_albedo:
 }
 
 /// Returns the albedo of the whole specular term: its reflection of constant radiance 1.
-pub fn reflectance(compensation: Compensation, f0: DVec3, pair: DVec2, mean_albedo: f64) -> DVec3 {
-    (f0 * pair.x + pair.y) * factor(compensation, f0, pair, mean_albedo)
-        + multiple(compensation, f0, pair, mean_albedo)
+pub fn reflectance(
+    compensation: Compensation,
+    fresnel: FresnelWeight,
+    f0: DVec3,
+    pair: DVec2,
+    mean_albedo: f64,
+) -> DVec3 {
+    (f0 * pair.x + pair.y) * factor(compensation, fresnel, f0, pair, mean_albedo)
+        + multiple(compensation, fresnel, f0, pair, mean_albedo)
 }

@@ -15,7 +15,9 @@ pub use written::{CutLoss, Loss, Written};
 pub(super) use write::write_bytes;
 
 use super::convention::Convention;
+use super::f3d_cache;
 use super::judge::level;
+use super::map_form::MapForm;
 use super::parts::Map;
 use super::paste;
 use super::product::LAST_SIDE;
@@ -98,16 +100,21 @@ fn refuse_existing(making: &Making, code_name: &str, out: &Path) -> Result<(), P
     let names = [
         Some(product.specular),
         product.irradiance,
+        product.skybox,
         product.sh,
         Some(paste::TAPS),
         Some(code_name),
         Some(MANIFEST),
     ];
-    let mut names = names
+    let names = names
         .into_iter()
         .flatten()
         .chain(product.tables.iter().copied());
-    match names.find(|name| out.join(name).exists()) {
+    let images = match making.form() {
+        MapForm::F3dCache => Some(f3d_cache::folder_of(product.specular)),
+        _ => None,
+    };
+    match names.chain(images).find(|name| out.join(name).exists()) {
         Some(name) => {
             Err(Fault::new("exists", "a new or an empty folder").in_file(&out.join(name)))
         }

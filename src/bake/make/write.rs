@@ -5,6 +5,7 @@ use super::making::Making;
 use crate::bake::babylon_env;
 use crate::bake::container::{Encoding, Texel, write_table};
 use crate::bake::convention::Convention;
+use crate::bake::f3d_cache;
 use crate::bake::map_form::{MapForm, container};
 use crate::bake::parts::{KEY, Manifest};
 use crate::bake::paste::{self, TAPS};
@@ -79,25 +80,68 @@ impl<'a> Writer<'a> {
                 );
                 return self.bytes(name, &file);
             }
+            MapForm::F3dCache => return self.f3d_cache(name, &exact.specular.faces),
             MapForm::Faces | MapForm::Container(_) => {}
         }
         // SH comes last: Filament's reader searches for that key.
         let mut keys = self.keys.clone();
         keys.push(("sh".to_owned(), sh_lines(&exact.radiance)));
-        exact.maps().try_for_each(|map| self.map(map, &keys))
+        exact.maps().try_for_each(|map| self.map(map, &keys))?;
+        if let Some(name) = self.making.preset.product().skybox {
+            let keys = self.keys_of_mirror();
+            self.container(name, &exact.specular.faces[..1], &keys)?;
+        }
+        Ok(())
+    }
+
+    /// Returns the metadata of a file with level 0 alone.
+    fn keys_of_mirror(&self) -> Vec<(String, String)> {
+        let alphas = format!("{KEY}alphas");
+        let mut keys = self.keys.clone();
+        for (key, value) in &mut keys {
+            if *key == alphas {
+                *value = "0".to_owned();
+            }
+        }
+        keys
+    }
+
+    /// Writes the list of levels, then their images.
+    fn f3d_cache(&mut self, name: &str, levels: &[Vec<RgbImage>]) -> Result<(), PixelsError> {
+        let folder = self.out.join(f3d_cache::folder_of(name));
+        std::fs::create_dir_all(&folder).map_err(|error| {
+            Fault::new(format!("cannot be created ({error})"), "a folder of levels")
+                .in_file(&folder)
+        })?;
+        self.bytes(name, f3d_cache::list(name, levels.len()).as_bytes())?;
+        for (k, faces) in levels.iter().enumerate() {
+            self.bytes(&f3d_cache::level_name(name, k), &f3d_cache::cube(faces))?;
+        }
+        Ok(())
     }
 
     fn map(&mut self, map: &ExactMap, keys: &[(String, String)]) -> Result<(), PixelsError> {
-        let Some(format) = container(map.name) else {
+        if container(map.name).is_none() {
             return self.faces(map);
-        };
+        }
+        self.container(map.name, &map.faces, keys)
+    }
+
+    /// Writes levels to a file whose extension names its container.
+    fn container(
+        &mut self,
+        name: &str,
+        levels: &[Vec<RgbImage>],
+        keys: &[(String, String)],
+    ) -> Result<(), PixelsError> {
+        let format = container(name).expect("checked where the preset was read");
         let encoding = Encoding {
             texel: self.making.texel,
-            levels: &map.faces,
+            levels,
             keys,
             is_packed: self.making.preset.product().is_packed,
         };
-        self.bytes(map.name, &(format.write)(&encoding))
+        self.bytes(name, &(format.write)(&encoding))
     }
 
     /// Writes a folder with a file for each face.
@@ -153,12 +197,16 @@ impl<'a> Writer<'a> {
         exr::write_channels(path, Content::Data, channels)
     }
 
-    /// Writes SH as cmgen's text, if the engine reads it.
+    /// Writes SH as F3D's table or as cmgen's text, if the engine reads it.
     pub fn sh(&mut self, exact: &ExactMaps) -> Result<(), PixelsError> {
-        match self.making.preset.product().sh {
-            Some(name) => self.bytes(name, sh::to_cmgen(&exact.radiance).as_bytes()),
-            None => Ok(()),
-        }
+        let Some(name) = self.making.preset.product().sh else {
+            return Ok(());
+        };
+        let text = match self.making.form() {
+            MapForm::F3dCache => f3d_cache::sh_text(&exact.radiance),
+            _ => sh::to_cmgen(&exact.radiance),
+        };
+        self.bytes(name, text.as_bytes())
     }
 
     /// Writes the table of two taps and the code that reads it, if the map's levels are for them.
@@ -210,6 +258,7 @@ fn manifest(making: &Making, convention: &Convention, alphas: &[f64]) -> Manifes
         units: owned("linear Rec.709, radiance as the environment has it; irradiance over pi"),
         pixel_format: owned(making.texel.name),
         specular: owned(product.specular),
+        skybox: product.skybox.map(owned),
         irradiance: product.irradiance.map(owned),
         tables: product.tables.iter().map(|name| owned(name)).collect(),
         sh: product.sh.map(owned),

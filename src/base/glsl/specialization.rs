@@ -81,6 +81,8 @@ specialization_constants! {
     /// F0 of the dielectrics whose exact Fresnel reflectance replaces Schlick's; `FRESNEL_SCHLICK`
     /// for none.
     fresnel_f0: f32 = code::FRESNEL_SCHLICK;
+    /// Mean over cosines of the weight of f90 if `fresnel_f0` selects a dielectric.
+    fresnel_mean: f32 = 0.0;
     /// Texel positions of the DFG table, one of `DFG_AXES_*`.
     dfg_axes: u32 = code::DFG_AXES_FOURTH_ROOTS;
     /// Whether lobes have two widths, and by which law: one of `ANISOTROPY_*`.

@@ -9,6 +9,7 @@
 //!   `F = ½ ((g - c)/(g + c))² (1 + ((c (g + c) - 1)/(c (g - c) + 1))²)` \[Walter07, eq. 22\].
 
 use super::ior_from_f0;
+use crate::base::glsl::constants::FRESNEL_SCHLICK;
 use crate::base::names::listed;
 
 /// Whose reflectance dielectrics have.
@@ -31,6 +32,25 @@ pub enum FresnelWeight {
 }
 
 impl FresnelWeight {
+    /// Returns the weight that the specialization constant `fresnel_f0` selects.
+    pub fn of_constant(fresnel_f0: f32) -> Self {
+        if fresnel_f0 == FRESNEL_SCHLICK {
+            Self::Schlick
+        } else {
+            Self::Dielectric {
+                f0: fresnel_f0.into(),
+            }
+        }
+    }
+
+    /// Returns the mean `2 ∫ w(μ) μ dμ` over cosines. With it `F_avg = f0 + (1 - f0) mean`.
+    pub fn mean(self) -> f64 {
+        match self {
+            Self::Schlick => 1.0 / 21.0,
+            Self::Dielectric { f0 } => (mean_of_dielectric(ior_from_f0(f0)) - f0) / (1.0 - f0),
+        }
+    }
+
     /// Returns w for a cosine, clamped to [0, 1].
     pub fn at(self, v_dot_h: f64) -> f64 {
         match self {
@@ -60,4 +80,19 @@ pub fn f_dielectric(ior: f64, v_dot_h: f64) -> f64 {
     let across = ((g - c) / (g + c)).powi(2);
     let along = ((c * (g + c) - 1.0) / (c * (g - c) + 1.0)).powi(2);
     0.5 * across * (1.0 + along)
+}
+
+/// Returns the mean `2 ∫ F(μ) μ dμ` of [`f_dielectric`] over cosines: what a dielectric reflects of
+/// diffuse light. \[Duntley42\]
+fn mean_of_dielectric(ior: f64) -> f64 {
+    if ior == 1.0 {
+        return 0.0;
+    }
+    let n = ior;
+    let n2 = n * n;
+    let [sum, difference] = [n2 + 1.0, n2 * n2 - 1.0];
+    0.5 + (n - 1.0) * (3.0 * n + 1.0) / (6.0 * (n + 1.0).powi(2))
+        + n2 * (n2 - 1.0).powi(2) / sum.powi(3) * ((n - 1.0) / (n + 1.0)).ln()
+        - 2.0 * n * n2 * (n2 + 2.0 * n - 1.0) / (sum * difference)
+        + 8.0 * n2 * n2 * (n2 * n2 + 1.0) / (sum * difference.powi(2)) * n.ln()
 }

@@ -8,7 +8,7 @@ use super::RenderRequest;
 use crate::base::glsl::constants::FRESNEL_SCHLICK;
 use crate::base::names::Listed;
 use crate::base::pixels::Pixels;
-use crate::instrument::brdf::{Brdf, MaskingShadowing};
+use crate::instrument::brdf::{Brdf, FresnelWeight, MaskingShadowing};
 use crate::instrument::environment::Environment;
 use crate::instrument::environment::layout::MapLayout;
 use crate::instrument::precompute::dfg::DfgAxes;
@@ -290,11 +290,7 @@ impl<'a> DfgInputs<'a> {
             };
         }
         let model = brdf.name();
-        let fresnel = if *fresnel_f0 == FRESNEL_SCHLICK {
-            String::new()
-        } else {
-            format!("fresnel_f0={fresnel_f0}\n")
-        };
+        let fresnel = fresnel_line(*fresnel_f0);
         let inputs = format!(
             "brdf={model}\nmasking={masking:?}\nsize={side}\naxes={axes:?}\nsamples={sample_count}\n{fresnel}"
         );
@@ -306,11 +302,22 @@ impl<'a> DfgInputs<'a> {
     }
 }
 
+/// Returns the line of a key for the exact reflectance of an index; nothing for Schlick's.
+fn fresnel_line(fresnel_f0: f32) -> String {
+    if fresnel_f0 == FRESNEL_SCHLICK {
+        String::new()
+    } else {
+        format!("fresnel_f0={fresnel_f0}\n")
+    }
+}
+
 /// Inputs of a table of taps, which is made on the host.
 pub(super) struct TapTableInputs {
     pub(super) count: TapCount,
     pub(super) kernel: Kernel,
     pub(super) masking: MaskingShadowing,
+    /// F0 whose exact reflectance lobes have, or `FRESNEL_SCHLICK`.
+    pub(super) fresnel_f0: f32,
     pub(super) mapping: &'static LevelMapping,
     pub(super) level_count: u32,
 }
@@ -332,6 +339,7 @@ impl TapTableInputs {
             count,
             kernel: Kernel::new(brdf, prefilter_weight, masking),
             masking,
+            fresnel_f0: request.fresnel_f0(),
             mapping,
             level_count,
         }
@@ -347,12 +355,14 @@ impl TapTableInputs {
                     masking: weight_masking,
                 },
             masking,
+            fresnel_f0,
             mapping,
             level_count,
         } = self;
+        let fresnel = fresnel_line(*fresnel_f0);
         let inputs = format!(
             "brdf={}\nweight={}\nweight_masking={weight_masking:?}\nmasking={masking:?}\n\
-             mapping={}\nlevels={level_count}\ntaps={}\n",
+             mapping={}\nlevels={level_count}\ntaps={}\n{fresnel}",
             brdf.name(),
             weight.name,
             mapping.name,
@@ -368,7 +378,8 @@ impl TapTableInputs {
 
     pub(super) fn texels(&self) -> Pixels<[f32; 4]> {
         let chain = Chain::new(self.kernel, self.mapping, self.level_count);
-        TapTable::fit(&chain, self.kernel.brdf, self.masking, self.count).texels
+        let fresnel = FresnelWeight::of_constant(self.fresnel_f0);
+        TapTable::fit_reflecting(&chain, self.kernel.brdf, self.masking, fresnel, self.count).texels
     }
 
     /// Returns width and height of the table.

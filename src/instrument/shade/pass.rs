@@ -4,7 +4,7 @@ use super::{Method, Shading};
 use crate::base::glsl::constants::{ANISOTROPY_NONE, SHADE_FLAG_NO_SPECULAR};
 use crate::base::glsl::layout::{BackgroundParams, LightData, ShadeParams, SharedStruct};
 use crate::base::glsl::specialization::Specialization;
-use crate::instrument::brdf::Brdf;
+use crate::instrument::brdf::{Brdf, FresnelWeight};
 use crate::instrument::environment::layout::MapLayout;
 use crate::instrument::gbuffer::pass::GbufferImages;
 use crate::instrument::gpu::{
@@ -251,8 +251,7 @@ impl<'a> Passes<'a> {
         };
         let specialization = Specialization {
             anisotropy: self.anisotropy(),
-            fresnel_f0: self.fresnel_f0,
-            ..self.shading.specialization()
+            ..self.reflecting(self.shading.specialization())
         };
         recorder.dispatch(
             &shader,
@@ -261,6 +260,15 @@ impl<'a> Passes<'a> {
             &params.to_bytes(),
             part.groups,
         )
+    }
+
+    /// Returns the constants with Fresnel's reflectance of the surfaces.
+    pub(super) fn reflecting(&self, general: Specialization) -> Specialization {
+        Specialization {
+            fresnel_f0: self.fresnel_f0,
+            fresnel_mean: FresnelWeight::of_constant(self.fresnel_f0).mean() as f32,
+            ..general
+        }
     }
 
     pub fn diffuse(&self, recorder: &mut Recorder, part: Part) -> Result<(), GpuError> {
@@ -287,7 +295,7 @@ impl<'a> Passes<'a> {
             "shade/diffuse.comp:{}:{}",
             precompute.layout.name, diffuse.name
         );
-        let specialization = self.shading.table_specialization();
+        let specialization = self.reflecting(self.shading.table_specialization());
         self.dispatch(recorder, &shader, specialization, &rest, &push, part)
     }
 

@@ -37,8 +37,7 @@ impl Lobe {
         let shading = passes.shading;
         let general = Specialization {
             anisotropy: passes.anisotropy(),
-            fresnel_f0: passes.fresnel_f0,
-            ..shading.table_specialization()
+            ..passes.reflecting(shading.table_specialization())
         };
         match self {
             Self::Diffuse(_) => general,

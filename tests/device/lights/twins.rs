@@ -10,7 +10,7 @@ use glam::{DVec2, DVec3};
 use splitsum::base::names::Listed;
 use splitsum::base::pixels::Pixels;
 use splitsum::instrument::brdf::{
-    Brdf, Compensation, MODELS, MaskingShadowing, SheenVisibility, WidthLaw, f_schlick,
+    Brdf, Compensation, FresnelWeight, MODELS, MaskingShadowing, SheenVisibility, WidthLaw, f_schlick,
 };
 use splitsum::instrument::precompute::PrecomputeSettings;
 use splitsum::instrument::precompute::dfg::reference::dfg;
@@ -156,15 +156,16 @@ fn both_terms(
     let Surface { n, v, f0, .. } = sight.surface;
     let pair = table.pair(n.dot(v));
     let mean = table.mean_albedo();
-    let factor = factor(compensation, f0, pair, mean);
+    let factor = factor(compensation, FresnelWeight::Schlick, f0, pair, mean);
     let glossy = factor * specular(&sight.surface, sight.position, lights);
     let body = 0.75 * sight.albedo;
     if is_fresnel_inside {
         let transmitted = |l: DVec3| DVec3::ONE - f_schlick(f0, v.dot((v + l).normalize()));
         return glossy + body * weighted_diffuse(n, sight.position, lights, transmitted);
     }
-    let transmitted = body * (DVec3::ONE - reflectance(compensation, f0, pair, mean));
-    let added = multiple(compensation, f0, pair, mean);
+    let transmitted =
+        body * (DVec3::ONE - reflectance(compensation, FresnelWeight::Schlick, f0, pair, mean));
+    let added = multiple(compensation, FresnelWeight::Schlick, f0, pair, mean);
     let weight = |l: DVec3| match compensation {
         Compensation::KullaConty => {
             let lost = (1.0 - table.albedo(n.dot(l).max(0.0))) / (1.0 - mean);

@@ -2,7 +2,7 @@
 //! rounding, and the rules of each format.
 
 use super::files;
-use super::scores::marked_light;
+use super::scores::{light_of, marked_light};
 use glam::{DVec2, DVec3};
 use half::f16;
 use splitsum::bake::Stated;
@@ -34,6 +34,8 @@ const LOOKUPS: &[Lookup] = &[
     ("raw", |d| d),
     // `textureLod(light_iblSpecular, r, lod)`; cmgen mirrors its output to match.
     ("filament", |d| d),
+    // Open3D draws with Filament.
+    ("open3d", |d| d),
     // The centre of the map is +z here; the viewer puts it at -x, or turns by 90 degrees.
     ("khronos", |d| DVec3::new(d.z, d.y, -d.x)),
     // `environment_map.wesl`: cube maps are left-handed, z is negated.
@@ -46,6 +48,8 @@ const LOOKUPS: &[Lookup] = &[
     ("babylon", |d| DVec3::new(d.x, d.y, -d.z)),
     // `env` files are for the lookup of a mirrored cube.
     ("babylon-env", |d| DVec3::new(-d.x, d.y, d.z)),
+    // `vtkOpenGLPolyDataMapper.cxx`: pictures are a quarter turn from ours.
+    ("f3d", |d| DVec3::new(d.z, d.y, -d.x)),
     // A shader gives its samplerCube a direction of the world.
     ("godot", |d| d),
     // `reflectionCube.js`: x is negated.
@@ -61,7 +65,7 @@ pub fn making<'a>(engine: &str, environment: &'a Environment) -> Making<'a> {
     let level_count = match engine {
         // The widths of an `.env` are for levels down to one texel.
         "babylon-env" => 7,
-        _ => preset.convention().mapping.engine_levels.unwrap_or(6),
+        _ => preset.product().level_count.unwrap_or(6),
     };
     Making {
         irradiance_side: 16,
@@ -74,8 +78,8 @@ pub fn making<'a>(engine: &str, environment: &'a Environment) -> Making<'a> {
 #[test]
 fn every_direction_is_where_the_engine_looks() {
     let light = marked_light();
-    // An atlas has no cube; `packed` compares it.
-    assert_eq!(LOOKUPS.len() + 1, Preset::engines().count());
+    // An atlas has no cube, and bytes hold no light above 1; other tests compare these.
+    assert_eq!(LOOKUPS.len() + 2, Preset::engines().count());
     let hot = DVec3::new(0.35, 0.6, 0.72).normalize();
     for (engine, lookup) in LOOKUPS {
         let dir = tempfile::tempdir().unwrap();
@@ -147,7 +151,7 @@ fn every_direction_is_where_the_engine_looks() {
         let file = dir.path().join(making.preset.product().specular);
         if file
             .extension()
-            .is_some_and(|form| form != "dds" && form != "env")
+            .is_some_and(|form| form != "dds" && form != "env" && form != "vtm")
         {
             let alone = read(&[file.display().to_string()], Reading::default())
                 .unwrap()
@@ -188,6 +192,39 @@ fn every_direction_is_where_the_engine_looks() {
                 .unwrap_err()
                 .to_string()
                 .contains("exists")
+        );
+    }
+}
+
+/// SAPIEN's shader swaps y and z of a world with z up; its x is ours, its y our -z
+/// (`deferred.frag`, specularIBL).
+#[test]
+fn bytes_for_sapien_are_where_it_looks() {
+    let radiance = |d: DVec3| 0.5 + 0.4 * d;
+    let light = light_of(radiance);
+    let folder = tempfile::tempdir().unwrap();
+    let baked = make(&making("sapien", &light), folder.path()).unwrap();
+    assert_eq!(baked.levels.len(), 5);
+    for level in &baked.levels {
+        assert!(level.relmse < 1e-4 && level.loss.is_none(), "{level:?}");
+    }
+    let bake = read(&[folder.path().display().to_string()], Reading::default()).unwrap();
+    let faces = &bake.specular.as_ref().unwrap().levels[0];
+    for d in [
+        DVec3::X,
+        DVec3::NEG_X,
+        DVec3::Y,
+        DVec3::NEG_Y,
+        DVec3::Z,
+        DVec3::NEG_Z,
+    ] {
+        let sapien = DVec3::new(d.x, -d.z, d.y);
+        let (face, uv) = (LAYOUTS[0].face_uv)(DVec3::new(sapien.x, sapien.z, sapien.y));
+        let [x, y] = [uv.x, uv.y].map(|u| (u * 64.0) as u32);
+        let found = DVec3::from_array(faces[face as usize].get(x, y).map(f64::from));
+        assert!(
+            (found - radiance(d)).abs().max_element() < 0.02,
+            "{d}: {found}"
         );
     }
 }

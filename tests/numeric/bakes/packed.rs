@@ -360,3 +360,39 @@ fn borders_of_a_written_atlas_go_on_around_the_map() {
         }
     }
 }
+
+/// Coefficients that F3D 4.0.0 kept of a map with a red, a green and a blue lamp along x, y and z: in
+/// the axes of its cube x is our z, and z is our -x.
+#[test]
+fn coefficients_of_f3d_are_read_in_the_axes_of_its_cube() {
+    let path = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/golden/f3d_sh.vtt");
+    let bake = read(&[path.to_owned()], Reading::default()).unwrap();
+    let radiance = bake.sh.unwrap().radiance;
+    assert!(
+        (radiance[0] - 6.4235).abs().max_element() < 1e-3,
+        "{}",
+        radiance[0]
+    );
+    assert!((radiance[1].y - 3.0855).abs() < 1e-3, "{}", radiance[1]);
+    assert!((radiance[2].x + 2.6896).abs() < 1e-3, "{}", radiance[2]);
+    assert!((radiance[3].z - 3.3815).abs() < 1e-3, "{}", radiance[3]);
+    // A file that ends early, and one of another type.
+    let text = std::fs::read_to_string(path).unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    for (changed, part) in [
+        (
+            text[..text.rfind('_').unwrap() + 10].to_owned(),
+            "ends behind the file",
+        ),
+        (text.replace("Float32", "Int8"), "is of type"),
+        (
+            text.replace("Components=\"9\"", "Components=\"3\""),
+            "27 numbers",
+        ),
+    ] {
+        let file = folder.path().join("sh.vtt");
+        std::fs::write(&file, changed).unwrap();
+        let fault = read(&[file.display().to_string()], Reading::default()).unwrap_err();
+        assert!(fault.to_string().contains(part), "{fault}");
+    }
+}

@@ -1,7 +1,7 @@
 //! A lobe as weighted directions, by the quadrature derived in
 //! `shaders/lib/directional_albedo.glsl`.
 
-use crate::instrument::brdf::{Brdf, MaskingShadowing, g1, g2_from_g1, schlick_weight};
+use crate::instrument::brdf::{Brdf, FresnelWeight, MaskingShadowing, g1, g2_from_g1};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
@@ -13,6 +13,7 @@ const R_COUNT: u32 = 16;
 pub struct Lobe {
     model: &'static dyn Brdf,
     masking: MaskingShadowing,
+    fresnel: FresnelWeight,
     pub alpha: f64,
     v: DVec3,
     g1_v: f64,
@@ -88,9 +89,21 @@ fn rings(model: &'static dyn Brdf, alpha: f64, v: DVec3) -> impl Iterator<Item =
 }
 
 impl Lobe {
+    /// Makes a lobe with Schlick's reflectance.
     pub fn new(
         model: &'static dyn Brdf,
         masking: MaskingShadowing,
+        n_dot_v: f64,
+        alpha: f64,
+    ) -> Self {
+        Self::reflecting(model, masking, FresnelWeight::Schlick, n_dot_v, alpha)
+    }
+
+    /// Makes a lobe with any weight Fc of f90.
+    pub fn reflecting(
+        model: &'static dyn Brdf,
+        masking: MaskingShadowing,
+        fresnel: FresnelWeight,
         n_dot_v: f64,
         alpha: f64,
     ) -> Self {
@@ -110,7 +123,7 @@ impl Lobe {
                 }
                 let gv = g2_from_g1(g1_v, g1(model, l.z, alpha, masking), masking) * v_dot_h
                     / (n_dot_v * ring.cos_h);
-                let fc = schlick_weight(v_dot_h);
+                let fc = fresnel.at(v_dot_h);
                 let part = ring.weight * weight * gv * DVec2::new(1.0 - fc, fc);
                 albedos += part;
                 nodes.push((l, part));
@@ -119,6 +132,7 @@ impl Lobe {
         Self {
             model,
             masking,
+            fresnel,
             alpha,
             v,
             g1_v,
@@ -133,7 +147,7 @@ impl Lobe {
             return 0.0;
         }
         let h = (self.v + l).normalize();
-        let fc = schlick_weight(self.v.dot(h));
+        let fc = self.fresnel.at(self.v.dot(h));
         let parts = DVec2::new((1.0 - share) * (1.0 - fc), share * fc) / self.albedos;
         let g2 = g2_from_g1(
             self.g1_v,

@@ -5,7 +5,9 @@ use super::chain::Chain;
 use super::fit::{Fit, Parameters};
 use super::lobe::Lobe;
 use super::{F0, Tap, TapCount};
-use crate::instrument::brdf::{Brdf, MaskingShadowing, alpha_from_perceptual_roughness};
+use crate::instrument::brdf::{
+    Brdf, FresnelWeight, MaskingShadowing, alpha_from_perceptual_roughness,
+};
 use glam::{DVec2, DVec3};
 use rayon::prelude::*;
 
@@ -56,6 +58,7 @@ impl<'a> Nodes<'a> {
         chain: &'a Chain,
         brdf: &'static dyn Brdf,
         masking: MaskingShadowing,
+        fresnel: FresnelWeight,
         count: TapCount,
     ) -> Self {
         let is_filtered = |y: &usize| chain.level(parameters_from_node([0, *y]).y) > LEVEL_FIRST;
@@ -67,7 +70,7 @@ impl<'a> Nodes<'a> {
                 x: n_dot_v,
                 y: alpha,
             } = parameters_from_node([x, y]);
-            let lobe = Lobe::new(brdf, masking, n_dot_v, alpha);
+            let lobe = Lobe::reflecting(brdf, masking, fresnel, n_dot_v, alpha);
             let share = lobe.albedos.y / (F0[f0] * lobe.albedos.x + lobe.albedos.y);
             let densities = |all: &[DVec3]| all.iter().map(|l| lobe.density(share, *l)).collect();
             Fit::new(

@@ -5,7 +5,9 @@ use super::nodes::{Nodes, SIDE, parameters_from_node};
 use super::{F0, TapCount};
 use crate::base::pixels::Pixels;
 use crate::base::pixels::lookup::{Wrap, bilinear};
-use crate::instrument::brdf::{Brdf, MaskingShadowing, perceptual_roughness_from_alpha};
+use crate::instrument::brdf::{
+    Brdf, FresnelWeight, MaskingShadowing, perceptual_roughness_from_alpha,
+};
 use glam::{DVec2, DVec3, DVec4};
 
 /// Texels of a table. Halves by f0, parts and rows as in the parent module.
@@ -33,13 +35,25 @@ impl TapTable {
         [SIDE as u32, (F0.len() * part_count(count) * SIDE) as u32]
     }
 
+    /// Fits taps to lobes with Schlick's reflectance.
     pub fn fit(
         chain: &Chain,
         brdf: &'static dyn Brdf,
         masking: MaskingShadowing,
         count: TapCount,
     ) -> Self {
-        let nodes = Nodes::new(chain, brdf, masking, count);
+        Self::fit_reflecting(chain, brdf, masking, FresnelWeight::Schlick, count)
+    }
+
+    /// Fits taps to lobes with any weight Fc of f90.
+    pub fn fit_reflecting(
+        chain: &Chain,
+        brdf: &'static dyn Brdf,
+        masking: MaskingShadowing,
+        fresnel: FresnelWeight,
+        count: TapCount,
+    ) -> Self {
+        let nodes = Nodes::new(chain, brdf, masking, fresnel, count);
         let mut parts: Vec<Vec<[f32; 4]>> = Vec::new();
         for f0 in 0..F0.len() {
             let of_node = |at: [usize; 2]| {

@@ -11,6 +11,7 @@ pub mod split_sum;
 mod split_sum_bent;
 mod split_sum_cap;
 mod split_sum_engines;
+mod split_sum_factors;
 mod split_sum_major;
 mod split_sum_strips;
 mod split_sum_taps;
@@ -60,6 +61,9 @@ pub struct Method {
     pub has_ladder: bool,
     /// Whether it is a split sum to prefer to the textbook's.
     pub is_corrected: bool,
+    /// Whether it has a factor other than the table's `f0 A + B`, so that it and the diffuse term
+    /// do not add up to the light.
+    pub has_other_factor: bool,
     /// Whether it repeats the slips of a printed formula, to show what they do.
     pub is_as_printed: bool,
     /// Replaces its name in the name of its shader: for methods in files.
@@ -83,6 +87,9 @@ pub static METHODS: &[Method] = &[
     split_sum_engines::GODOT,
     split_sum_engines::NRD,
     split_sum_engines::UNITY,
+    split_sum_factors::VTK,
+    split_sum_factors::PLAYCANVAS,
+    split_sum_factors::BABYLON,
     split_sum_cap::METHOD,
     split_sum_taps::ONE,
     split_sum_taps::TWO,
@@ -150,6 +157,7 @@ impl Method {
             storage: None,
             has_ladder: false,
             is_corrected: false,
+            has_other_factor: false,
             is_as_printed: false,
             shader: None,
             text: None,
