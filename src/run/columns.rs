@@ -73,12 +73,15 @@ pub const UNSCORED: &str = "unscored";
 columns! {
     /// `errors.csv`, besides the cell, its axes, the metrics and their noise floors.
     pub struct ErrorColumns {
-        /// Samples per pixel and term at which the reference stopped; the fewest of its terms.
+        /// Samples per pixel and term at which the reference stopped; the fewest of its terms; empty
+        /// if no term is an integral.
         pub reference_samples: Option<u64>,
-        /// Relative standard error of the reference image; the largest of its terms.
+        /// Relative standard error of the reference image; the largest of its terms; empty if no term
+        /// is an integral.
         pub reference_relative_error: Option<f64>,
         /// `samples`; `relative-error` if every term reached the requested error; `noise-share` if
-        /// fewer samples were exact enough for all images that it judges.
+        /// fewer samples were exact enough for all images that it judges; empty if no term is an
+        /// integral.
         pub reference_stopped_by: Option<&'static str>,
         /// The headline metric, as a mean square, against its noise floor: `resolved`,
         /// `reference-limited` below 11 floors (100 with exact references), `equal-within-noise`
@@ -90,11 +93,11 @@ columns! {
 columns! {
     /// `errors.csv` of an experiment with sequences of frames: its columns after [`ErrorColumns`].
     pub struct SteadinessColumns {
-        /// Of sequences: `relmse` of the accumulated frames without noise: bias and, if moving,
-        /// lag.
+        /// `relmse` of the accumulated frames without noise: bias and, if moving, lag; empty for
+        /// single images.
         pub lag_bias: Option<f64>,
-        /// Of sequences: variance of the last eight results by the curve of `tone_mapped_mse`, no
-        /// motion.
+        /// Variance of the last eight results by the curve of `tone_mapped_mse`, without motion;
+        /// empty for single images.
         pub flicker: Option<f64>,
     }
 }

@@ -14,12 +14,14 @@ use splitsum::base::math::sampling::direction_from_polar;
 use splitsum::base::names::Listed;
 use splitsum::instrument::brdf::{
     Beckmann, Brdf, Ggx, MaskingShadowing, Phong, Stretch, WidthLaw, Widths, eval_without_fresnel,
+    stretchable,
 };
 use splitsum::instrument::brdf::{pdf_d_l, reflect};
 use splitsum::instrument::shade::reference::{Surface, integrate};
 use std::f64::consts::FRAC_PI_2;
+use std::sync::LazyLock;
 
-const MODELS: [&dyn Brdf; 2] = [&Ggx, &Beckmann];
+static MODELS: LazyLock<Vec<&dyn Brdf>> = LazyLock::new(|| stretchable().collect());
 const WIDTHS: [[f64; 2]; 4] = [[0.3, 0.1], [0.8, 0.2], [0.1, 0.9], [1.0, 0.02]];
 const WITHIN: Tolerance = Tolerance {
     relative: 1e-5,

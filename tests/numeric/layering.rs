@@ -108,7 +108,7 @@ fn library_imports() -> BTreeMap<PathBuf, BTreeSet<Vec<String>>> {
 }
 
 #[test]
-fn lib_rs_describes_every_folder_in_order() {
+fn lib_rs_and_the_page_describe_every_folder_in_order() {
     let modules = listed_modules("src/lib.rs");
     let described: Vec<String> = read(Path::new("src/lib.rs"))
         .lines()
@@ -122,8 +122,17 @@ fn lib_rs_describes_every_folder_in_order() {
         .filter(|path| path.is_dir())
         .map(|path| path.file_name().unwrap().to_str().unwrap().to_owned())
         .collect();
-    let named: BTreeSet<String> = modules.into_iter().chain(["cli".to_owned()]).collect();
-    assert_eq!(folders, named);
+    let named: Vec<String> = modules.into_iter().chain(["cli".to_owned()]).collect();
+    assert_eq!(folders, BTreeSet::from_iter(named.iter().cloned()));
+    let page = read(Path::new("docs/architecture.md"));
+    let (_, table) = page.split_once("| folder | job |").unwrap();
+    let rows: Vec<String> = table
+        .lines()
+        .skip(2)
+        .map_while(|line| line.strip_prefix("| `")?.split_once('`'))
+        .map(|(name, _)| name.to_owned())
+        .collect();
+    assert_eq!(rows, named);
 }
 
 #[test]

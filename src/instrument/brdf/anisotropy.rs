@@ -5,7 +5,7 @@
 //! Their masking has the one width along the azimuth of the direction \[Heitz14\]. GGX and Beckmann
 //! allow it; Phong's slopes change their shape with the width.
 
-use super::{Brdf, MaskingShadowing, g1, g2_from_g1};
+use super::{Brdf, MODELS, MaskingShadowing, g1, g2_from_g1};
 use crate::base::glsl::constants::{
     ALPHA_MIN, ANISOTROPY_DISNEY, ANISOTROPY_GLTF, ANISOTROPY_KULLA, ANISOTROPY_OPENPBR,
 };
@@ -35,15 +35,22 @@ listed!(WidthLaw, "law of widths", {
     "openpbr": OpenPbr,
 });
 
+/// The models whose lobes may have two widths.
+pub fn stretchable() -> impl Iterator<Item = &'static dyn Brdf> + Clone {
+    let models = MODELS.iter().copied();
+    models.filter(|model| model.is_stretchable())
+}
+
 impl WidthLaw {
     /// Returns why lobes of that model and masking have one width only; `None` if they may have
     /// two.
     pub fn fault(self, model: &dyn Brdf, masking: MaskingShadowing) -> Option<String> {
         let name = model.name();
         if !model.is_stretchable() {
+            let others: Vec<&str> = stretchable().map(Brdf::name).collect();
             return Some(format!(
-                "{name} has one width: its slopes change their shape with it; expected ggx or \
-                 beckmann"
+                "{name} has one width: its slopes change their shape with it; expected {}",
+                others.join(" or ")
             ));
         }
         let is_schlick = masking == MaskingShadowing::Schlick;

@@ -4,9 +4,10 @@
 //! # Sampling
 //!
 //! Beckmann's own visible normals \[HeitzDeon14\] have no closed form: Newton's method must invert
-//! their distribution. So `sample_visible` draws the visible normals of GGX of the same alpha. With
-//! `s = tan² θ_h / alpha²`, `D / D_ggx = exp(-s) (1 + s)²`, at most `4/e`, and the visible areas
-//! differ by at most `√π` (at a grazing view), so weights are at most 2.61.
+//! their distribution. `sampled-vndf` draws them. The reference draws the visible normals of GGX of
+//! the same alpha (`shaders/lib/visible_ggx.glsl`). With `s = tan² θ_h / alpha²`, `D / D_ggx =
+//! exp(-s) (1 + s)²`, at most `4/e`, and the visible areas differ by at most `√π` (at a grazing
+//! view), so weights are at most 2.61.
 
 use super::{Brdf, Widths, g1_rational, sin2_cos2};
 use crate::base::glsl::constants::TILT_MIN;

@@ -21,7 +21,7 @@ mod phong;
 mod sheen;
 mod under_coat;
 
-pub use anisotropy::{Stretch, WidthLaw, Widths};
+pub use anisotropy::{Stretch, WidthLaw, Widths, stretchable};
 pub use beckmann::Beckmann;
 pub use compensation::Compensation;
 pub use fresnel::{Fresnel, FresnelWeight, f_dielectric, schlick_weight};
@@ -68,8 +68,7 @@ pub trait Brdf: Sync + std::fmt::Debug {
     }
 }
 
-/// Every model. To add one: its file here, `shaders/brdf/<stem>.glsl` (`_` for `-` in the name), a
-/// line here.
+/// Every model. docs/architecture.md ("Adding things") says what else a new one touches.
 pub static MODELS: &[&dyn Brdf] = &[&Ggx, &Beckmann, &Phong];
 
 impl Listed for dyn Brdf {

@@ -10,8 +10,8 @@
 //!
 //! # Sampling
 //!
-//! Phong's visible normals have no known sampler in closed form. `sample_visible` draws GGX's of
-//! the same alpha: with `k = 1/alpha² - 1` and `s = sin² θ_h`, `D / D_ggx = (1 - s)^k (1 + k s)²`,
+//! Phong's visible normals have no known sampler in closed form. `sampled-vndf` and the reference
+//! draw GGX's of the same alpha: with `k = 1/alpha² - 1` and `s = sin² θ_h`, `D / D_ggx = (1 - s)^k (1 + k s)²`,
 //! at most `4/e` (near `k s = 1`), so weights are bounded. Samples of D itself would hit only a few
 //! of the facets that a grazing view sees.
 

@@ -79,17 +79,10 @@ struct Filled {
 }
 
 /// Values that answers may leave out, beside columns whose meaning says when they are empty.
-const OPTIONAL: [&str; 9] = [
+const OPTIONAL: [&str; 4] = [
     // Upper ends are as empty as lower ends, of which docs/columns.md says so.
     "_hi",
     "_lo",
-    // Of methods with an integral term alone.
-    "reference_samples",
-    "reference_relative_error",
-    "reference_stopped_by",
-    // Of sequences alone.
-    "lag_bias",
-    "flicker",
     // Of three counts or more above the noise.
     "slope",
     "slope_standard_error",
