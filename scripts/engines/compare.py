@@ -87,13 +87,13 @@ dielectrics in constant light, where no lookup errs: the table of A and B, and t
 Medians over the maps but `constant`, and over roughness; rms is the root of relMSE. *Truth*: `reference` with the masking, compensation and
 layering (`khr`) that the engine's material follows, at {error} % standard error a pixel. *Our model*: `splitsum render` with the engine's lookup, factors and
 table size, and exact maps. So the difference between model and truth is the engine's lookup and factors, the difference between picture and model its bake
-and whatever our model misses. {size}x{size} pixels, without the outline. All rows: [spheres.csv](spheres.csv), for constant light too.
+and whatever our model misses. Pixels of the outline are left out. All rows: [spheres.csv](spheres.csv), for constant light too.
 
 {table}
 
 ![Metal spheres by engine and roughness](spheres.png)
 
-A metal of F0 1, 0.5, 0.2 under `{map}`. The last row is the reference with `--compensation turquin`; Mitsuba, Cycles and PlayCanvas scatter once.
+A metal of F0 1, 0.5, 0.2 under `studio`. The last row is the reference with `--compensation turquin`; Mitsuba, Cycles and PlayCanvas scatter once.
 """
 
 
@@ -280,9 +280,9 @@ def table(rows):
 
 
 def picture(folder, ours, out):
-    """A metal under the last map: a row an engine, a column a roughness, the reference last."""
+    """A metal under the studio: a row an engine, a column a roughness, the reference last."""
     listed = json.loads((folder / "spheres.json").read_text())
-    spheres = [sphere for sphere in listed["spheres"] if sphere["map"] == listed["maps"][-1] and sphere["material"] == "metal"]
+    spheres = [sphere for sphere in listed["spheres"] if sphere["map"] == "studio" and sphere["material"] == "metal"]
     names = [name for name in ENGINES if (folder / name).exists()]
     # Columns that most engines have.
     count = {sphere["name"]: sum((folder / name / f"{sphere['name']}.exr").exists() for name in names) for sphere in spheres}
@@ -335,7 +335,7 @@ def main():
         writer.writerows(answer(rows))
     listed = json.loads((arguments.folder / "spheres.json").read_text())
     remark = arguments.out / "remark.md"
-    page = PAGE.format(remark=remark.read_text() if remark.exists() else "", answer=answer_table(rows), table=table(rows), error=f"{100 * REFERENCE_ERROR:g}", size=listed["size"], map=listed["maps"][-1])
+    page = PAGE.format(remark=remark.read_text() if remark.exists() else "", answer=answer_table(rows), table=table(rows), error=f"{100 * REFERENCE_ERROR:g}")
     (arguments.out / "README.md").write_text(page)
     if not arguments.keep:
         picture(arguments.folder, Ours(arguments.splitsum, arguments.folder, listed["size"]), arguments.out / "spheres.png")

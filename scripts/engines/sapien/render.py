@@ -26,6 +26,8 @@ from sapien import render
 # An .exr it holds as half floats, but its filter writes bytes into them and cuts every sample at 1.
 BRIGHTEST = 8
 SIDE = 128
+# The shader takes the direction of view from the camera's position even in parallel projection, so the camera is far away.
+DISTANCE = 500
 LEFT_OUT = {"coated": "its material has no coat", "anisotropic": "its material has one roughness"}
 
 
@@ -82,9 +84,9 @@ def draw(cubemap, sphere, size):
     builder.add_sphere_visual(radius=1, material=material)
     builder.build_static()
     camera = scene.add_camera("camera", size, size, 1, 0.1, 10)
-    camera.set_orthographic_parameters(0.1, 10, EXTENT)
+    camera.set_orthographic_parameters(DISTANCE - 2, DISTANCE + 2, EXTENT)
     # Its world has z up; a camera looks along its own +x. Ours at +z is its +y.
-    camera.entity.set_pose(sapien.Pose([0, 5, 0], [np.sqrt(0.5), 0, 0, -np.sqrt(0.5)]))
+    camera.entity.set_pose(sapien.Pose([0, DISTANCE, 0], [np.sqrt(0.5), 0, 0, -np.sqrt(0.5)]))
     scene.update_render()
     camera.take_picture()
     # What its shading writes, before the tone curve.
