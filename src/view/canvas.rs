@@ -30,7 +30,7 @@ pub struct Half<'a> {
 }
 
 impl Half<'_> {
-    /// Whether its texels are interpolated: those of a whole picture stay squares.
+    /// Whether its texels are interpolated. A whole picture keeps them squares.
     pub fn is_smooth(&self) -> bool {
         self.shot.scale > 1
     }

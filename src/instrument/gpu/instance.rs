@@ -57,7 +57,7 @@ pub struct DeviceInfo {
 
 const VALIDATION_LAYER: &CStr = c"VK_LAYER_KHRONOS_validation";
 
-/// Surfaces, and those of each system with windows.
+/// Surfaces in general, and of each system with windows.
 const SURFACE_EXTENSIONS: [&CStr; 6] = [
     khr::surface::NAME,
     khr::xlib_surface::NAME,

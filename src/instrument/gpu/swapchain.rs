@@ -190,7 +190,7 @@ impl Swapchain {
         capabilities: &vk::SurfaceCapabilitiesKHR,
         extent: [u32; 2],
     ) -> Result<vk::SwapchainKHR, GpuError> {
-        // One more than the system needs, so that one is free; 0 is no limit.
+        // One more than the system needs, so that one is free; 0 means any number.
         let most = capabilities.max_image_count.wrapping_sub(1);
         let alphas = capabilities.supported_composite_alpha;
         let alpha = if alphas.contains(vk::CompositeAlphaFlagsKHR::OPAQUE) {

@@ -25,8 +25,8 @@ impl RenderRequest {
 }
 
 impl Pipeline {
-    /// Renders and tone-maps a picture; `None` if the host puts its layers together. Radiance that
-    /// is negative or not finite is no error here: [`Pipeline::render`] reports it.
+    /// Renders and tone-maps a picture; `None` if the host puts its layers together. Does not check
+    /// whether radiance is negative or not finite: [`Pipeline::render`] does.
     pub fn picture_on_device(
         &mut self,
         request: &RenderRequest,
