@@ -15,7 +15,7 @@ pub use written::{CutLoss, Loss, Written};
 pub(super) use write::write_bytes;
 
 use super::convention::Convention;
-use super::judge::level;
+use super::judge::exact::between_texels;
 use super::parts::Map;
 use super::paste;
 use super::product::LAST_SIDE;
@@ -135,7 +135,7 @@ fn last_between(
     let faces = &map.levels[count.min(convention.mapping_levels(count) as usize) - 1];
     let alpha = exact.alphas[exact.alphas.len() - 1];
     let exact_map = exact.truth.prefiltered(alpha);
-    let relmse = level::between_texels(&exact.truth, map.layout, faces, convention, &exact_map);
+    let relmse = between_texels(&exact.truth, map.layout, faces, convention, &exact_map);
     let has_choice = making.form().has_taps();
     let is_too_small = has_choice && relmse > GOOD && faces[0].width < LAST_SIDE;
     let product = making.preset.product();
