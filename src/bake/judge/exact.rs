@@ -1,9 +1,12 @@
-//! Exact texels of a level.
+//! Exact texels of a level, and lookups between its texels, compared with exact ones.
 
 use super::directions::Directions;
-use super::{Truth, has_width};
+use super::{Truth, errors, has_width};
+use crate::bake::convention::Convention;
 use crate::base::math::harmonics::SmoothMap;
+use crate::base::pixels::RgbImage;
 use crate::instrument::environment::Environment;
+use crate::instrument::environment::layout::{FilteredMap, MapLayout};
 use crate::instrument::precompute::prefilter::Kernel;
 use glam::DVec3;
 use rayon::prelude::*;
@@ -55,4 +58,29 @@ pub fn finer(environment: &Environment, directions: &Directions) -> u32 {
     map.height
         .div_ceil(rows * height)
         .max(map.width.div_ceil(columns * width))
+}
+
+/// Returns relMSE of a level at four points per texel, looked up as a GPU does: linear, across the
+/// edges of faces.
+pub fn between_texels(
+    truth: &Truth,
+    layout: &'static MapLayout,
+    faces: &[RgbImage],
+    convention: &Convention,
+    exact_map: &SmoothMap,
+) -> f64 {
+    let texel = |texel: [f32; 3]| convention.scale * DVec3::from_array(texel.map(f64::from));
+    let level = FilteredMap {
+        layout,
+        levels: vec![faces.iter().map(|face| face.map(texel)).collect()],
+    };
+    let size = [2 * faces[0].width, 2 * faces[0].height];
+    let directions = Directions::new(layout, convention.axes, size);
+    let found: Vec<DVec3> = directions
+        .world
+        .par_iter()
+        .map(|world| level.value(convention.axes.to_file(*world), 0.0))
+        .collect();
+    let exact = exact_of(Some(exact_map), truth.environment, &directions);
+    errors(&directions, &found, &exact, truth.epsilon(), 1.0).relmse
 }

@@ -2,7 +2,7 @@
 
 use super::cause::{Mips, Scale, ScaleFlag, Unknown, WidthSlip};
 use super::directions::{Directions, texels};
-use super::exact::{exact_of, finer, prefiltered};
+use super::exact::{between_texels, exact_of, finer, prefiltered};
 use super::faces::BlackFaces;
 use super::fit::{self, Fit, KnownFactor, picked};
 use super::light::{self, OtherLights};
@@ -13,11 +13,8 @@ use super::verdict::{Quality, Verdict};
 use super::{Cause, Errors, GOOD, Truth, errors, has_width, relative_square};
 use crate::bake::convention::{Axes, Convention};
 use crate::bake::parts::Map;
-use crate::base::math::harmonics::SmoothMap;
 use crate::base::pixels::RgbImage;
-use crate::instrument::environment::layout::{FilteredMap, MapLayout};
 use glam::DVec3;
-use rayon::prelude::*;
 use std::cell::LazyCell;
 
 /// Largest bias of a good level: a few bright texels carry much of the light, and little of relMSE.
@@ -371,31 +368,6 @@ impl Level<'_, '_> {
             exact: exact[index],
         }
     }
-}
-
-/// Returns relMSE of a level at four points per texel, looked up as a GPU does: linear, across the
-/// edges of faces.
-pub fn between_texels(
-    truth: &Truth,
-    layout: &'static MapLayout,
-    faces: &[RgbImage],
-    convention: &Convention,
-    exact_map: &SmoothMap,
-) -> f64 {
-    let texel = |texel: [f32; 3]| convention.scale * DVec3::from_array(texel.map(f64::from));
-    let level = FilteredMap {
-        layout,
-        levels: vec![faces.iter().map(|face| face.map(texel)).collect()],
-    };
-    let size = [2 * faces[0].width, 2 * faces[0].height];
-    let directions = Directions::new(layout, convention.axes, size);
-    let found: Vec<DVec3> = directions
-        .world
-        .par_iter()
-        .map(|world| level.value(convention.axes.to_file(*world), 0.0))
-        .collect();
-    let exact = exact_of(Some(exact_map), truth.environment, &directions);
-    errors(&directions, &found, &exact, truth.epsilon(), 1.0).relmse
 }
 
 /// Scores an irradiance map of one level.

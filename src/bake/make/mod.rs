@@ -16,7 +16,7 @@ pub(super) use write::write_bytes;
 
 use super::convention::Convention;
 use super::f3d_cache;
-use super::judge::level;
+use super::judge::exact::between_texels;
 use super::map_form::MapForm;
 use super::parts::Map;
 use super::paste;
@@ -142,7 +142,7 @@ fn last_between(
     let faces = &map.levels[count.min(convention.mapping_levels(count) as usize) - 1];
     let alpha = exact.alphas[exact.alphas.len() - 1];
     let exact_map = exact.truth.prefiltered(alpha);
-    let relmse = level::between_texels(&exact.truth, map.layout, faces, convention, &exact_map);
+    let relmse = between_texels(&exact.truth, map.layout, faces, convention, &exact_map);
     let has_choice = making.form().has_taps();
     let is_too_small = has_choice && relmse > GOOD && faces[0].width < LAST_SIDE;
     let product = making.preset.product();
