@@ -126,7 +126,8 @@ step() { # name, seconds, command...
 keep() {
     packed=$out/splitsum-gpu-results.tar.xz
     (cd "$out" && find . -type f \( -name '*.csv' -o -name '*.json' -o -name '*.toml' -o -name '*.md' -o -name '*.svg' \
-        -o -name '*.log' -o -name '*.txt' -o -name commit \) ! -name 'live.json' ! -path '*/records/*' -print0 |
+        -o -name '*.log' -o -name '*.txt' -o -name commit \) ! -name 'live.json' ! -name 'intermediates.json' \
+        ! -path '*/records/*' -print0 |
         tar --null --no-recursion -T - -cf -) | xz -T0 -6 >"$packed.new"
     mv "$packed.new" "$packed"
 }

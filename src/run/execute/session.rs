@@ -24,8 +24,9 @@ impl Run<'_> {
             progress.note(&format!(
                 "continues a run of another plan: {done} of {all} cells are done"
             ));
-            // They lack the environments and models of new cells.
-            if done < all && self.makes_plan_files() {
+            // They lack the environments, models and pictures of new cells. The share that makes
+            // them may come later, and then sees this plan already.
+            if done < all {
                 for file in self.options.companions.plan_files {
                     self.store.remove("", file.name())?;
                 }
