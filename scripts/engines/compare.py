@@ -230,7 +230,10 @@ def text(value):
 
 
 def percent(values):
-    return f"{100 * statistics.median(values):.2g}" if values else ""
+    if not values:
+        return ""
+    value = 100 * statistics.median(values)
+    return f"{value:.2g}" if value < 99.5 else f"{value:.0f}"
 
 
 # The columns of answer.csv after engine and version: rms in percent, medians over roughness. `lookup` is of our model to the truth,
