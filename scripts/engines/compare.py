@@ -203,7 +203,7 @@ def compare(folder, program, names, with_reference):
 
 
 def with_kept(rows, path):
-    """`rows`, and those of the file of other engines and materials, in the order of ENGINES."""
+    """Adds the rows of the file that are of other engines or materials; sorts by ENGINES."""
     drawn = {(row["engine"], row["material"]) for row in rows}
     with open(path, newline="") as file:
         kept = [row for row in csv.DictReader(file) if (row["engine"], row["material"]) not in drawn]
