@@ -201,7 +201,7 @@ def compare(folder, program, names, with_reference):
 
 
 def with_kept(rows, path):
-    """`rows`, and those of the file whose engine and material have none among them, in the order of ENGINES."""
+    """Adds the rows of the file that are of other engines or materials; sorts by ENGINES."""
     drawn = {(row["engine"], row["material"]) for row in rows}
     with open(path, newline="") as file:
         kept = [row for row in csv.DictReader(file) if (row["engine"], row["material"]) not in drawn]
@@ -228,7 +228,10 @@ def text(value):
 
 
 def percent(values):
-    return f"{100 * statistics.median(values):.2g}" if values else ""
+    if not values:
+        return ""
+    value = 100 * statistics.median(values)
+    return f"{value:.2g}" if value < 99.5 else f"{value:.0f}"
 
 
 # The columns of answer.csv after engine and version: rms in percent, medians over roughness. `lookup` is of our model to the truth,

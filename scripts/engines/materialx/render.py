@@ -12,6 +12,11 @@ from common import CANNOT_RUN, EXTENT, Spheres, check_version, read_hdr, stop, u
 check_version("materialx", "MaterialX")
 if not os.environ.get("DISPLAY"):
     stop("materialx", "its renderer needs an X11 display: install Xvfb", CANNOT_RUN)
+# Mesa 22.3.6's llvmpipe draws light that is not there, at the left of a sphere and at its rim; its softpipe does not.
+os.environ.setdefault("GALLIUM_DRIVER", "softpipe")
+# The shader states GLSL 4.00 and needs no more than 3.30.
+os.environ.setdefault("MESA_GL_VERSION_OVERRIDE", "4.0")
+os.environ.setdefault("MESA_GLSL_VERSION_OVERRIDE", "400")
 import MaterialX as mx
 import numpy as np
 from MaterialX import PyMaterialXGenGlsl as gen_glsl, PyMaterialXGenShader as gen, PyMaterialXRender as render, PyMaterialXRenderGlsl as glsl
