@@ -48,7 +48,11 @@ fn brents_method_narrows_to_the_minimum() {
     // Function, its minimum, and the largest count of values; the golden section takes 33.
     let functions: [(&dyn Fn(f64) -> f64, f64, u32); 5] = [
         (&|x| (x - 0.3).powi(2), 0.3, 8),
-        (&|x| ((x + 2.01).ln() - 0.8).powi(2), 0.8_f64.exp() - 2.01, 12),
+        (
+            &|x| ((x + 2.01).ln() - 0.8).powi(2),
+            0.8_f64.exp() - 2.01,
+            12,
+        ),
         (&|x| (x - 0.3).abs(), 0.3, 33),
         (&|x| (x - 0.3).abs().sqrt(), 0.3, 33),
         (&|x| x, -2.0, 33),
