@@ -37,6 +37,7 @@ pictures 15
 pictures-second 6
 pictures-second-7 2
 recovery 2
+recovery-causes 2
 source-document-0 1
 printed-document-0 1
 source-document-pictures 5

@@ -246,8 +246,7 @@ pub fn check_recovery(config: &Config, faults: &mut Faults) {
     let lack = if config.is_scored {
         format!("reference = {UNSCORED:?}: its photos are cells of the method reference")
     } else if references == 0 || references == methods.len() {
-        "reference in the axis method, for photos, and a method that recovers materials"
-            .to_owned()
+        "reference in the axis method, for photos, and a method that recovers materials".to_owned()
     } else if count(ALPHA) < GRID_WIDTHS_MIN {
         format!("at least {GRID_WIDTHS_MIN} widths in the axis alpha or perceptual_roughness")
     } else if count(F0).max(count(ALBEDO)) < 2 {

@@ -42,26 +42,42 @@ fn solved(family: &[Lines], photo: &Photo, loss: Loss) -> Fit {
     .solve()
 }
 
-/// A parabola, a smooth minimum that is not one, a kink, a cusp and an end of the interval.
+/// The minimum of a function in [-2, 1], and the most values that finding it may take.
+struct Valley {
+    function: fn(f64) -> f64,
+    lowest: f64,
+    count_max: u32,
+}
+
+/// A parabola, a smooth minimum that is not one, a kink, a cusp and an end of the interval. The
+/// golden section takes 33 values.
 #[test]
 fn brents_method_narrows_to_the_minimum() {
-    // Function, its minimum, and the largest count of values; the golden section takes 33.
-    let functions: [(&dyn Fn(f64) -> f64, f64, u32); 5] = [
-        (&|x| (x - 0.3).powi(2), 0.3, 8),
-        (&|x| ((x + 2.01).ln() - 0.8).powi(2), 0.8_f64.exp() - 2.01, 12),
-        (&|x| (x - 0.3).abs(), 0.3, 33),
-        (&|x| (x - 0.3).abs().sqrt(), 0.3, 33),
-        (&|x| x, -2.0, 33),
+    let valley = |function, lowest, count_max| Valley {
+        function,
+        lowest,
+        count_max,
+    };
+    let valleys = [
+        valley(|x| (x - 0.3).powi(2), 0.3, 8),
+        valley(
+            |x| ((x + 2.01).ln() - 0.8).powi(2),
+            0.8_f64.exp() - 2.01,
+            12,
+        ),
+        valley(|x| (x - 0.3).abs(), 0.3, 33),
+        valley(|x| (x - 0.3).abs().sqrt(), 0.3, 33),
+        valley(|x| x, -2.0, 33),
     ];
-    for (index, (function, due, count_max)) in functions.into_iter().enumerate() {
+    for (index, valley) in valleys.iter().enumerate() {
         let count = std::cell::Cell::new(0);
         let counted = |x| {
             count.set(count.get() + 1);
-            function(x)
+            (valley.function)(x)
         };
         let found = brent::minimum(counted, [-2.0, 1.0], 1e-6);
-        assert!((found - due).abs() < 1e-6, "{index}: {found}");
-        assert!(count.get() <= count_max, "{index}: {count:?}");
+        assert!((found - valley.lowest).abs() < 1e-6, "{index}: {found}");
+        assert!(count.get() <= valley.count_max, "{index}: {count:?}");
     }
     // Within an interval that is narrow already nothing is sought.
     assert_eq!(brent::minimum(|x| x, [0.5, 0.5], 1e-6), 0.5);
