@@ -475,7 +475,7 @@ fn mean_weights_of_fresnel_are_their_integrals() {
             f0: brdf::f0_from_ior(ior),
         });
     for weight in weights.into_iter().chain([brdf::FresnelWeight::Schlick]) {
-        let term = |i| {
+        let term = |i: u32| {
             let cosine = (f64::from(i) + 0.5) / f64::from(NODES);
             2.0 * cosine * weight.at(cosine)
         };
