@@ -1,7 +1,7 @@
 //! The file of a prefiltered map, by its name.
 
 use super::babylon_env;
-use super::container::{FORMATS, Format, RGBA8, RGBD, RGBP, TEXELS, Texel};
+use super::container::{FORMATS, Format, RGBD, RGBP, TEXELS, Texel};
 use super::f3d_cache;
 use super::playcanvas_atlas;
 use crate::base::names::Listed;
@@ -59,13 +59,10 @@ impl MapForm {
             Self::BabylonEnv => vec![&RGBD],
             Self::PlayCanvasAtlas => vec![&RGBP],
             Self::Faces | Self::F3dCache => vec![Texel::listed("rgba32f")],
-            Self::Container(format) => {
-                let is_held = |texel: &&Texel| {
-                    texel.channels >= 3 && (!format.needs_dxgi || texel.dxgi.is_some())
-                };
-                let bytes = (format.name == "ktx").then_some(&RGBA8);
-                TEXELS.iter().filter(is_held).chain(bytes).collect()
-            }
+            Self::Container(format) => TEXELS
+                .iter()
+                .filter(|texel| texel.channels >= 3 && (!format.needs_dxgi || texel.dxgi.is_some()))
+                .collect(),
         }
     }
 

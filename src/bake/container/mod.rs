@@ -12,7 +12,7 @@ mod texel;
 
 pub(super) use interpretation::Interpretation;
 pub use ktx2::write_table;
-pub use texel::{RGBA8, RGBD, RGBP, TEXELS, Texel};
+pub use texel::{RGBD, RGBP, TEXELS, Texel};
 
 use crate::base::pixels::{Decoded, Fault, PixelsError, RgbImage, png, read_bounded};
 use crate::instrument::environment::FORMATS as IMAGES;

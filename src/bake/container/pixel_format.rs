@@ -1,7 +1,7 @@
 //! How a container stores texels: one by one ([`Texel`]), or in blocks of BC6H.
 
 use super::interpretation::Interpretation;
-use super::texel::{RGBA8, Texel};
+use super::texel::Texel;
 use crate::base::pixels::{Fault, Pixels, RgbImage, reserved};
 use ktx2::Format;
 
@@ -58,9 +58,6 @@ impl PixelFormat {
     /// Finds the format of KTX 1 by its `glInternalFormat`.
     pub fn of_gl(code: u32) -> Result<Self, Fault> {
         let name = || format!("its glInternalFormat is {code:#06x}");
-        if code == RGBA8.gl {
-            return Ok(Self::Plain(&RGBA8));
-        }
         Self::blocks(|codes| codes.gl == code).map_or_else(
             || Texel::with_code(|texel| texel.gl == code, name).map(Self::Plain),
             Ok,

@@ -71,12 +71,6 @@ pub static TEXELS: &[Texel] = &[
     },
 ];
 
-/// Linear bytes in KTX 1, for an engine that reads no wider format: light above 1 is cut.
-pub static RGBA8: Texel = Texel {
-    channels: 4,
-    ..color_in_bytes("rgba8", 1.0, unorm, to_unorms)
-};
-
 /// Babylon.js' RGBD: `(rgb^2.2)/a`. No container of [`TEXELS`] holds it.
 pub static RGBD: Texel = color_in_bytes("rgbd", 255.0, rgbd, to_rgbd);
 
@@ -294,12 +288,6 @@ fn unorm(bytes: &[u8]) -> [f32; 4] {
 
 fn to_unorm(value: f32) -> u8 {
     (255.0 * value.clamp(0.0, 1.0)).round() as u8
-}
-
-fn to_unorms(values: [f32; 4], bytes: &mut [u8]) {
-    for (byte, value) in bytes.iter_mut().zip(values) {
-        *byte = to_unorm(value);
-    }
 }
 
 fn rgbd(bytes: &[u8]) -> [f32; 4] {

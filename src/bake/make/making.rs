@@ -155,9 +155,7 @@ fn is_exr(name: &str) -> bool {
 /// Lists the pixel formats that an engine's map may have.
 pub fn formats(product: &Product) -> impl Iterator<Item = &'static Texel> {
     let texels = MapForm::of(product.specular).texels();
-    // Bytes are for an engine that reads nothing wider.
-    let holds_light = |texel: &Texel| texel.largest > 1.0 || texel.name == product.texel;
     texels
         .into_iter()
-        .filter(move |texel| holds_light(texel) && !product.excluded_texels.contains(&texel.name))
+        .filter(|texel| !product.excluded_texels.contains(&texel.name))
 }

@@ -10,7 +10,8 @@ use glam::{DVec2, DVec3};
 use splitsum::base::names::Listed;
 use splitsum::base::pixels::Pixels;
 use splitsum::instrument::brdf::{
-    Brdf, Compensation, FresnelWeight, MODELS, MaskingShadowing, SheenVisibility, WidthLaw, f_schlick,
+    Brdf, Compensation, FresnelWeight, MODELS, MaskingShadowing, SheenVisibility, WidthLaw,
+    f_schlick,
 };
 use splitsum::instrument::precompute::PrecomputeSettings;
 use splitsum::instrument::precompute::dfg::reference::dfg;

@@ -196,39 +196,6 @@ fn every_direction_is_where_the_engine_looks() {
     }
 }
 
-/// SAPIEN's shader swaps y and z of a world with z up; its x is ours, its y our -z
-/// (`deferred.frag`, specularIBL).
-#[test]
-fn bytes_for_sapien_are_where_it_looks() {
-    let radiance = |d: DVec3| 0.5 + 0.4 * d;
-    let light = light_of(radiance);
-    let folder = tempfile::tempdir().unwrap();
-    let baked = make(&making("sapien", &light), folder.path()).unwrap();
-    assert_eq!(baked.levels.len(), 5);
-    for level in &baked.levels {
-        assert!(level.relmse < 1e-4 && level.loss.is_none(), "{level:?}");
-    }
-    let bake = read(&[folder.path().display().to_string()], Reading::default()).unwrap();
-    let faces = &bake.specular.as_ref().unwrap().levels[0];
-    for d in [
-        DVec3::X,
-        DVec3::NEG_X,
-        DVec3::Y,
-        DVec3::NEG_Y,
-        DVec3::Z,
-        DVec3::NEG_Z,
-    ] {
-        let sapien = DVec3::new(d.x, -d.z, d.y);
-        let (face, uv) = (LAYOUTS[0].face_uv)(DVec3::new(sapien.x, sapien.z, sapien.y));
-        let [x, y] = [uv.x, uv.y].map(|u| (u * 64.0) as u32);
-        let found = DVec3::from_array(faces[face as usize].get(x, y).map(f64::from));
-        assert!(
-            (found - radiance(d)).abs().max_element() < 0.02,
-            "{d}: {found}"
-        );
-    }
-}
-
 /// The table of taps matches the levels of the engine's own formula, and the code is in its
 /// language.
 #[test]
