@@ -2,7 +2,7 @@
 //! rounding, and the rules of each format.
 
 use super::files;
-use super::scores::{light_of, marked_light};
+use super::scores::marked_light;
 use glam::{DVec2, DVec3};
 use half::f16;
 use splitsum::bake::Stated;
