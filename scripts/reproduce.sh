@@ -8,8 +8,8 @@
 # A figure is a run of results/. It runs again, from results/NAME/experiment.toml into runs/reproduce/NAME, and
 # scripts/compare_answers.py compares the tables of its answers, which the pages show, each number within its own error.
 # `cost` counts code again, `spheres` draws the pictures of README.md, and `source-document-pictures` the pictures of
-# docs/source-documents.md. Needs Python 3, the maps of experiments/environments.csv, for `pictures-second` the maps of
-# scripts/second-maps.sh, and for pictures ImageMagick.
+# docs/source-documents.md. Needs Python 3, the maps of experiments/environments.csv, for `pictures-second` and
+# `recovery-second` the maps of scripts/second-maps.sh, and for pictures ImageMagick.
 # Not here: tables of other programs (results/bakes, results/speed; scripts/bench-peers.sh makes them), and times, which depend on
 # the machine (results/timing).
 set -eu
@@ -36,8 +36,9 @@ level-bias 3
 pictures 15
 pictures-second 6
 pictures-second-7 2
-recovery 2
+recovery 5
 recovery-causes 2
+recovery-second 5
 source-document-0 1
 printed-document-0 1
 source-document-pictures 5

@@ -29,8 +29,8 @@ const PIXELS_MAX: usize = 2048;
 const BAND_PIXELS_MIN: usize = 32;
 /// Channels of a pixel.
 const CHANNELS: usize = 3;
-/// Seconds of a fit, over all views and each band, on one of two cores.
-const FIT_SECONDS: f64 = 0.25;
+/// Seconds of a fit, over all views and each band, where two cores fit at once.
+const FIT_SECONDS: f64 = 0.012;
 
 /// Fits every candidate to every truth. Cells without an image are left out.
 pub fn recovered(
