@@ -1,26 +1,20 @@
 //! F3D's cache of a map: the prefiltered cube as a list of levels (`specular.vtm`) beside a folder
-//! with an image each (`specular/specular_0.vti`), and nine coefficients of radiance (`sh.vtt`).
+//! with an image each (`specular/specular_0.vti`); [`super::f3d_sh`] has the file beside it.
 //!
 //! F3D keeps it in a folder that has the MD5 of the map's file as its name, and reads it back in
-//! place of its own filter [F3D 4.0.0, `vtkF3DCachedSpecularTexture`; VTK 9.7.1,
-//! `vtkSphericalHarmonics`]. It reads five levels.
+//! place of its own filter [F3D 4.0.0, `vtkF3DCachedSpecularTexture`]. It reads five levels.
 
 use super::parts::Map;
-use super::sh::{self, Coefficients};
 use super::vtk_xml;
 use crate::base::files::inside;
-use crate::base::math::spherical_harmonics::COUNT;
 use crate::base::pixels::{Fault, Pixels, PixelsError, RgbImage, read_bounded};
 use crate::instrument::environment::layout::LAYOUTS;
-use crate::instrument::precompute::sh9::reference::Sh9;
-use glam::DVec3;
+use std::ffi::OsStr;
 use std::fmt::Write;
 use std::path::Path;
 
 /// Extension of the list of levels.
 pub const EXTENSION: &str = "vtm";
-/// Extension of the file of coefficients.
-pub const SH_EXTENSION: &str = "vtt";
 /// Name of the conventions in the list of presets.
 pub const PRESET: &str = "vtk";
 
@@ -30,7 +24,8 @@ const LEVELS_MAX: usize = 16;
 
 /// Returns the folder of the images beside a list of this name.
 pub fn folder_of(name: &str) -> &str {
-    name.strip_suffix(".vtm").unwrap_or(name)
+    let stem = Path::new(name).file_stem().and_then(OsStr::to_str);
+    stem.unwrap_or(name)
 }
 
 /// Returns the name of a level's image, relative to the list.
@@ -146,44 +141,4 @@ pub fn cube(faces: &[RgbImage]) -> Vec<u8> {
     let length = (values.len() as u64).to_le_bytes();
     let end = b"\n  </AppendedData>\n</VTKFile>\n";
     [header.as_bytes(), &length, &values, end].concat()
-}
-
-/// Turns a direction of the cube to the axes of the coefficients.
-fn sh_from_cube(cube: DVec3) -> DVec3 {
-    DVec3::new(-cube.x, -cube.y, cube.z)
-}
-
-/// Reads the coefficients: nine of each channel.
-pub fn read_sh(bytes: &[u8]) -> Result<Coefficients, Fault> {
-    let array = vtk_xml::read(bytes)?;
-    let values = &array.values;
-    if array.component_count != COUNT || values.len() != CHANNELS * COUNT {
-        let what = format!("it has {} numbers", values.len());
-        return Err(Fault::new(what, "nine coefficients of red, green and blue"));
-    }
-    let stored: Sh9 = std::array::from_fn(|k| {
-        DVec3::from_array(std::array::from_fn(|c| values[c * COUNT + k].into()))
-    });
-    Ok(Coefficients {
-        radiance: sh::turned(&stored, sh_from_cube),
-        factors: [1.0; COUNT],
-    })
-}
-
-/// Writes coefficients of radiance in the axes of the cube.
-pub fn sh_text(radiance: &Sh9) -> String {
-    let stored = sh::turned(radiance, sh_from_cube);
-    let row = |channel: usize| {
-        let numbers = stored.map(|rgb| (rgb[channel] as f32).to_string());
-        format!("          {}\n", numbers.join(" "))
-    };
-    let rows: String = (0..CHANNELS).map(row).collect();
-    format!(
-        "<?xml version=\"1.0\"?>\n<VTKFile type=\"Table\" version=\"0.1\" \
-         byte_order=\"LittleEndian\" header_type=\"UInt32\">\n  <Table>\n    \
-         <Piece NumberOfCols=\"1\" NumberOfRows=\"3\">\n      <RowData>\n        \
-         <DataArray type=\"Float32\" Name=\"SphericalHarmonics\" NumberOfComponents=\"9\" \
-         format=\"ascii\">\n{rows}        </DataArray>\n      </RowData>\n    </Piece>\n  \
-         </Table>\n</VTKFile>\n"
-    )
 }

@@ -10,6 +10,8 @@ pub mod container;
 pub mod convention;
 mod cube_environment;
 mod f3d_cache;
+mod f3d_sh;
+mod face_folder;
 pub mod given;
 pub mod judge;
 pub mod make;

@@ -1,8 +1,7 @@
 //! Nine coefficients of spherical harmonics in files: cmgen's text, our JSON, and F3D's tables.
 
-use super::f3d_cache;
+use super::f3d_sh;
 use crate::base::files::{TEXT_BYTES_MAX, read_text};
-use crate::base::math::quadrature::GaussLegendre;
 use crate::base::math::spherical_harmonics::{COSINE_LOBE, COUNT, DEGREE, basis};
 use crate::base::pixels::{Fault, PixelsError};
 use crate::instrument::precompute::sh9::reference::Sh9;
@@ -18,8 +17,8 @@ pub struct Coefficients {
     pub factors: [f64; COUNT],
 }
 
-/// Reads `.json` as ours, `.vtt` as F3D's and other text as cmgen's. Numbers alone are read as cmgen's, with a
-/// warning.
+/// Reads `.json` as ours, `.vtt` as F3D's and other text as cmgen's. Numbers alone are read as
+/// cmgen's, with a warning.
 pub fn read(path: &Path, warnings: &mut Vec<String>) -> Result<Coefficients, PixelsError> {
     let text = read_text(path, TEXT_BYTES_MAX).map_err(|error| {
         Fault::new(
@@ -67,8 +66,11 @@ fn number(word: &str) -> Option<f64> {
 
 /// Parses the text of the file at `path`.
 pub fn parse(path: &Path, text: &str) -> Result<Coefficients, PixelsError> {
-    let found = if has_extension(path, f3d_cache::SH_EXTENSION) {
-        f3d_cache::read_sh(text.as_bytes())
+    let found = if has_extension(path, f3d_sh::EXTENSION) {
+        f3d_sh::read(text.as_bytes()).map(|radiance| Coefficients {
+            radiance,
+            factors: [1.0; COUNT],
+        })
     } else if is_json(path) {
         from_json(text)
     } else if is_bare(path, text) {
@@ -191,29 +193,6 @@ pub fn to_cmgen(radiance: &Sh9) -> String {
 pub fn scaled(radiance: &Sh9) -> [[f64; 3]; COUNT] {
     let factors = prescaled();
     std::array::from_fn(|k| (radiance[k] * factors[k]).to_array())
-}
-
-/// Returns the coefficients of the function `n -> f(turn(n))` of a function with coefficients `f`.
-pub fn turned(f: &Sh9, turn: impl Fn(DVec3) -> DVec3) -> Sh9 {
-    // Products of two functions have degree 4, for which six nodes of z and six azimuths are exact.
-    let rule = GaussLegendre::<6>::new();
-    let mut sums = Sh9::default();
-    for (z, weight) in rule.nodes.iter().zip(rule.weights) {
-        for i in 0..6 {
-            let (sin, cos) = (f64::from(i) * PI / 3.0).sin_cos();
-            let radius = (1.0 - z * z).sqrt();
-            let n = DVec3::new(radius * cos, radius * sin, *z);
-            let value: DVec3 = f
-                .iter()
-                .zip(basis(turn(n)))
-                .map(|(value, y)| *value * y)
-                .sum();
-            for (y, sum) in basis(n).iter().zip(&mut sums) {
-                *sum += PI / 3.0 * weight * *y * value;
-            }
-        }
-    }
-    sums
 }
 
 fn finite(found: Coefficients) -> Result<Coefficients, Fault> {

@@ -37,6 +37,10 @@ const EXCEPTIONS: &[(&str, &str)] = &[
     ("--tocolorspace", "a flag of oiiotool"),
     ("all", "every method or family, in `cost`"),
     ("axis", "a placeholder in `--set axis=v1,v2`"),
+    (
+        "egui-ash-renderer",
+        "a crate for other versions of egui than ours",
+    ),
     ("dfg_lut", "the name that other programs give the DFG table"),
     ("gltf_pbr", "a node of MaterialX"),
     ("lights_fragment_maps", "a shader chunk of three.js"),

@@ -162,11 +162,9 @@ const ENGINES: [Engine; 3] = [
 ];
 
 impl Engine {
-    /// Returns the means of the method and of the exact light over the disc of a sphere in radiance
-    /// 1, both with the compensation.
-    fn means(&self, light: &Light, f0: DVec3, alpha: f64) -> [f64; 2] {
-        /// Radius of the compared pixels: scripts/engines/compare.py leaves the outline out.
-        const RADIUS: f64 = 1.0 - 1.25 * 2.0 * 1.05 / 96.0;
+    /// Returns the mean of the method over that of the exact light on the disc of a sphere in
+    /// radiance 1, both with the compensation.
+    fn mean_ratio(&self, light: &Light, f0: DVec3, alpha: f64, radius: f64) -> f64 {
         const RINGS: u32 = 256;
         let Twin::Estimator(estimate) = Method::listed(self.method).twin else {
             panic!("{} has no estimator", self.method)
@@ -182,7 +180,7 @@ impl Engine {
         let mean_albedo = mean_albedo(light, alpha);
         // Rings of equal area.
         let sums = (0..RINGS).map(|ring| {
-            let sine2 = RADIUS * RADIUS * (f64::from(ring) + 0.5) / f64::from(RINGS);
+            let sine2 = radius * radius * (f64::from(ring) + 0.5) / f64::from(RINGS);
             let v = DVec3::new(sine2.sqrt(), 0.0, (1.0 - sine2).sqrt());
             let surface = Surface::new(&MODEL, self.masking, alpha, f0, [DVec3::Z, v]);
             let pair = light.dfg(v.z, alpha);
@@ -193,7 +191,8 @@ impl Engine {
             let exact = reflectance(of, schlick, f0, pair, mean_albedo);
             [found, exact].map(|color| color.element_sum() / 3.0 / f64::from(RINGS))
         });
-        sums.fold([0.0; 2], |[a, b], [x, y]| [a + x, b + y])
+        let [found, exact] = sums.fold([0.0; 2], |[a, b], [x, y]| [a + x, b + y]);
+        found / exact
     }
 }
 
@@ -209,9 +208,14 @@ struct Sphere {
 }
 
 /// In constant light no lookup errs. There the methods with a factor of an engine differ from the
-/// exact light as the engine's own pictures do, within 1 %; the exact factors do not.
+/// exact light as the engine's own pictures do, within 1 %; the exact factors do not. At the outline
+/// the exact light of a dielectric grows steeply, so half a pixel more or less of it is allowed.
 #[test]
 fn pictures_confirm_the_factors_of_engines() {
+    /// Width of a pixel of the pictures over the sphere's radius.
+    const PIXEL: f64 = 2.0 * 1.05 / 96.0;
+    /// Pixels at the outline that scripts/engines/compare.py leaves out.
+    const OUTLINE: f64 = 1.25;
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/results/engines/spheres.csv");
     let rows: Vec<Sphere> = csv::Reader::from_path(path)
         .unwrap()
@@ -235,11 +239,13 @@ fn pictures_confirm_the_factors_of_engines() {
                 "dielectric" => DVec3::splat(0.04),
                 _ => continue,
             };
-            let [found, exact] = engine.means(&light, f0, row.roughness * row.roughness);
-            let off = found / exact / row.mean_ratio - 1.0;
+            let alpha = row.roughness * row.roughness;
+            let [a, b] = [OUTLINE + 0.5, OUTLINE - 0.5].map(|pixels| {
+                engine.mean_ratio(&light, f0, alpha, 1.0 - pixels * PIXEL) / row.mean_ratio
+            });
             let name = format!("{} {} {}", engine.name, row.material, row.roughness);
-            println!("{name}: {:.4} for {:.4}", found / exact, row.mean_ratio);
-            assert!(off.abs() < 0.01, "{name}: {off}");
+            println!("{name}: {a:.4} to {b:.4} of the picture");
+            assert!(a.min(b) < 1.01 && a.max(b) > 0.99, "{name}: {a} to {b}");
             count += 1;
         }
         assert!(count >= 8, "{}: {count}", engine.name);

@@ -10,12 +10,12 @@ use super::texel::ChannelOrder;
 use super::verdict::{Quality, Verdict};
 use super::{EXPLAINED, Errors, GOOD, Truth, errors};
 use crate::bake::convention::Axes;
-use crate::bake::sh::{Coefficients, prescaled, turned};
+use crate::bake::sh::{Coefficients, prescaled};
 use crate::base::math::equirect_quadrature::EquirectQuadrature;
 use crate::base::math::spherical_harmonics::{COSINE_LOBE, COUNT, DEGREE, basis, irradiance};
 use crate::instrument::environment::Environment;
 use crate::instrument::environment::layout::LAYOUTS;
-use crate::instrument::precompute::sh9::reference::{Sh9, project_bilinear};
+use crate::instrument::precompute::sh9::reference::{Sh9, project_bilinear, turned};
 use glam::{DQuat, DVec3};
 use std::f64::consts::PI;
 

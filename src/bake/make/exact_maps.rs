@@ -7,11 +7,10 @@ use crate::bake::judge::{Directions, Part, Truth, errors, exact, texels};
 use crate::bake::map_form::MapForm;
 use crate::bake::parts::{Bake, Map};
 use crate::bake::playcanvas_atlas;
-use crate::bake::sh;
 use crate::base::pixels::{Pixels, RgbImage};
 use crate::instrument::precompute::exact_quadrature;
 use crate::instrument::precompute::prefilter::Kernel;
-use crate::instrument::precompute::sh9::reference::{Sh9, project_bilinear};
+use crate::instrument::precompute::sh9::reference::{Sh9, project_bilinear, turned};
 use glam::DVec3;
 
 /// The exact texels of a level.
@@ -94,7 +93,7 @@ impl<'a> ExactMaps<'a> {
         Self {
             specular: ExactMap::new(product.specular, specular),
             irradiance,
-            radiance: sh::turned(&radiance, |file| convention.axes.to_world(file)),
+            radiance: turned(&radiance, |file| convention.axes.to_world(file)),
             kernel,
             truth,
             alphas,

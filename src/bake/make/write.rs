@@ -5,13 +5,14 @@ use super::making::Making;
 use crate::bake::babylon_env;
 use crate::bake::container::{Encoding, Texel, write_table};
 use crate::bake::convention::Convention;
-use crate::bake::f3d_cache;
+use crate::bake::face_folder::FACES;
 use crate::bake::map_form::{MapForm, container};
 use crate::bake::parts::{KEY, Manifest};
 use crate::bake::paste::{self, TAPS};
 use crate::bake::playcanvas_atlas;
 use crate::bake::sh;
-use crate::bake::source::{FACES, MANIFEST};
+use crate::bake::source::MANIFEST;
+use crate::bake::{f3d_cache, f3d_sh};
 use crate::base::names::Listed;
 use crate::base::numbers::short_number;
 use crate::base::pixels::{
@@ -203,7 +204,7 @@ impl<'a> Writer<'a> {
             return Ok(());
         };
         let text = match self.making.form() {
-            MapForm::F3dCache => f3d_cache::sh_text(&exact.radiance),
+            MapForm::F3dCache => f3d_sh::text(&exact.radiance),
             _ => sh::to_cmgen(&exact.radiance),
         };
         self.bytes(name, text.as_bytes())

@@ -24,9 +24,10 @@ impl Run<'_> {
             progress.note(&format!(
                 "continues a run of another plan: {done} of {all} cells are done"
             ));
-            // They lack the environments, models and pictures of new cells. The share that makes
-            // them may come later, and then sees this plan already.
-            if done < all {
+            // They lack the environments, models and pictures of new cells. A share knows its own
+            // cells alone; the share that makes the files may come later, and then sees this plan
+            // already.
+            if done < all || self.options.shard.is_some() {
                 for file in self.options.companions.plan_files {
                     self.store.remove("", file.name())?;
                 }

@@ -22,6 +22,7 @@ use splitsum::instrument::environment::layout::LAYOUTS;
 use splitsum::instrument::environment::{Environment, LoadOptions};
 use splitsum::instrument::precompute::given::OWN;
 use splitsum::instrument::precompute::prefilter::{Kernel, LevelMapping, LevelSpacing};
+use splitsum::instrument::precompute::sh9::reference::turned;
 use splitsum::instrument::precompute::taps;
 use std::f64::consts::PI;
 use std::path::Path;
@@ -453,7 +454,7 @@ fn turned_coefficients_equal_coefficients_of_the_turned_function() {
         f.iter().zip(basis(n)).map(|(value, y)| *value * y).sum()
     };
     for axes in Axes::all() {
-        let turned = sh::turned(&f, |n| axes.to_file(n));
+        let turned = turned(&f, |n| axes.to_file(n));
         for n in [
             DVec3::new(0.48, -0.6, 0.64),
             DVec3::new(-0.8, 0.0, 0.6),

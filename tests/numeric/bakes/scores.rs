@@ -20,6 +20,7 @@ use splitsum::instrument::precompute::dfg::chebyshev;
 use splitsum::instrument::precompute::dfg::reference::{dfg_by, dfg_within};
 use splitsum::instrument::precompute::prefilter::reference::prefilter;
 use splitsum::instrument::precompute::prefilter::{Kernel, harmonic};
+use splitsum::instrument::precompute::sh9::reference::turned;
 use std::cell::RefCell;
 use std::collections::HashMap;
 use std::path::Path;
@@ -586,7 +587,7 @@ fn coefficients_of_the_light_itself_have_no_error_and_windows_are_named() {
     let mut mirrored = sh_score::score(
         &truth,
         &sh::Coefficients {
-            radiance: sh::turned(&radiance, |d| mirrored.to_world(d)),
+            radiance: turned(&radiance, |d| mirrored.to_world(d)),
             factors: [1.0; 9],
         },
         Axes::SAME,

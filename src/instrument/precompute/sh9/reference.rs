@@ -3,7 +3,7 @@
 use super::TEXTURE_SIZE;
 use crate::base::math::equirect::{direction_from_uv, uv_from_direction};
 use crate::base::math::equirect_quadrature::EquirectQuadrature;
-use crate::base::math::quadrature::{Estimate, Tolerance};
+use crate::base::math::quadrature::{Estimate, GaussLegendre, Tolerance};
 use crate::base::math::spherical_harmonics::{COUNT, basis, irradiance};
 use crate::base::pixels::Pixels;
 use glam::{DVec2, DVec3};
@@ -57,4 +57,27 @@ pub fn texture_lookup(coefficients: &Sh9, n: DVec3) -> DVec3 {
         texel(0).lerp(texel(1), share.x)
     };
     across(0).lerp(across(1), share.y)
+}
+
+/// Returns the coefficients of the function `n -> f(turn(n))` of a function with coefficients `f`.
+pub fn turned(f: &Sh9, turn: impl Fn(DVec3) -> DVec3) -> Sh9 {
+    // Products of two functions have degree 4, for which six nodes of z and six azimuths are exact.
+    let rule = GaussLegendre::<6>::new();
+    let mut sums = Sh9::default();
+    for (z, weight) in rule.nodes.iter().zip(rule.weights) {
+        for i in 0..6 {
+            let (sin, cos) = (f64::from(i) * PI / 3.0).sin_cos();
+            let radius = (1.0 - z * z).sqrt();
+            let n = DVec3::new(radius * cos, radius * sin, *z);
+            let value: DVec3 = f
+                .iter()
+                .zip(basis(turn(n)))
+                .map(|(value, y)| *value * y)
+                .sum();
+            for (y, sum) in basis(n).iter().zip(&mut sums) {
+                *sum += PI / 3.0 * weight * *y * value;
+            }
+        }
+    }
+    sums
 }
