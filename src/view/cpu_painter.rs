@@ -1,6 +1,6 @@
 //! Paints the window's pixels on the CPU and hands them to the display.
 
-use super::painter::{PaintError, Painting};
+use super::painting::{PaintError, Painting};
 use super::theme;
 use egui_software_backend::{BufferMutRef, ColorFieldOrder, EguiSoftwareRender};
 use softbuffer::SoftBufferError;

@@ -1,7 +1,7 @@
 //! Paints the window on the device that renders, into images that it presents.
 
 use super::canvas::Half;
-use super::painter::{PaintError, Painting};
+use super::painting::{PaintError, Painting};
 use super::texels::Texels;
 use super::theme;
 use crate::base::glsl::layout::{SharedStruct, WindowMeshParams, WindowPictureParams};

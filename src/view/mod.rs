@@ -13,6 +13,7 @@ mod file;
 mod keys;
 mod overlay;
 mod painter;
+mod painting;
 mod panel;
 mod picture;
 mod save;

@@ -1,12 +1,11 @@
 //! Ways to paint the window: images of a swapchain on the device that renders, or pixels on the
 //! CPU.
 
-use super::canvas::Canvas;
 use super::cpu_painter::CpuPainter;
 use super::device_painter::DevicePainter;
-use super::shown::Shown;
+use super::painting::{PaintError, Painting};
 use crate::base::names::listed;
-use crate::instrument::gpu::{Gpu, GpuError};
+use crate::instrument::gpu::Gpu;
 use softbuffer::SoftBufferError;
 use std::rc::Rc;
 use winit::window::Window;
@@ -21,39 +20,6 @@ pub enum Paint {
 }
 
 listed!(Paint, "way to paint", { "auto": Auto, "swapchain": Swapchain, "cpu": Cpu });
-
-/// The content of a frame.
-pub struct Painting<'a> {
-    pub canvas: Canvas,
-    pub shown: &'a Shown,
-    pub shapes: &'a [egui::ClippedPrimitive],
-    pub textures: &'a egui::TexturesDelta,
-    pub pixels_per_point: f32,
-}
-
-/// Why a frame was not painted.
-pub enum PaintError {
-    /// The surface of the window; another one may work.
-    Surface(String),
-    /// The device, which no new surface brings back.
-    Device(String),
-}
-
-impl From<SoftBufferError> for PaintError {
-    fn from(error: SoftBufferError) -> Self {
-        Self::Surface(error.to_string())
-    }
-}
-
-impl From<GpuError> for PaintError {
-    fn from(error: GpuError) -> Self {
-        if error.is_transient() {
-            Self::Device(error.to_string())
-        } else {
-            Self::Surface(error.to_string())
-        }
-    }
-}
 
 pub enum Painter {
     Swapchain(DevicePainter),

@@ -1,6 +1,7 @@
 //! The window on the screen: input of a frame in, painted frames out.
 
-use super::painter::{PaintError, Painter, Painting};
+use super::painter::Painter;
+use super::painting::{PaintError, Painting};
 use egui::ViewportId;
 use std::rc::Rc;
 use std::time::Instant;

@@ -1,6 +1,7 @@
 //! The window: its events, and what they change.
 
-use super::painter::{Paint, PaintError, Painter, Painting};
+use super::painter::{Paint, Painter};
+use super::painting::{PaintError, Painting};
 use super::panel::Panel;
 use super::save::save;
 use super::screen::Screen;

@@ -42,7 +42,6 @@ const EXCEPTIONS: &[(&str, &str)] = &[
         "a crate for other versions of egui than ours",
     ),
     ("dfg_lut", "the name that other programs give the DFG table"),
-    ("gltf_pbr", "a node of MaterialX"),
     ("lights_fragment_maps", "a shader chunk of three.js"),
     ("sat", "a function in a formula"),
     ("two-words", "a placeholder"),

@@ -162,7 +162,7 @@ const ENGINES: [Engine; 3] = [
 ];
 
 impl Engine {
-    /// Returns the mean of the method over that of the exact light on the disc of a sphere in
+    /// Returns the mean of the method over the mean of the exact light, on the disc of a sphere in
     /// radiance 1, both with the compensation.
     fn mean_ratio(&self, light: &Light, f0: DVec3, alpha: f64, radius: f64) -> f64 {
         const RINGS: u32 = 256;

@@ -37,7 +37,7 @@ pub struct Points {
 }
 
 impl Points {
-    /// Returns an equal point, whose groups are those of earlier points where they are equal.
+    /// Returns an equal point. Groups that an earlier point has, too, are shared with it.
     pub fn shared(&mut self, point: &Point) -> Point {
         let groups = point.groups.iter().map(|group| {
             if let Some(known) = self.groups.get(group) {

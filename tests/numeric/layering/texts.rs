@@ -64,8 +64,8 @@ const FORMATS: &[[&str; 3]] = &[
         r#"&format!(".{}", format.extension)"#,
         "extension",
     ],
-    ["src/bake/source.rs", "'.'", "extension"],
-    ["src/bake/source.rs", "'m'", "file name of cmgen"],
+    ["src/bake/face_folder.rs", "'.'", "extension"],
+    ["src/bake/face_folder.rs", "'m'", "file name of cmgen"],
     [
         "src/base/glsl/source.rs",
         r##""#extension GL_GOOGLE_include""##,
