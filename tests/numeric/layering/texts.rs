@@ -61,7 +61,7 @@ const FORMATS: &[[&str; 3]] = &[
     ["src/bake/source.rs", r#""skybox""#, "file name of cmgen"],
     [
         "src/bake/source.rs",
-        r#"&format!(".{}", format.extension)"#,
+        r#"&format!(".{extension}")"#,
         "extension",
     ],
     ["src/bake/face_folder.rs", "'.'", "extension"],
