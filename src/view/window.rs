@@ -189,6 +189,11 @@ impl App {
         self.counts.dimmed += u64::from(self.panel.canvas.is_stale.contains(&true));
         self.ask();
         self.write_test_report(delay.is_none_or(|delay| delay > Duration::ZERO));
+        self.serve_panel();
+    }
+
+    /// Does what the controls asked for beyond another picture.
+    fn serve_panel(&mut self) {
         if std::mem::take(&mut self.panel.wants_save) {
             self.save();
         }

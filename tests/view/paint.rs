@@ -10,7 +10,7 @@ pub fn assert_shown(win: &Win, picture: &Rgb8Image, dimmed: u32) {
     let seen = win.picture();
     let zoom = seen.width / picture.width;
     assert!(
-        zoom >= 1 && seen.width % picture.width == 0,
+        zoom >= 1 && seen.width.is_multiple_of(picture.width),
         "{} pixels on {}",
         picture.width,
         seen.width
