@@ -58,6 +58,12 @@ const FORMATS: &[[&str; 3]] = &[
     ],
     ["src/bake/sh.rs", "'f'", "suffix of C's literals"],
     ["src/bake/source.rs", r#""sh.txt""#, "file name of cmgen"],
+    ["src/bake/vtk_xml.rs", r#""<DataArray""#, "XML of VTK"],
+    [
+        "src/bake/vtk_xml.rs",
+        r#"&format!(" {name}=\"")"#,
+        "XML of VTK",
+    ],
     ["src/bake/source.rs", r#""skybox""#, "file name of cmgen"],
     [
         "src/bake/source.rs",
@@ -218,6 +224,11 @@ const FORMATS: &[[&str; 3]] = &[
         "src/instrument/shade/method/from_file/wgsl.rs",
         "' '",
         "GLSL that naga writes",
+    ],
+    [
+        "src/instrument/gpu/shader.rs",
+        r#""window/""#,
+        "folder of shaders",
     ],
     ["src/oracle/queries.rs", r#"'\u{feff}'"#, "byte order mark"],
     ["src/report/blocks.rs", r#""-->""#, "HTML"],
