@@ -13,7 +13,7 @@ use crate::run::provenance::PROVENANCE_FILE;
 use crate::run::store::{ANSWERS_FOLDER, TIMINGS_FOLDER};
 use crate::study::finished::{FinishedError, provenance};
 use std::io::Write as _;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 
 /// Published files besides the answers and the timing records.
 const FILES: [&str; 7] = [
@@ -228,13 +228,14 @@ fn write_summary(dir: &Path, target: &Path, left_out: &[String]) -> Result<(), P
     })?)
 }
 
-/// Writes the provenance, with folders relative to the published one, and without the folders of
-/// this machine that the user typed.
+/// Writes the provenance, with folders relative to the published one, and without folders that only
+/// this machine has.
 fn write_provenance(dir: &Path, target: &Path) -> Result<(), PublishError> {
     let mut published = provenance(dir)?;
-    let folders = [&mut published.experiment_folder, &mut published.set_folder];
-    for folder in folders.into_iter().flatten() {
-        *folder = relative(target, &dir.join(&*folder));
+    for folder in [&mut published.experiment_folder, &mut published.set_folder] {
+        *folder = folder
+            .take()
+            .and_then(|folder| published_folder(target, &dir.join(folder)));
     }
     let sessions = published.sessions.iter_mut();
     for argument in sessions.flat_map(|session| &mut session.command_line) {
@@ -244,6 +245,18 @@ fn write_provenance(dir: &Path, target: &Path) -> Result<(), PublishError> {
     Ok(write_atomically(&target.join(PROVENANCE_FILE), |writer| {
         writer.write_all(text.as_bytes())
     })?)
+}
+
+/// Returns the way from a published run to a folder; `None` if the folder is elsewhere than in the
+/// parent of all published runs or above it, since the way would name folders of this machine.
+fn published_folder(target: &Path, folder: &Path) -> Option<String> {
+    let parent_of_all = target.join("../..");
+    let way = PathBuf::from(relative(&parent_of_all, folder));
+    let climbs = way.components().any(|part| part == Component::ParentDir);
+    let descends = way
+        .components()
+        .any(|part| matches!(part, Component::Normal(_)));
+    (way.is_relative() && !(climbs && descends)).then(|| relative(target, folder))
 }
 
 /// Shortens absolute paths of an argument to the names of their files, also behind `=` and in

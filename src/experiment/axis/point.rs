@@ -142,8 +142,9 @@ impl Point {
                 _ => value.clone(),
             }
         };
-        let used: Self = AXES.iter().zip(self.values()).map(value).collect();
-        if used == *self { self.clone() } else { used }
+        let point: Self = AXES.iter().zip(self.values()).map(value).collect();
+        // An equal point keeps sharing its values.
+        if point == *self { self.clone() } else { point }
     }
 
     fn used(&self, has_diffuse_surface: bool, has_dielectric: bool) -> Used {

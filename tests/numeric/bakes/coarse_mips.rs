@@ -97,31 +97,46 @@ fn mips_of_a_lat_long_map_are_named_with_their_levels() {
     assert!(judged.verdict().contains("mips of the lat-long map"));
 }
 
-/// 1024 samples by the cosine, of which each stands for π/(N cos) of solid angle.
-#[test]
-fn coarse_mips_of_irradiance_are_named_with_their_levels() {
-    let light = lamps();
+/// Samples of irradiance by the cosine.
+const COSINE_SAMPLES: u32 = 1024;
+
+/// Returns the levels by which an irradiance map is judged to read mips of a cube too coarse. Its
+/// samples, drawn by the cosine, read `radiance` at a direction and its cosine.
+fn levels_of_irradiance(light: &Environment, radiance: impl Fn(DVec3, f64) -> DVec3) -> f64 {
     let texel = |n: DVec3| {
         let (t, b) = n.any_orthonormal_pair();
         let sample = |i: u32| {
             let sin = (f64::from(i.reverse_bits()) / 2f64.powi(32)).sqrt();
             let cos = (1.0 - sin * sin).sqrt();
-            let (y, x) = (2.0 * PI * f64::from(i) / 1024.0).sin_cos();
-            let l = sin * (x * t + y * b) + cos * n;
-            blurred(&light, l, 4f64.powf(2.5) * PI / (1024.0 * cos))
+            let (y, x) = (2.0 * PI * f64::from(i) / f64::from(COSINE_SAMPLES)).sin_cos();
+            radiance(sin * (x * t + y * b) + cos * n, cos)
         };
-        (0..1024).map(sample).sum::<DVec3>() / 1024.0
+        (0..COSINE_SAMPLES).map(sample).sum::<DVec3>() / f64::from(COSINE_SAMPLES)
     };
     let bake = Bake {
         irradiance: Some(of_levels(vec![faces(&LAYOUTS[0], [12; 2], texel)])),
         ..Bake::default()
     };
-    let judged = judged_bake(&light, bake, None);
+    let judged = judged_bake(light, bake, None);
     let irradiance = judged.irradiance.as_ref().unwrap();
     let [Cause::CoarseMips { levels, source }] = irradiance.verdict.causes() else {
         panic!("{irradiance:?}");
     };
     assert_eq!(*source, MipSource::Cube);
+    *levels
+}
+
+/// Each sample stands for π/(N cos) of solid angle.
+#[test]
+fn coarse_mips_of_irradiance_are_named_with_their_levels() {
+    let light = lamps();
+    let levels = levels_of_irradiance(&light, |l, cos| {
+        blurred(
+            &light,
+            l,
+            4f64.powf(2.5) * PI / (f64::from(COSINE_SAMPLES) * cos),
+        )
+    });
     assert!((levels - 2.5).abs() < 0.4, "{levels}");
 }
 
@@ -235,27 +250,9 @@ fn scales_of_rgbp_that_are_rounded_up_are_named() {
 fn irradiance_of_a_cubes_mips_is_named() {
     let light = lamps();
     let mips = cube_mips(&light);
-    let texel = |n: DVec3| {
-        let (t, b) = n.any_orthonormal_pair();
-        let sample = |i: u32| {
-            let sin = (f64::from(i.reverse_bits()) / 2f64.powi(32)).sqrt();
-            let cos = (1.0 - sin * sin).sqrt();
-            let (y, x) = (2.0 * PI * f64::from(i) / 1024.0).sin_cos();
-            let l = sin * (x * t + y * b) + cos * n;
-            mips.value(l, 0.5 + mip_of_playcanvas(1024, cos / PI))
-        };
-        (0..1024).map(sample).sum::<DVec3>() / 1024.0
-    };
-    let bake = Bake {
-        irradiance: Some(of_levels(vec![faces(&LAYOUTS[0], [12; 2], texel)])),
-        ..Bake::default()
-    };
-    let judged = judged_bake(&light, bake, None);
-    let irradiance = judged.irradiance.as_ref().unwrap();
-    let [Cause::CoarseMips { levels, source }] = irradiance.verdict.causes() else {
-        panic!("{irradiance:?}");
-    };
-    assert_eq!(*source, MipSource::Cube);
+    let levels = levels_of_irradiance(&light, |l, cos| {
+        mips.value(l, 0.5 + mip_of_playcanvas(COSINE_SAMPLES, cos / PI))
+    });
     assert!((levels - 2.33).abs() < 0.3, "{levels}");
 }
 

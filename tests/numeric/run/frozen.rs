@@ -130,6 +130,31 @@ fn a_published_command_line_has_no_absolute_folders() {
     assert_eq!(published["sessions"][0]["command_line"], json!(shown));
 }
 
+/// A published run names its maps by the way from its folder; not if the way leaves the folder that
+/// holds all published runs, since that would name folders of the machine.
+#[test]
+fn a_published_run_has_no_way_to_folders_elsewhere() {
+    let (root, plan) = made();
+    let run = finished(&plan, &root.path().join("run"));
+    let path = run.join("provenance.json");
+    let mut record: Value = serde_json::from_slice(&read(&path)).unwrap();
+    record["experiment_folder"] = json!("../sweeps");
+    record["set_folder"] = json!("..");
+    std::fs::write(&path, record.to_string()).unwrap();
+    let folders = |results: &str| {
+        publish(&run, &root.path().join(results), false).unwrap();
+        let published = root.path().join(results).join("files/provenance.json");
+        let published: Value = serde_json::from_slice(&read(&published)).unwrap();
+        ["experiment_folder", "set_folder"].map(|name| published[name].clone())
+    };
+    assert_eq!(folders("results"), [json!("../../sweeps"), json!("../..")]);
+    // A folder above is only a number of steps.
+    assert_eq!(
+        folders("checkout/results"),
+        [Value::Null, json!("../../..")]
+    );
+}
+
 #[test]
 fn a_frozen_experiment_keeps_the_settings_of_the_command_line() {
     let (root, _) = made();
