@@ -260,7 +260,7 @@ fn the_reference_reads_no_memory_before_writing_it() {
         let gbuffer = GbufferImages::new(gpu, size).unwrap();
         let scene = SceneData::new(gpu, &request.scene).unwrap();
         let mut recorder = gpu.record("gbuffer").unwrap();
-        pass::record(&mut recorder, &scene, &request.camera, &gbuffer).unwrap();
+        pass::record(&mut recorder, &scene, &request.camera, gbuffer.all()).unwrap();
         recorder.submit().unwrap();
         let mask = gbuffer.read(gpu).unwrap().mask();
         let results = [false, true].map(|is_poisoned| {

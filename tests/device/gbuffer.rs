@@ -22,7 +22,7 @@ pub fn draw(gpu: &Gpu, scene: &Scene, camera: &Camera, size: [u32; 2]) -> Gbuffe
         .for_each(|image| poison_image(gpu, image));
     let data = SceneData::new(gpu, scene).unwrap();
     let mut recorder = gpu.record("gbuffer").unwrap();
-    pass::record(&mut recorder, &data, camera, &target).unwrap();
+    pass::record(&mut recorder, &data, camera, target.all()).unwrap();
     recorder.submit().unwrap();
     target.read(gpu).unwrap()
 }

@@ -6,7 +6,7 @@ use glam::{DMat3, DVec2, DVec3};
 use splitsum::base::math::blue_noise::{DEPTH, SIDE, value};
 use splitsum::base::math::sequence::{FramePoints, R2_OF_FRAMES, frame_shift, hash, shifted};
 use splitsum::base::pixels::Pixels;
-use splitsum::instrument::gbuffer::Gbuffer;
+use splitsum::instrument::gbuffer::Surfaces;
 use splitsum::instrument::pipeline::reprojection::{Sums, View};
 use splitsum::instrument::scene::{Camera, CameraKind, Orbit, Projection, Scene};
 use splitsum::instrument::shade::frames::{Accumulation, Frames, History};
@@ -19,17 +19,21 @@ fn view(
     surface: impl Fn(u32, u32) -> Option<[DVec3; 2]>,
     turn: DMat3,
 ) -> Arc<View> {
-    let at = |place: usize| {
+    let texels = |index: usize| {
         Pixels::from_fn(size[0], size[1], |x, y| {
-            surface(x, y).map_or([0.0; 4], |own| own[place].extend(1.0).as_vec4().to_array())
+            surface(x, y).map_or([0.0; 4], |vectors| {
+                vectors[index].extend(1.0).as_vec4().to_array()
+            })
         })
     };
-    let blank = Pixels::filled(size[0], size[1], [0.0; 4]);
-    let gbuffer = Gbuffer::from([at(0), at(1), blank.clone(), blank]);
+    let surfaces = Surfaces {
+        position_mask: texels(0),
+        normal_alpha: texels(1),
+    };
     Arc::new(View {
         camera,
         environment_from_world: turn,
-        gbuffer: Arc::new(gbuffer),
+        surfaces: Arc::new(surfaces),
     })
 }
 
@@ -137,7 +141,7 @@ fn reprojection_is_the_identity_of_a_still_view_and_exact_on_a_plane() {
     let size = [48, 40];
     let linear = |view: &View| -> Vec<DVec3> {
         let positions = view
-            .gbuffer
+            .surfaces
             .position_mask
             .data
             .iter()

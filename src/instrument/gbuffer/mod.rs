@@ -73,6 +73,13 @@ pub struct Gbuffer<T> {
     pub f0_material: Pixels<[T; 4]>,
 }
 
+/// Positions and normals alone, which say what surface each pixel sees.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Surfaces {
+    pub position_mask: Pixels<[f32; 4]>,
+    pub normal_alpha: Pixels<[f32; 4]>,
+}
+
 impl<T> From<[Pixels<[T; 4]>; 4]> for Gbuffer<T> {
     fn from(
         [position_mask, normal_alpha, albedo_metallic, f0_material]: [Pixels<[T; 4]>; 4],

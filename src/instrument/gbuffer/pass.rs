@@ -1,6 +1,6 @@
 //! The device pass that draws a scene into the four attachments.
 
-use super::{ATTACHMENT_NAMES, Gbuffer, material_data, params, sphere_data};
+use super::{ATTACHMENT_NAMES, Gbuffer, Surfaces, material_data, params, sphere_data};
 use crate::base::glsl::layout::SharedStruct;
 use crate::base::pixels::Pixels;
 use crate::instrument::gpu::{
@@ -8,6 +8,7 @@ use crate::instrument::gpu::{
     Recorder, Sampler, Targets, Wrap,
 };
 use crate::instrument::scene::{Camera, MaterialMaps, Mesh, Scene, Texture};
+use std::ops::Range;
 
 /// A strip of four vertices, one instance per sphere.
 const SPHERES: GraphicsDescription = GraphicsDescription {
@@ -53,6 +54,15 @@ struct MeshData {
     is_one_sided: bool,
 }
 
+/// What a g-buffer is drawn to. Without the last attachments the materials are dropped.
+#[derive(Clone, Copy)]
+pub struct Attachments<'a> {
+    /// The first of [`ATTACHMENT_NAMES`].
+    colors: &'a [Image],
+    depth: &'a Image,
+    size: [u32; 2],
+}
+
 #[derive(Clone)]
 pub struct GbufferImages {
     /// In the order of [`ATTACHMENT_NAMES`].
@@ -61,20 +71,27 @@ pub struct GbufferImages {
     pub size: [u32; 2],
 }
 
+/// Positions and normals of a view without its materials: half the memory of [`GbufferImages`].
+pub struct SurfaceImages {
+    attachments: [Image; 2],
+    depth: Image,
+    size: [u32; 2],
+}
+
 pub fn record(
     recorder: &mut Recorder,
     scene: &SceneData,
     camera: &Camera,
-    target: &GbufferImages,
+    target: Attachments<'_>,
 ) -> Result<(), GpuError> {
     assert!(
         scene.sphere_count > 0 || !scene.meshes.is_empty(),
         "a scene has at least one sphere or mesh"
     );
-    let colors: Vec<&Image> = target.attachments.iter().collect();
+    let colors: Vec<&Image> = target.colors.iter().collect();
     let mut targets = Targets {
         colors: &colors,
-        depth: &target.depth,
+        depth: target.depth,
         clear: true,
     };
     let push = |material: usize| params(camera, target.size, material).to_bytes();
@@ -214,18 +231,20 @@ fn texture(gpu: &Gpu, texture: &Texture) -> Result<(Image, Wrap), GpuError> {
 
 impl GbufferImages {
     pub fn new(gpu: &Gpu, size: [u32; 2]) -> Result<Self, GpuError> {
-        let [a, b, c, d] = ATTACHMENT_NAMES;
-        let attachment = |name| gpu.image(name, size, 1, Format::Rgba32Float);
+        let image = |index| attachment(gpu, index, size);
         Ok(Self {
-            attachments: [
-                attachment(a)?,
-                attachment(b)?,
-                attachment(c)?,
-                attachment(d)?,
-            ],
-            depth: gpu.image("depth", size, 1, Format::Depth32Float)?,
+            attachments: [image(0)?, image(1)?, image(2)?, image(3)?],
+            depth: depth(gpu, size)?,
             size,
         })
+    }
+
+    pub fn all(&self) -> Attachments<'_> {
+        Attachments {
+            colors: &self.attachments,
+            depth: &self.depth,
+            size: self.size,
+        }
     }
 
     pub fn write(&self, gpu: &Gpu, texels: &Gbuffer<f32>) -> Result<(), GpuError> {
@@ -243,9 +262,63 @@ impl GbufferImages {
     }
 
     pub fn read(&self, gpu: &Gpu) -> Result<Gbuffer<f32>, GpuError> {
-        let [width, height] = self.size;
-        let read = |image| Ok(Pixels::new(width, height, gpu.read_image(image, 0)?));
+        let read = |image| read_rows(gpu, image, 0..self.size[1]);
         let [a, b, c, d] = &self.attachments;
         Ok([read(a)?, read(b)?, read(c)?, read(d)?].into())
     }
+
+    /// [`GbufferImages::read`] without the materials.
+    pub fn read_surfaces(&self, gpu: &Gpu) -> Result<Surfaces, GpuError> {
+        let [positions, normals, ..] = &self.attachments;
+        read_surfaces(gpu, [positions, normals], 0..self.size[1])
+    }
+}
+
+impl SurfaceImages {
+    pub fn new(gpu: &Gpu, size: [u32; 2]) -> Result<Self, GpuError> {
+        Ok(Self {
+            attachments: [attachment(gpu, 0, size)?, attachment(gpu, 1, size)?],
+            depth: depth(gpu, size)?,
+            size,
+        })
+    }
+
+    pub fn all(&self) -> Attachments<'_> {
+        Attachments {
+            colors: &self.attachments,
+            depth: &self.depth,
+            size: self.size,
+        }
+    }
+
+    /// Reads some rows of the view.
+    pub fn read_rows(&self, gpu: &Gpu, rows: Range<u32>) -> Result<Surfaces, GpuError> {
+        read_surfaces(gpu, self.attachments.each_ref(), rows)
+    }
+}
+
+/// Makes the attachment of an index of [`ATTACHMENT_NAMES`].
+fn attachment(gpu: &Gpu, index: usize, size: [u32; 2]) -> Result<Image, GpuError> {
+    gpu.image(ATTACHMENT_NAMES[index], size, 1, Format::Rgba32Float)
+}
+
+fn depth(gpu: &Gpu, size: [u32; 2]) -> Result<Image, GpuError> {
+    gpu.image("depth", size, 1, Format::Depth32Float)
+}
+
+fn read_surfaces(
+    gpu: &Gpu,
+    [positions, normals]: [&Image; 2],
+    rows: Range<u32>,
+) -> Result<Surfaces, GpuError> {
+    Ok(Surfaces {
+        position_mask: read_rows(gpu, positions, rows.clone())?,
+        normal_alpha: read_rows(gpu, normals, rows)?,
+    })
+}
+
+fn read_rows(gpu: &Gpu, image: &Image, rows: Range<u32>) -> Result<Pixels<[f32; 4]>, GpuError> {
+    let [width, _] = image.mip_size(0);
+    let height = rows.end - rows.start;
+    Ok(Pixels::new(width, height, gpu.read_rows(image, 0, rows)?))
 }

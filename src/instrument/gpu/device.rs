@@ -7,10 +7,10 @@ use super::kept_pipeline::Pipelines;
 use super::slot::Slot;
 use super::{DeviceInfo, GpuError, Options, Sampler};
 use ash::{ext, khr, vk};
-use gpu_allocator::MemoryLocation;
 use gpu_allocator::vulkan::{
     Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc,
 };
+use gpu_allocator::{AllocationSizes, MemoryLocation};
 use std::collections::HashMap;
 use std::ffi::{CStr, CString};
 use std::sync::atomic::AtomicBool;
@@ -110,7 +110,7 @@ impl Gpu {
             physical_device: physical,
             debug_settings: Default::default(),
             buffer_device_address: false,
-            allocation_sizes: Default::default(),
+            allocation_sizes: block_sizes(),
         })
         .map_err(|source| GpuError::Memory {
             name: "allocator".into(),
@@ -151,6 +151,15 @@ impl Gpu {
     pub fn max_image_side(&self) -> u32 {
         self.shared.limits.max_image_dimension2_d
     }
+}
+
+/// Sizes of the blocks that resources share. Blocks start small, since a run of small images fills
+/// a few megabytes of each kind of memory, and double with each further one.
+fn block_sizes() -> AllocationSizes {
+    const MB: u64 = 1 << 20;
+    AllocationSizes::new(8 * MB, 4 * MB)
+        .with_max_device_memblock_size(64 * MB)
+        .with_max_host_memblock_size(16 * MB)
 }
 
 impl Shared {

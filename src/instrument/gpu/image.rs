@@ -308,13 +308,25 @@ impl Gpu {
 
     /// Reads the texels of level `mip` of a colour image, face by face and row by row.
     pub fn read_image(&self, image: &Image, mip: u32) -> Result<Vec<[f32; 4]>, GpuError> {
-        let [width, height] = image.mip_size(mip);
+        let [_, height] = image.mip_size(mip);
+        self.read_rows(image, mip, 0..height)
+    }
+
+    /// Reads rows of level `mip` of a colour image, face by face and row by row.
+    pub fn read_rows(
+        &self,
+        image: &Image,
+        mip: u32,
+        rows: Range<u32>,
+    ) -> Result<Vec<[f32; 4]>, GpuError> {
+        let [width, _] = image.mip_size(mip);
         let is_half = image.inner.format == Format::Rgba16Float;
         let texel_bytes = if is_half { 8 } else { 16 };
-        let texel_count = u64::from(width) * u64::from(height) * u64::from(image.face_count());
+        let row_count = u64::from(rows.end - rows.start);
+        let texel_count = u64::from(width) * row_count * u64::from(image.face_count());
         let staging = self.readback(&image.inner.name, texel_bytes * texel_count)?;
         let mut recorder = self.record(&image.inner.name)?;
-        recorder.copy_image_to_buffer(image, mip, &staging);
+        recorder.copy_rows_to_buffer(image, mip, rows, &staging);
         recorder.submit()?;
         if is_half {
             let bits: Vec<[u16; 4]> = staging.host_copy();

@@ -214,8 +214,9 @@ impl Shared {
         color_count: usize,
         interface: Interface,
     ) -> Result<Arc<Pipeline>, GpuError> {
-        let format = [description.output.color_format().as_raw() as u32];
-        self.pipeline(&description.shaders, &format, interface, |interface| {
+        let format = description.output.color_format().as_raw() as u32;
+        let targets = [format, color_count as u32];
+        self.pipeline(&description.shaders, &targets, interface, |interface| {
             self.make_graphics_pipeline(description, color_count, interface)
         })
     }

@@ -7,14 +7,17 @@
 
 use super::Frame;
 use crate::base::pixels::GrayImage;
-use crate::instrument::gbuffer::Gbuffer;
+use crate::instrument::gbuffer::Surfaces;
 use crate::instrument::scene::{Camera, Projection};
 use glam::Vec3;
 use rayon::prelude::*;
+use std::ops::Range;
 use std::sync::Arc;
 
 /// Points along a pixel's side: 17 steps from uncovered to covered.
-pub(super) const POINTS_PER_SIDE: u32 = 4;
+const POINTS_PER_SIDE: u32 = 4;
+/// Rows of pixels whose points are in memory at once.
+const ROWS: u32 = 16;
 const POINTS: usize = (POINTS_PER_SIDE * POINTS_PER_SIDE) as usize;
 /// Points that differ more belong to different surfaces: normals 37 degrees apart, or a step of a
 /// pixel's width.
@@ -27,6 +30,11 @@ pub(super) struct SurfacePoint {
     pub(super) normal: Vec3,
 }
 
+/// Returns the size of a view's points.
+pub(super) fn points_size(size: [u32; 2]) -> [u32; 2] {
+    size.map(|side| side * POINTS_PER_SIDE)
+}
+
 /// A pixel that several surfaces share.
 struct Edge {
     /// Index of the pixel.
@@ -35,55 +43,76 @@ struct Edge {
     sources: [usize; POINTS],
 }
 
+impl Edge {
+    /// Compares the centre of a pixel with its points, which `point` returns by index; `None` if one
+    /// surface fills the pixel.
+    fn of(
+        pixels: &Surfaces,
+        [x, y]: [u32; 2],
+        difference: &impl Fn(Option<SurfacePoint>, Option<SurfacePoint>) -> f32,
+        point: impl Fn(u32) -> Option<SurfacePoint>,
+    ) -> Option<Self> {
+        let [width, height] = [pixels.position_mask.width, pixels.position_mask.height];
+        let index = (y * width + x) as usize;
+        let centre = surface_point(pixels, x, y);
+        let mut is_edge = false;
+        let sources = std::array::from_fn(|i| {
+            let point = point(i as u32);
+            let unlike = difference(point, centre);
+            if unlike < UNLIKE {
+                return index;
+            }
+            is_edge = true;
+            let rows = y.saturating_sub(1)..=(y + 1).min(height - 1);
+            let around = rows
+                .flat_map(|y| (x.saturating_sub(1)..=(x + 1).min(width - 1)).map(move |x| (x, y)));
+            let nearest = around
+                .map(|(x, y)| {
+                    (
+                        difference(point, surface_point(pixels, x, y)),
+                        (y * width + x) as usize,
+                    )
+                })
+                .min_by(|a, b| a.0.total_cmp(&b.0));
+            nearest
+                .filter(|(least, _)| *least < unlike)
+                .map_or(index, |(_, source)| source)
+        });
+        is_edge.then_some(Self {
+            pixel: index,
+            sources,
+        })
+    }
+}
+
 /// The pixels that several surfaces share.
 pub(super) struct Edges(Vec<Edge>);
 
 impl Edges {
-    /// Compares the centre of each pixel, in `pixels`, with its `points`.
-    pub(super) fn find(pixels: &Gbuffer<f32>, points: &Gbuffer<f32>, camera: &Camera) -> Self {
+    /// Compares the centre of each pixel with its points; `read` returns some rows of points.
+    pub(super) fn find<E>(
+        pixels: &Surfaces,
+        camera: &Camera,
+        mut read: impl FnMut(Range<u32>) -> Result<Surfaces, E>,
+    ) -> Result<Self, E> {
         let [width, height] = [pixels.position_mask.width, pixels.position_mask.height];
         let difference = difference(camera, [width, height]);
-        let edge = |index: usize| {
-            let x = index as u32 % width;
-            let y = index as u32 / width;
-            let centre = surface_point(pixels, x, y);
-            let mut is_edge = false;
-            let sources = std::array::from_fn(|i| {
-                let column = x * POINTS_PER_SIDE + i as u32 % POINTS_PER_SIDE;
-                let row = y * POINTS_PER_SIDE + i as u32 / POINTS_PER_SIDE;
-                let point = surface_point(points, column, row);
-                let unlike = difference(point, centre);
-                if unlike < UNLIKE {
-                    return index;
-                }
-                is_edge = true;
-                let rows = y.saturating_sub(1)..=(y + 1).min(height - 1);
-                let around = rows.flat_map(|y| {
-                    (x.saturating_sub(1)..=(x + 1).min(width - 1)).map(move |x| (x, y))
-                });
-                let nearest = around
-                    .map(|(x, y)| {
-                        (
-                            difference(point, surface_point(pixels, x, y)),
-                            (y * width + x) as usize,
-                        )
-                    })
-                    .min_by(|a, b| a.0.total_cmp(&b.0));
-                nearest
-                    .filter(|(least, _)| *least < unlike)
-                    .map_or(index, |(_, source)| source)
-            });
-            is_edge.then_some(Edge {
-                pixel: index,
-                sources,
-            })
-        };
-        Self(
-            (0..(width * height) as usize)
-                .into_par_iter()
-                .filter_map(edge)
-                .collect(),
-        )
+        let mut edges = Vec::new();
+        for first in (0..height).step_by(ROWS as usize) {
+            let rows = first..(first + ROWS).min(height);
+            let points = read(rows.start * POINTS_PER_SIDE..rows.end * POINTS_PER_SIDE)?;
+            let edge = |index: u32| {
+                let [x, row] = [index % width, index / width];
+                let point = |i: u32| {
+                    let column = x * POINTS_PER_SIDE + i % POINTS_PER_SIDE;
+                    surface_point(&points, column, row * POINTS_PER_SIDE + i / POINTS_PER_SIDE)
+                };
+                Edge::of(pixels, [x, first + row], &difference, point)
+            };
+            let pixels_in_rows = (rows.end - rows.start) * width;
+            edges.par_extend((0..pixels_in_rows).into_par_iter().filter_map(edge));
+        }
+        Ok(Self(edges))
     }
 
     /// Resolves the edges of a frame. The mask keeps the pixels that one surface fills.
@@ -139,9 +168,9 @@ pub(super) fn difference(
 }
 
 /// Returns the point at a texel; `None` if nothing is hit.
-pub(super) fn surface_point(gbuffer: &Gbuffer<f32>, x: u32, y: u32) -> Option<SurfacePoint> {
-    let [px, py, pz, mask] = gbuffer.position_mask.get(x, y);
-    let [nx, ny, nz, _] = gbuffer.normal_alpha.get(x, y);
+pub(super) fn surface_point(surfaces: &Surfaces, x: u32, y: u32) -> Option<SurfacePoint> {
+    let [px, py, pz, mask] = surfaces.position_mask.get(x, y);
+    let [nx, ny, nz, _] = surfaces.normal_alpha.get(x, y);
     (mask == 1.0).then(|| SurfacePoint {
         position: Vec3::new(px, py, pz),
         normal: Vec3::new(nx, ny, nz),

@@ -1,5 +1,6 @@
 //! Estimates whether a request fits the device, before anything is allocated.
 
+use super::antialias::points_size;
 use super::{PipelineError, RenderRequest};
 use crate::instrument::gpu::Gpu;
 
@@ -76,6 +77,15 @@ fn needs(request: &RenderRequest) -> Vec<Need> {
             with_mips(map_texels) + map_texels * VEC4,
         ),
     ];
+    if request.is_antialiased() {
+        // Two attachments and depth.
+        let size = points_size(size);
+        needs.push(image(
+            "points of edges",
+            size,
+            texels(size) * (2 * VEC4 + 4),
+        ));
+    }
     if request.has_reference_term() {
         needs.push(reference_need(request));
     }

@@ -225,7 +225,7 @@ impl Pipeline {
         })
     }
 
-    /// Returns the pose of a frame; the g-buffer is the one before if the camera stands
+    /// Returns the pose of a frame; the surfaces are the ones before if the camera stands
     /// still.
     fn pose(
         &mut self,
@@ -234,18 +234,18 @@ impl Pipeline {
     ) -> Result<Pose, PipelineError> {
         let known = before
             .filter(|pose| pose.view.camera == request.camera)
-            .map(|pose| pose.view.gbuffer.clone());
-        let gbuffer = match known {
-            Some(gbuffer) => gbuffer,
+            .map(|pose| pose.view.surfaces.clone());
+        let surfaces = match known {
+            Some(surfaces) => surfaces,
             None => {
                 let (_, target) = self.resources.view(&self.gpu, request)?;
-                Arc::new(target.gbuffer.read(&self.gpu)?)
+                Arc::new(target.gbuffer.read_surfaces(&self.gpu)?)
             }
         };
         let view = View {
             camera: request.camera,
             environment_from_world: request.shading.placement.environment_from_world(),
-            gbuffer,
+            surfaces,
         };
         Ok(Pose {
             view: Arc::new(view),

@@ -157,12 +157,7 @@ impl Pipeline {
     /// Checks whether the device can serve `request`, as far as possible before anything is
     /// allocated.
     pub fn check(&self, request: &RenderRequest) -> Result<(), PipelineError> {
-        fit::check(&self.gpu, request)?;
-        if request.is_antialiased() {
-            fit::check(&self.gpu, &request.points_of_pixels())
-        } else {
-            Ok(())
-        }
+        fit::check(&self.gpu, request)
     }
 
     fn prepare(&mut self, request: &RenderRequest) -> Result<Prepared, PipelineError> {

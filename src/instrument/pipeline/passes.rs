@@ -92,7 +92,7 @@ pub(super) fn draw_gbuffer(
     let mut recorder = gpu.record("gbuffer")?;
     if !request.scene.is_design {
         recorder.pass("gbuffer", |r| {
-            gbuffer::pass::record(r, &prepared.scene, passes.camera, passes.gbuffer)
+            gbuffer::pass::record(r, &prepared.scene, passes.camera, passes.gbuffer.all())
         })?;
     }
     recorder.fill(passes.radiance, 0);

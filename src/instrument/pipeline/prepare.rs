@@ -1,6 +1,6 @@
 //! Prepares the inputs of shading: which tables a request reads, its scene, its targets.
 
-use super::antialias::Edges;
+use super::antialias::{Edges, points_size};
 use super::inputs::{DfgInputs, IrradianceInputs, PrefilterInputs, TapTableInputs};
 use super::resources::{PointKey, Prepared, ReferenceData, Resources, Target, ViewKey};
 use super::shared_work::{Kept, Maker};
@@ -9,7 +9,9 @@ use crate::instrument::brdf::Fresnel;
 use crate::instrument::environment::distribution::EnvironmentDistribution;
 use crate::instrument::environment::layout::MapLayout;
 use crate::instrument::gbuffer::design;
-use crate::instrument::gbuffer::pass::{self as gbuffer_pass, GbufferImages, SceneData};
+use crate::instrument::gbuffer::pass::{
+    self as gbuffer_pass, GbufferImages, SceneData, SurfaceImages,
+};
 use crate::instrument::gpu::{Buffer, Gpu, GpuError, Image, Report};
 use crate::instrument::precompute::points::Points;
 use crate::instrument::shade::pass::Tables;
@@ -251,13 +253,15 @@ impl Resources {
         if let Some(edges) = self.edges.get(&key) {
             return Ok(edges);
         }
-        let (_, target) = self.view(gpu, request)?;
-        let (_, points) = self.view(gpu, &request.points_of_pixels())?;
-        let edges = Arc::new(Edges::find(
-            &target.gbuffer.read(gpu)?,
-            &points.gbuffer.read(gpu)?,
-            &request.camera,
-        ));
+        let (scene, target) = self.view(gpu, request)?;
+        // The points take eight times the memory of the view, so they are not kept.
+        let points = SurfaceImages::new(gpu, points_size(request.size))?;
+        let mut recorder = gpu.record("points of edges")?;
+        gbuffer_pass::record(&mut recorder, &scene, &request.camera, points.all())?;
+        recorder.submit()?;
+        let pixels = target.gbuffer.read_surfaces(gpu)?;
+        let read = |rows| points.read_rows(gpu, rows);
+        let edges = Arc::new(Edges::find(&pixels, &request.camera, read)?);
         self.edges.get_or_make(key, || Ok(edges))
     }
 }
@@ -271,7 +275,7 @@ fn target(gpu: &Gpu, request: &RenderRequest, scene: &SceneData) -> Result<Arc<T
         texels
     } else {
         let mut recorder = gpu.record("gbuffer")?;
-        gbuffer_pass::record(&mut recorder, scene, &request.camera, &gbuffer)?;
+        gbuffer_pass::record(&mut recorder, scene, &request.camera, gbuffer.all())?;
         recorder.submit()?;
         gbuffer.read(gpu)?
     };

@@ -4,7 +4,7 @@
 //! The recurrence is in [`super::frames`].
 
 use super::antialias::{SurfacePoint, UNLIKE, difference, surface_point};
-use crate::instrument::gbuffer::Gbuffer;
+use crate::instrument::gbuffer::Surfaces;
 use crate::instrument::scene::Camera;
 use crate::instrument::shade::frames::{Frames, History};
 use glam::{DMat3, DVec2, DVec3};
@@ -20,7 +20,7 @@ const REFLECTION_MISS: f64 = 1e-3;
 pub struct View {
     pub camera: Camera,
     pub environment_from_world: DMat3,
-    pub gbuffer: Arc<Gbuffer<f32>>,
+    pub surfaces: Arc<Surfaces>,
 }
 
 /// The sums of each pixel up to a frame.
@@ -46,8 +46,8 @@ struct Tap {
 impl View {
     fn size(&self) -> [u32; 2] {
         [
-            self.gbuffer.position_mask.width,
-            self.gbuffer.position_mask.height,
+            self.surfaces.position_mask.width,
+            self.surfaces.position_mask.height,
         ]
     }
 
@@ -56,7 +56,7 @@ impl View {
         let [width, height] = self.size();
         let is_inside = (0..i64::from(width)).contains(&x) && (0..i64::from(height)).contains(&y);
         if is_inside {
-            surface_point(&self.gbuffer, x as u32, y as u32)
+            surface_point(&self.surfaces, x as u32, y as u32)
         } else {
             None
         }

@@ -1,6 +1,5 @@
 //! Requests to the pipeline, and its results.
 
-use super::antialias::POINTS_PER_SIDE;
 use crate::base::glsl::constants::FRESNEL_SCHLICK;
 use crate::base::pixels::{GrayImage, RgbImage};
 use crate::instrument::brdf::Fresnel;
@@ -77,15 +76,6 @@ impl RenderRequest {
     /// Whether edges are antialiased: pixels of the scene `design` have none.
     pub(super) fn is_antialiased(&self) -> bool {
         self.antialias && !self.scene.is_design
-    }
-
-    /// Returns the request whose g-buffer has the points that find edges.
-    pub(super) fn points_of_pixels(&self) -> Self {
-        Self {
-            size: self.size.map(|side| side * POINTS_PER_SIDE),
-            antialias: false,
-            ..self.clone()
-        }
     }
 
     /// Returns a copy with other shading parameters.

@@ -282,23 +282,7 @@ impl Recorder {
         self.access_buffer(from, Access::COPY_READ);
         self.access_image(image, mip..mip + 1, Access::COPY_WRITE);
         self.emit();
-        let whole = image_region(image, mip);
-        let region = [vk::BufferImageCopy {
-            image_subresource: vk::ImageSubresourceLayers {
-                base_array_layer: face,
-                layer_count: 1,
-                ..whole.image_subresource
-            },
-            image_offset: vk::Offset3D {
-                y: rows.start as i32,
-                ..whole.image_offset
-            },
-            image_extent: vk::Extent3D {
-                height: rows.end - rows.start,
-                ..whole.image_extent
-            },
-            ..whole
-        }];
+        let region = [image_region(image, mip, face..face + 1, rows)];
         let layout = Access::COPY_WRITE.layout;
         // SAFETY: recording; both are kept alive, the image is in its layout, the buffer holds the
         // rows.
@@ -313,19 +297,21 @@ impl Recorder {
         };
     }
 
-    pub(in crate::instrument::gpu) fn copy_image_to_buffer(
+    /// Fills a buffer with rows of a level, face by face.
+    pub(in crate::instrument::gpu) fn copy_rows_to_buffer(
         &mut self,
         image: &Image,
         mip: u32,
+        rows: Range<u32>,
         to: &Buffer,
     ) {
         self.access_image(image, mip..mip + 1, Access::COPY_READ);
         self.access_buffer(to, Access::COPY_WRITE);
         self.emit();
-        let region = [image_region(image, mip)];
+        let region = [image_region(image, mip, 0..image.face_count(), rows)];
         let layout = Access::COPY_READ.layout;
         // SAFETY: recording; both are kept alive, the image is in its layout, the buffer holds the
-        // level.
+        // rows.
         unsafe {
             self.device().cmd_copy_image_to_buffer(
                 self.commands,
@@ -341,18 +327,29 @@ impl Recorder {
     }
 }
 
-fn image_region(image: &Image, mip: u32) -> vk::BufferImageCopy {
-    let [width, height] = image.mip_size(mip);
+/// Describes rows of faces of a level.
+fn image_region(
+    image: &Image,
+    mip: u32,
+    faces: Range<u32>,
+    rows: Range<u32>,
+) -> vk::BufferImageCopy {
+    let [width, _] = image.mip_size(mip);
     vk::BufferImageCopy {
         image_subresource: vk::ImageSubresourceLayers {
             aspect_mask: image.inner.format.aspect(),
             mip_level: mip,
-            base_array_layer: 0,
-            layer_count: image.face_count(),
+            base_array_layer: faces.start,
+            layer_count: faces.end - faces.start,
+        },
+        image_offset: vk::Offset3D {
+            x: 0,
+            y: rows.start as i32,
+            z: 0,
         },
         image_extent: vk::Extent3D {
             width,
-            height,
+            height: rows.end - rows.start,
             depth: 1,
         },
         ..Default::default()
