@@ -5,7 +5,7 @@
 //! reference get the same light. Layers divide it as they divide the environment's. Occlusion maps
 //! are about the surroundings, so they do not dim it.
 
-use super::passes::{draw_gbuffer, passes, read_radiance};
+use super::passes::{clear_radiance, passes, read_radiance};
 use super::request::{Frame, FrameTimings, Illumination};
 use super::{Pipeline, PipelineError, RenderRequest};
 use crate::base::names::Listed;
@@ -91,7 +91,7 @@ impl Pipeline {
         let prepared = self.prepare(request)?;
         let gpu = &self.gpu;
         let passes = passes(request, &prepared);
-        let mut report = draw_gbuffer(gpu, request, &prepared, &passes)?;
+        let mut report = clear_radiance(gpu, &prepared)?;
         let lights = LightBuffer::new(gpu, lights)?;
         for lobe in &prepared.lobes {
             let shader = lobe.lights_shader(request.shading.brdf);

@@ -1,10 +1,9 @@
-//! Runs the g-buffer and the shading passes of a request, and reads their radiance.
+//! Runs the shading passes of a request over its g-buffer, and reads their radiance.
 
 use super::resources::{Prepared, ReferenceData};
 use super::{Pipeline, PipelineError, RenderRequest};
 use crate::base::glsl::constants::POINTS_PER_DISPATCH;
 use crate::base::pixels::{Pixels, RgbImage};
-use crate::instrument::gbuffer;
 use crate::instrument::gpu::{Buffer, Gpu, Report};
 use crate::instrument::shade::pass::{DIFFUSE_PASS, Passes, SPECULAR_PASS};
 use crate::instrument::shade::reference_pass::{Convergence, Drawn, ReferenceRun, TermRun};
@@ -26,7 +25,7 @@ pub(super) struct RadianceImages {
 }
 
 impl Pipeline {
-    /// Runs the g-buffer and every shading pass; the radiance stays in the target. `begun` are sums
+    /// Runs every shading pass; the radiance stays in the target. `begun` are sums
     /// of the reference terms of the same request with fewer samples; empty if there are none.
     pub(super) fn shade(
         &self,
@@ -36,7 +35,7 @@ impl Pipeline {
     ) -> Result<Shaded, PipelineError> {
         let gpu = &self.gpu;
         let passes = passes(request, prepared);
-        let mut report = draw_gbuffer(gpu, request, prepared, &passes)?;
+        let mut report = clear_radiance(gpu, prepared)?;
         if request.shading.method.has_pass() {
             let points_per_dispatch = prepared.samples_per_pixel.min(POINTS_PER_DISPATCH);
             for part in gpu.parts(request.size, 1, points_per_dispatch.into()) {
@@ -82,21 +81,15 @@ impl Pipeline {
     }
 }
 
-/// Draws the g-buffer, which for the scene `design` the host wrote, and clears the radiance.
-pub(super) fn draw_gbuffer(
-    gpu: &Gpu,
-    request: &RenderRequest,
-    prepared: &Prepared,
-    passes: &Passes,
-) -> Result<Report, PipelineError> {
-    let mut recorder = gpu.record("gbuffer")?;
-    if !request.scene.is_design {
-        recorder.pass("gbuffer", |r| {
-            gbuffer::pass::record(r, &prepared.scene, passes.camera, passes.gbuffer.all())
-        })?;
-    }
-    recorder.fill(passes.radiance, 0);
-    Ok(recorder.submit()?)
+/// Clears the radiance of a target whose g-buffer is drawn. The report has the shaders of the
+/// g-buffer, since the image depends on them.
+pub(super) fn clear_radiance(gpu: &Gpu, prepared: &Prepared) -> Result<Report, PipelineError> {
+    let target = &prepared.target;
+    let mut recorder = gpu.record("clear radiance")?;
+    recorder.fill(&target.radiance, 0);
+    let mut report = recorder.submit()?;
+    report.shaders.extend(target.shaders.iter().cloned());
+    Ok(report)
 }
 
 pub(super) fn passes<'a>(request: &'a RenderRequest, prepared: &'a Prepared) -> Passes<'a> {

@@ -17,6 +17,7 @@ use crate::instrument::precompute::points::Points;
 use crate::instrument::shade::pass::Tables;
 use crate::instrument::shade::reference_pass::{DistributionBuffers, Sums, pair_count};
 use crate::instrument::shade::{PointTable, Shading};
+use std::collections::BTreeSet;
 use std::convert::Infallible;
 use std::sync::Arc;
 
@@ -269,22 +270,35 @@ impl Resources {
 /// Makes the targets of a view and draws its g-buffer.
 fn target(gpu: &Gpu, request: &RenderRequest, scene: &SceneData) -> Result<Arc<Target>, GpuError> {
     let gbuffer = GbufferImages::new(gpu, request.size)?;
-    let texels = if request.scene.is_design {
+    let (texels, shaders) = if request.scene.is_design {
         let texels = design::gbuffer(&request.scene, request.size);
         gbuffer.write(gpu, &texels)?;
-        texels
+        (texels, BTreeSet::new())
     } else {
-        let mut recorder = gpu.record("gbuffer")?;
-        gbuffer_pass::record(&mut recorder, scene, &request.camera, gbuffer.all())?;
-        recorder.submit()?;
-        gbuffer.read(gpu)?
+        let report = draw_gbuffer(gpu, request, scene, &gbuffer)?;
+        (gbuffer.read(gpu)?, report.shaders)
     };
     Ok(Arc::new(Target {
         gbuffer,
+        shaders,
         radiance: gpu.buffer("radiance", vec4_bytes(request.size))?,
         mask: Arc::new(texels.mask()),
         n_dot_v: Arc::new(texels.n_dot_v(&request.camera)),
     }))
+}
+
+/// Draws the g-buffer of a view, or draws it again with the same values, to time it.
+pub(super) fn draw_gbuffer(
+    gpu: &Gpu,
+    request: &RenderRequest,
+    scene: &SceneData,
+    images: &GbufferImages,
+) -> Result<Report, GpuError> {
+    let mut recorder = gpu.record("gbuffer")?;
+    recorder.pass("gbuffer", |recorder| {
+        gbuffer_pass::record(recorder, scene, &request.camera, images.all())
+    })?;
+    recorder.submit()
 }
 
 /// Bytes of a vec4 of f32 for each pixel.

@@ -19,6 +19,7 @@ use crate::instrument::precompute::prefilter::{Kernel, harmonic};
 use crate::instrument::scene::{Camera, Scene};
 use crate::instrument::shade::pass::Tables;
 use crate::instrument::shade::reference_pass::{DistributionBuffers, Lobe, Sums};
+use std::collections::BTreeSet;
 use std::convert::Infallible;
 use std::sync::Arc;
 
@@ -112,6 +113,8 @@ pub(super) struct ReferenceData {
 /// Targets of a view of a scene.
 pub(super) struct Target {
     pub(super) gbuffer: GbufferImages,
+    /// The shaders that drew the g-buffer.
+    pub(super) shaders: BTreeSet<String>,
     /// A vec4 per pixel.
     pub(super) radiance: Buffer,
     pub(super) mask: Arc<GrayImage>,

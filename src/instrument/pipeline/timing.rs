@@ -1,5 +1,6 @@
 //! Times of passes, over several rounds.
 
+use super::prepare::draw_gbuffer;
 use super::resources::Shelves;
 use super::shared_work::Kept;
 use super::{Pipeline, PipelineError, RenderRequest, TimingSamples};
@@ -29,6 +30,11 @@ impl Pipeline {
         for round in 0..warmup + rounds {
             let mut report = Report::default();
             for (layer, prepared) in layers.iter().zip(&prepared) {
+                // The host wrote the g-buffer of the scene `design`.
+                if !layer.scene.is_design {
+                    let images = &prepared.target.gbuffer;
+                    report.add(draw_gbuffer(&self.gpu, layer, &prepared.scene, images)?);
+                }
                 report.add(self.shade(layer, prepared, &[])?.report);
             }
             report.add(tonemap::pass::run(
