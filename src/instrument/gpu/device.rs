@@ -5,7 +5,7 @@ use super::inject::{Injector, Site};
 use super::instance::Instance;
 use super::kept_pipeline::Pipelines;
 use super::slot::Slot;
-use super::{DeviceInfo, GpuError, Options, Sampler};
+use super::{DeviceInfo, GpuError, Options, Sampler, host_memory};
 use ash::{ext, khr, vk};
 use gpu_allocator::vulkan::{
     Allocation, AllocationCreateDesc, AllocationScheme, Allocator, AllocatorCreateDesc,
@@ -60,6 +60,7 @@ pub(super) struct Shared {
 impl Gpu {
     /// Opens a device. The error names the missing feature.
     pub fn new(options: Options) -> Result<Self, GpuError> {
+        host_memory::return_large_blocks();
         let injector = Injector::from_environment()?;
         let emulation = Emulation::from_environment()?;
         let instance = Instance::new(options.validation, options.is_presenting)?;

@@ -13,6 +13,7 @@ mod driver_cache;
 mod emulation;
 mod error;
 mod executable;
+mod host_memory;
 mod image;
 mod inject;
 mod instance;
