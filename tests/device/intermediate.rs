@@ -75,6 +75,28 @@ fn attachments_are_the_material_and_the_exact_sphere() {
     });
 }
 
+/// Opposite to a lamp nine coefficients fall below 0, where shading takes 0.
+#[test]
+fn irradiance_is_what_shading_reads() {
+    with_pipeline(|pipeline| {
+        let lamp = RgbImage::from_fn(16, 8, |x, y| [f32::from(u8::from([x, y] == [4, 2])); 3]);
+        let [exact, texture] = ["sh9", "sh9-texture"].map(|diffuse| {
+            let request =
+                sphere(lamp.clone()).shaded(|shading| shading.diffuse = Diffuse::listed(diffuse));
+            let selection = Selection::parse("irradiance").unwrap();
+            pipeline.intermediate(&request, selection).unwrap().values
+        });
+        let brightest = exact.data.iter().map(|rgb| rgb[0]).fold(0.0, f32::max);
+        let mut difference: f32 = 0.0;
+        for (a, b) in exact.data.iter().zip(&texture.data) {
+            assert!(a[0] >= 0.0 && b[0] >= 0.0, "{a:?} {b:?}");
+            difference = difference.max((a[0] - b[0]).abs() / brightest);
+        }
+        // A lookup in the texture is not the evaluation, but nearly.
+        assert!(difference > 0.0 && difference < 1e-2, "{difference}");
+    });
+}
+
 #[test]
 fn maps_of_constant_light_are_constant_and_a_lamp_keeps_its_place() {
     with_pipeline(|pipeline| {
@@ -89,6 +111,7 @@ fn maps_of_constant_light_are_constant_and_a_lamp_keeps_its_place() {
             };
             let cases = [
                 ("sh9", "irradiance"),
+                ("sh9-texture", "irradiance"),
                 ("irradiance-map", "irradiance"),
                 ("none", "prefiltered"),
                 ("none", "prefiltered-2"),

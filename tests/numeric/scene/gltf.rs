@@ -343,7 +343,7 @@ fn an_occlusion_map_counts_by_its_strength() {
     assert!(scene.has_occlusion());
     assert_eq!(
         scene.warnings,
-        ["not read: factors outside [0, 1] (clamped)"]
+        ["not read: the parts of factors beyond [0, 1]"]
     );
 }
 
@@ -712,7 +712,7 @@ fn ignored_features_cause_a_warning() {
         json!({ "extensions": { "KHR_materials_clearcoat": { "clearcoatFactor": 2 } } });
     assert_eq!(
         loaded(&model).warnings,
-        ["not read: KHR_materials_iridescence, factors outside [0, 1] (clamped)"]
+        ["not read: KHR_materials_iridescence, the parts of factors beyond [0, 1]"]
     );
 }
 

@@ -212,6 +212,10 @@ fn wrong_lights_of_a_file_are_refused() {
             "light 0: missing field `type`",
         ),
         (
+            wrong(json!({ "type": "spot" }), plain()),
+            "it has no member spot",
+        ),
+        (
             wrong(json!({ "type": "point", "intensity": -2.0 }), plain()),
             "intensity -2",
         ),

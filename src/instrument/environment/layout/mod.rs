@@ -82,9 +82,14 @@ impl MapLayout {
         }
     }
 
+    /// The layout of every environment.
+    pub fn environments() -> &'static Self {
+        &equirect::LAYOUT
+    }
+
     /// Whether this is the environment's own layout, so that its levels are the environment's mips.
     pub fn is_environments(&self) -> bool {
-        *self == equirect::LAYOUT
+        self == Self::environments()
     }
 }
 

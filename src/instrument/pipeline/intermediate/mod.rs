@@ -11,7 +11,7 @@ use crate::base::color::srgb_encode;
 use crate::base::math::spherical_harmonics;
 use crate::base::names::{Listed, listed};
 use crate::base::pixels::{GrayImage, Pixels, Rgb8Image, RgbImage};
-use crate::instrument::environment::layout::FilteredMap;
+use crate::instrument::environment::layout::{FilteredMap, MapLayout};
 use crate::instrument::gbuffer::Gbuffer;
 use crate::instrument::gpu::Image;
 use crate::instrument::tonemap::ToneCurve;
@@ -327,12 +327,20 @@ impl Pipeline {
     fn irradiance(&mut self, request: &RenderRequest) -> Result<Tiles, PipelineError> {
         let prepared = self.prepare(request)?;
         if request.shading.diffuse.uses_irradiance_map {
-            let map = self.one_level(&prepared.tables.irradiance_map, 0, request)?;
+            let layout = request.shading.precompute.layout;
+            let map = self.one_level(&prepared.tables.irradiance_map, 0, layout)?;
+            return Ok(Tiles::maps(vec![Box::new(move |d| map.value(d, 0.0))]));
+        }
+        if request.shading.diffuse.uses_sh9_texture {
+            let map = self.one_level(&prepared.tables.sh9_texture, 0, MapLayout::environments())?;
             return Ok(Tiles::maps(vec![Box::new(move |d| map.value(d, 0.0))]));
         }
         let coefficients: Vec<[f32; 4]> = self.gpu.read_buffer(&prepared.tables.sh9)?;
         let coefficients = std::array::from_fn(|k| Vec3::from_slice(&coefficients[k]).as_dvec3());
-        let over_pi = move |n: DVec3| spherical_harmonics::irradiance(&coefficients, n) / PI;
+        // As `shaders/shade/diffuse/sh9.glsl`.
+        let over_pi = move |n: DVec3| {
+            (spherical_harmonics::irradiance(&coefficients, n) / PI).max(DVec3::ZERO)
+        };
         Ok(Tiles::maps(vec![Box::new(over_pi)]))
     }
 
@@ -347,7 +355,8 @@ impl Pipeline {
             None => 0..tables.prefiltered.mip_count(),
         };
         let maps = levels.map(|level| {
-            let map = self.one_level(&tables.prefiltered, level, request)?;
+            let layout = request.shading.precompute.layout;
+            let map = self.one_level(&tables.prefiltered, level, layout)?;
             let value: TileValue = Box::new(move |d| map.value(d, 0.0));
             Ok(value)
         });
@@ -358,7 +367,7 @@ impl Pipeline {
         &self,
         image: &Image,
         level: u32,
-        request: &RenderRequest,
+        layout: &'static MapLayout,
     ) -> Result<FilteredMap, PipelineError> {
         let stacked = read_level(&self.gpu, image, level)?;
         let height = stacked.height / image.face_count();
@@ -368,7 +377,7 @@ impl Pipeline {
             })
         };
         Ok(FilteredMap {
-            layout: request.shading.precompute.layout,
+            layout,
             levels: vec![(0..image.face_count()).map(face).collect()],
         })
     }

@@ -31,8 +31,7 @@ struct PunctualLight {
     #[serde(default = "one")]
     intensity: f32,
     range: Option<f64>,
-    #[serde(default)]
-    spot: Spot,
+    spot: Option<Spot>,
 }
 
 #[derive(Default, Deserialize)]
@@ -108,7 +107,7 @@ impl PunctualLight {
             LightKind::Spot => Emitter::Spot {
                 position,
                 direction: direction.ok_or(no_axis)?,
-                cone: self.spot.cone()?,
+                cone: self.spot.as_ref().ok_or("it has no member spot")?.cone()?,
             },
         };
         Ok(Light {

@@ -288,7 +288,7 @@ impl<'a> UsedMaterial<'a> {
     fn unread(&self) -> Vec<&'static str> {
         let mut unread = Vec::new();
         if self.factors().any(|factor| !(0.0..=1.0).contains(&factor)) {
-            unread.push("factors outside [0, 1] (clamped)");
+            unread.push("the parts of factors beyond [0, 1]");
         }
         // A broken transform is reported where the maps are read.
         let occlusion = self.read_occlusion();
