@@ -162,8 +162,12 @@ impl Shown<'_> {
         let states = [DONE, "failed", "open"]
             .map(|state| format!("{} {state}", count(state)))
             .join(", ");
+        let headline = match plan.config.question.as_str() {
+            "" => plan.config.name.clone(),
+            question => format!("{}: {question}", plan.config.name),
+        };
         let mut lines = vec![
-            format!("{}: {}", plan.config.name, plan.config.question),
+            headline,
             format!(
                 "{} cells from {radiances} images and {}; {states} in {}",
                 plan.cells.len(),

@@ -249,6 +249,10 @@ impl Plan {
         !self.config.lights.is_empty() || scenes.any(|scene| !scene.lights.is_empty())
     }
 
+    pub fn has_occlusion(&self) -> bool {
+        self.inputs.scenes().any(|scene| scene.has_occlusion())
+    }
+
     /// Builds the request of a cell's point.
     pub fn request(&self, point: &Point) -> RenderRequest {
         let request = self.seeded_request(point, self.cell_seed(point));

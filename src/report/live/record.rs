@@ -37,6 +37,9 @@ pub struct LiveRecord {
     /// Whether the run has direct lights, which the view does not draw.
     #[serde(default)]
     pub has_lights: bool,
+    /// Whether a scene has maps of occlusion, which the view does not read.
+    #[serde(default)]
+    pub has_occlusion: bool,
 }
 
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
@@ -116,6 +119,7 @@ pub fn record(plan: &Plan, renderer: &mut dyn Renderer) -> Result<LiveRecord, Re
         left_out: 0,
         models: models(plan),
         has_lights: plan.has_lights(),
+        has_occlusion: plan.has_occlusion(),
         methods: methods
             .iter()
             .filter_map(|case| LiveShader::of_file(case.request.shading.method))

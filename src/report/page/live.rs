@@ -26,6 +26,8 @@ pub const BUDGET_BYTES: usize = 4 << 20;
 const ENVIRONMENT_TEXELS_MIN: u32 = 1 << 15;
 const NO_LIGHTS: &str = "The direct lights of the run are not part of this view: it shows its \
                          scenes under the environment alone.";
+const NO_OCCLUSION: &str = "Maps of occlusion are not part of this view: crevices are brighter \
+                            than in the run.";
 const FILE_BYTES_MAX: u64 = 64 << 20;
 
 #[derive(Debug, Serialize)]
@@ -193,6 +195,9 @@ impl Light {
         let record = first_record(runs, &mut notes);
         if record.as_ref().is_some_and(|record| record.has_lights) {
             notes.push(NO_LIGHTS.to_owned());
+        }
+        if record.as_ref().is_some_and(|record| record.has_occlusion) {
+            notes.push(NO_OCCLUSION.to_owned());
         }
         let mut methods = LiveMethod::split_sums(record.as_ref());
         let mut shaders = BTreeMap::new();

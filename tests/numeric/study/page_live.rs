@@ -315,9 +315,10 @@ fn a_model_has_the_means_of_its_maps() {
     );
 }
 
-/// Lights of the experiment and of a scene's file are named, since the view draws none.
+/// Lights of the experiment and of a scene's file are named, since the view draws none; so are maps
+/// of occlusion.
 #[test]
-fn a_note_says_that_direct_lights_are_missing() {
+fn notes_say_that_lights_and_occlusion_are_missing() {
     let note = |head: &str, scene: &str| -> Vec<String> {
         let dir = tempfile::tempdir().unwrap();
         let mut model = quad();
@@ -333,6 +334,9 @@ fn a_note_says_that_direct_lights_are_missing() {
             .unwrap()
             .push(json!(last));
         std::fs::write(dir.path().join("lit.gltf"), model.to_string()).unwrap();
+        let occluded = json!({ "occlusionTexture": { "index": 0 } });
+        let occluded = textured(quad(), occluded, &[png(2, 2, |_, _| [90, 0, 0])]);
+        std::fs::write(dir.path().join("occluded.gltf"), occluded.to_string()).unwrap();
         let file = dir.path().join("lit.toml");
         let text = format!(
             "name = \"lit\"\nsize = [16, 16]\nscene = \"{scene}\"\n{head}\n[axes]\n\
@@ -343,13 +347,15 @@ fn a_note_says_that_direct_lights_are_missing() {
         light(&run, BUDGET_BYTES).notes
     };
     let sun = "[[lights]]\nkind = \"directional\"\ndirection = [0, -1, 0]";
-    for (head, scene, is_named) in [
-        ("", "sphere", false),
-        (sun, "sphere", true),
-        ("", "lit.gltf", true),
+    for (head, scene, are_named) in [
+        ("", "sphere", [false, false]),
+        (sun, "sphere", [true, false]),
+        ("", "lit.gltf", [true, false]),
+        ("", "occluded.gltf", [false, true]),
     ] {
         let notes = note(head, scene);
-        let is_note = |note: &String| note.starts_with("The direct lights of the run");
-        assert_eq!(notes.iter().any(is_note), is_named, "{scene}: {notes:?}");
+        let is_named = |start: &str| notes.iter().any(|note| note.starts_with(start));
+        let found = ["The direct lights of the run", "Maps of occlusion"].map(is_named);
+        assert_eq!(found, are_named, "{scene}: {notes:?}");
     }
 }
