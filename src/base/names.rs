@@ -111,13 +111,8 @@ pub fn in_words(name: &str) -> String {
 
 /// Writes "a camera", "an axis".
 pub fn with_article(what: &str) -> String {
-    // "unit" and its kind are spoken with a consonant.
     let begins_with_vowel = what.starts_with(['a', 'e', 'i', 'o', 'u']);
-    let article = if begins_with_vowel && !what.starts_with("uni") {
-        "an"
-    } else {
-        "a"
-    };
+    let article = if begins_with_vowel { "an" } else { "a" };
     format!("{article} {what}")
 }
 

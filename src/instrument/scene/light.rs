@@ -50,7 +50,7 @@ pub enum LightUnit {
     Map,
 }
 
-listed!(LightUnit, "unit of lights", { "absolute": Absolute, "map": Map });
+listed!(LightUnit, "light unit", { "absolute": Absolute, "map": Map });
 
 /// Where a light is and where it shines.
 #[derive(Clone, Copy, Debug, PartialEq)]
