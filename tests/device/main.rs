@@ -12,9 +12,9 @@
 
 mod antialias;
 mod brdf;
-#[path = "../shared/brdf_twins.rs"]
-mod brdf_twins;
 mod compare;
+#[path = "../shared/compensation_twins.rs"]
+mod compensation_twins;
 mod determinism;
 #[path = "../shared/environment_sampling.rs"]
 mod environment_sampling;
