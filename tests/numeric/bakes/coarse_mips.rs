@@ -1,13 +1,13 @@
 //! Coarse mips of a lat-long map, in irradiance, and beside the rounding of an atlas.
 
-use super::causes::{blurred, causes_of, half_vectors, lamps};
+use super::causes::{blurred, causes_of, half_vectors, lamps, law_of};
 use super::files::faces;
 use super::packed::{RgbpScale, atlas_of, judged_file};
 use super::scores::marked_light;
 use super::slips::{each_texel, exact, judged, judged_bake, of_levels};
 use glam::{DVec2, DVec3};
 use splitsum::bake::Bake;
-use splitsum::bake::judge::{Cause, Encoding, MipSource, Truth};
+use splitsum::bake::judge::{Cause, Encoding, MipSource, Truth, WidthLaw};
 use splitsum::base::math::equirect::uv_from_direction;
 use splitsum::base::names::Listed;
 use splitsum::base::pixels::{Pixels, RgbImage};
@@ -242,6 +242,44 @@ fn scales_of_rgbp_that_are_rounded_up_are_named() {
                 None => assert_eq!(level, 0, "{verdict}"),
             }
         }
+    }
+}
+
+/// PlayCanvas filters level k of 6 for roughness 2k/11 by mips 1.83 levels too coarse. The last mips of a
+/// cube, which wide lobes read, have other means than even blurs.
+#[test]
+fn widths_of_playcanvas_are_named_beside_mips_of_a_cube() {
+    let lamps = lamps();
+    let bright = lamps.image.map(|texel| texel.map(|value| 1.5 * value));
+    let light = Environment::from_image("bright", bright);
+    let mips = cube_mips(&light);
+    let level = |k: u32| match k {
+        0 => faces(&LAYOUTS[0], [32; 2], |d| light.radiance(d)),
+        _ => {
+            let alpha = (f64::from(k) / 5.5).powi(2);
+            let halves = half_vectors(1024, alpha);
+            faces(&LAYOUTS[0], [12; 2], |n| {
+                filtered_by_playcanvas(&mips, &halves, alpha, n)
+            })
+        }
+    };
+    let judged = judged(&light, of_levels((0..6).map(level).collect()), None);
+    let verdict = judged.verdict();
+    assert_eq!(law_of(&judged), Some(WidthLaw::OverHalfCount), "{verdict}");
+    assert!(!verdict.contains("--scale"), "{verdict}");
+    let fixed = judged.fixed.as_ref().unwrap();
+    // The mips of narrow lobes are finer than the lamps.
+    assert!(
+        fixed.levels[..3]
+            .iter()
+            .all(|level| level.verdict.is_good())
+    );
+    for level in 3..6 {
+        let [Cause::CoarseMips { levels, source }] = causes_of(fixed, level) else {
+            panic!("level {level}: {verdict}");
+        };
+        assert_eq!(*source, MipSource::Cube, "level {level}: {verdict}");
+        assert!((levels - 1.83).abs() < 0.3, "level {level}: {levels}");
     }
 }
 
