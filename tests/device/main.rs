@@ -35,6 +35,7 @@ mod ladder;
 mod layers;
 mod layouts;
 mod lights;
+mod metallic;
 mod methods;
 #[path = "../shared/mips.rs"]
 mod mips_twin;
