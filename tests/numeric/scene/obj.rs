@@ -680,6 +680,33 @@ fn statements_of_glass_and_metal_are_named() {
     }
 }
 
+/// Old exporters state an index of 1 for every material. A metal has no index.
+#[test]
+fn an_index_of_1_is_named() {
+    let warnings = of_material("Ni 1.0").unwrap().warnings;
+    assert!(
+        warnings.len() == 1 && warnings[0].contains("material \"m\": Ni 1 is an f0 of 0"),
+        "{warnings:?}"
+    );
+    for lines in ["Ni 1.0\nPm 1", "Ni 1.5", "Kd 1"] {
+        let warnings = of_material(lines).unwrap().warnings;
+        assert!(warnings.is_empty(), "{lines}: {warnings:?}");
+    }
+}
+
+/// The last definition counts; equal ones need no word.
+#[test]
+fn materials_with_several_definitions_are_named() {
+    let scene = of_material("Kd 1 0 0\nnewmtl m\nKd 0.5 0.25 0.125").unwrap();
+    assert_eq!(scene.materials[0].albedo, [0.5, 0.25, 0.125]);
+    assert_eq!(
+        scene.warnings,
+        ["material \"m\" has several definitions; the last one is used"]
+    );
+    let equal = of_material("Kd 1 0 0\nnewmtl m\nKd 1 0 0").unwrap();
+    assert!(equal.warnings.is_empty(), "{:?}", equal.warnings);
+}
+
 /// Colours behind positions, ZBrush's comment, and normals without a direction.
 #[test]
 fn vertex_colours_and_zero_normals_are_named() {
