@@ -170,7 +170,11 @@ fn the_cut_at_the_highest_degree_is_that_of_the_horizon() {
         for weight in WEIGHTS {
             for alpha in [ALPHA_MIN, 0.02, 0.1, 0.25, 1.0] {
                 let kernel = Kernel::new(*model, weight, MaskingShadowing::Separable);
-                let narrow = if alpha == ALPHA_MIN { NARROWEST } else { NARROW };
+                let narrow = if alpha == ALPHA_MIN {
+                    NARROWEST
+                } else {
+                    NARROW
+                };
                 let share = cut_off(kernel, alpha);
                 let horizon = HorizonEnd::new(kernel, alpha).share(degree(alpha), 3 * DEGREE_MAX);
                 let name = format!("{} {} {alpha}", model.name(), weight.name);

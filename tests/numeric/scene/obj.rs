@@ -680,20 +680,6 @@ fn statements_of_glass_and_metal_are_named() {
     }
 }
 
-/// Old exporters state an index of 1 for every material. A metal has no index.
-#[test]
-fn an_index_of_1_is_named() {
-    let warnings = of_material("Ni 1.0").unwrap().warnings;
-    assert!(
-        warnings.len() == 1 && warnings[0].contains("material \"m\": Ni 1 is an f0 of 0"),
-        "{warnings:?}"
-    );
-    for lines in ["Ni 1.0\nPm 1", "Ni 1.5", "Kd 1"] {
-        let warnings = of_material(lines).unwrap().warnings;
-        assert!(warnings.is_empty(), "{lines}: {warnings:?}");
-    }
-}
-
 /// The last definition counts; equal ones need no word.
 #[test]
 fn materials_with_several_definitions_are_named() {

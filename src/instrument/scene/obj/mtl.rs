@@ -253,7 +253,6 @@ impl Source {
     /// Reads parameters and names of maps from the values.
     fn complete(&mut self, files: &dyn SceneFiles, path: &Path, warnings: &mut Vec<String>) {
         self.parameters = self.clamped(warnings);
-        warnings.extend(self.lost_reflection());
         let mut map = |keyword: &str, kind: &'static str, meaning: Meaning| {
             let text = self.values.get(keyword)?;
             let MapText { file, scale } = MapText::parse(text, keyword, &self.name, warnings);
@@ -286,19 +285,6 @@ impl Source {
             normal: map("norm", "normal map", normals).or(bump_map),
             occlusion: occlusion.flatten(),
         };
-    }
-
-    /// Warns of a dielectric of index 1: some writers state it for every material.
-    fn lost_reflection(&self) -> Option<String> {
-        let is_metal = self.parameters.metallic == Some(1.0);
-        let is_clear = self.parameters.ior == Some(1.0) && !is_metal;
-        is_clear.then(|| {
-            format!(
-                "material \"{}\": Ni 1 is an f0 of 0, so the surface reflects only at grazing views; \
-                 writers without an index state it, and mean 1.5 (f0 0.04)",
-                self.name
-            )
-        })
     }
 
     /// Whether another definition has the same values.
