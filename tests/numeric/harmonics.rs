@@ -160,7 +160,7 @@ impl HorizonEnd {
 /// depends on the model's tail. The rest of a narrow lobe is small for every model, else `degree`
 /// is too low.
 #[test]
-fn the_cut_at_the_highest_degree_is_that_of_the_horizon() {
+fn the_cut_at_the_highest_degree_belongs_to_the_horizon() {
     // Of a lobe as narrow as the highest degree allows, else far less.
     const NARROWEST: f64 = 3e-7;
     const NARROW: f64 = 1e-11;

@@ -191,7 +191,7 @@ fn fits_within_the_predictions_of_another_run_are_counted() {
     );
 }
 
-/// Between published values of roughness a prediction is that of the line between them, wider by how
+/// Between published values of roughness a prediction follows the line between them, wider by how
 /// far the published ones bend; beyond them there is none.
 #[test]
 fn predictions_between_published_roughnesses_are_interpolated() {
@@ -207,7 +207,7 @@ lo, hi = map(math.log, law.between(0.6))
 half = math.hypot(0.05, 12.706 * 2.5 * 0.1 * 0.1)
 assert abs(lo - (0.05 - half)) < 1e-9 and abs(hi - (0.05 + half)) < 1e-9, (lo, hi)
 assert law.between(0.2) is None and law.between(0.8) is None
-# A straight series is as wide between as at its ends; roughness itself is no bias.
+# A straight series is as wide between as at its ends. Intervals are of the bias, so they scale with roughness.
 straight = {("sphere", r, 1, "split-sum", "mse"): (0.9 * r, 1.1 * r, 0.8, 1.25) for r in (0.2, 0.4, 0.7)}
 found = interpolated(straight, ("sphere", 0.5, 1, "split-sum", "mse"))
 assert max(abs(a - b) for a, b in zip(found, (0.45, 0.55, 0.8, 1.25))) < 1e-9, found

@@ -321,7 +321,7 @@ fn validate(request: &RenderRequest) -> Result<(), PipelineError> {
     Ok(shading.tables().validate()?)
 }
 
-/// Why the specular term of a dielectric and a metal, mixed, is not that of their mixed F0.
+/// Why the specular terms of a dielectric and a metal, mixed, differ from one of mixed F0.
 fn mixture_fault(request: &RenderRequest) -> Option<&'static str> {
     let lowers_f0 = |material: &Material| {
         let law = material.under_coat.map(|under| under.law.f0);
