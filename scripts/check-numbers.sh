@@ -20,6 +20,7 @@
 #     docs/own-method.md                            ranges of inputs
 #     docs/paste.md          Tables                 algebra of a clamped lookup
 #     docs/python.md         PyTorch                versions and tolerances
+#     docs/recovery.md       Between the published roughnesses  fits under scripts/synthetic_maps.py and built-in maps
 #     docs/recovery.md       nvdiffrec's own prefilter  runs of its code, by findings/envlight-prefilter.sh
 #     docs/recovery.md       Example                runs of python/examples/recover_material.py
 #     docs/recovery.md       Unknown light          runs of python/examples/recovery_light.py

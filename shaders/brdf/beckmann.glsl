@@ -48,6 +48,16 @@ vec3 sample_d_brdf(float u, vec2 cos_sin_phi, float alpha) {
     return sample_lobe_brdf(sample_point_from_polar(u, cos_sin_phi), alpha).h_local;
 }
 
+// Half vector among the visible normals, for the reference.
+vec3 sample_visible_brdf(vec2 xi, vec3 v_local, vec2 width) {
+    return sample_visible_ggx(xi, v_local, width);
+}
+
+// Density of l = reflect(-v, h) per solid angle of l under sample_visible_brdf.
+float pdf_visible_l_brdf(vec3 v_local, vec3 h_local, vec2 width) {
+    return pdf_visible_l_ggx(v_local, h_local, width);
+}
+
 // Beckmann's own visible normals, as the method sampled-vndf draws them.
 struct VisibleNormals {
     // The unit vector along the stretched v_local.xy.

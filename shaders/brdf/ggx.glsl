@@ -36,6 +36,23 @@ vec3 sample_d_brdf(float u, vec2 cos_sin_phi, float alpha) {
     return sample_lobe_brdf(vec4(u, cos_sin_phi, 0.0), alpha).h_local;
 }
 
+// Half vector among the visible normals, for the reference.
+vec3 sample_visible_brdf(vec2 xi, vec3 v_local, vec2 width) {
+    return sample_visible_ggx(xi, v_local, width);
+}
+
+// Density of l = reflect(-v, h) per solid angle of l under sample_visible_brdf.
+float pdf_visible_l_brdf(vec3 v_local, vec3 h_local, vec2 width) {
+    return pdf_visible_l_ggx(v_local, h_local, width);
+}
+
+// Visible normals for the method sampled-vndf.
+#define VisibleNormals BoundedNormals
+
+VisibleNormals visible_normals_brdf(vec3 v_local, vec2 width) {
+    return bounded_normals_ggx(v_local, width);
+}
+
 VisibleSample sample_visible_normal(VisibleNormals normals, vec4 point) {
     vec3 h_local = sample_bounded_ggx(normals.cap, point, normals.width);
     return VisibleSample(h_local, d_brdf(h_local, normals.width) * normals.cap.pdf_over_d, normals.d_over_pdf);

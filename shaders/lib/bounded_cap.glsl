@@ -29,21 +29,21 @@ BoundedCap bounded_cap(vec3 v_local, vec2 width) {
     return BoundedCap(v_standard, 1.0 + k * v_standard.z, above, 0.5 / (k * v_local.z + length_v));
 }
 
-// Half vector of sample_visible_brdf from that cap. [EtoTokuyoshi23 listing 1]
+// Half vector of sample_visible_ggx from that cap. [EtoTokuyoshi23 listing 1]
 vec3 sample_bounded_ggx(BoundedCap cap, vec4 point, vec2 width) {
     float depth = point.x * cap.height;
     vec2 across = sqrt(max(depth * (2.0 - depth), 0.0)) * point.yz + cap.v_standard.xy;
     return normalize(vec3(width * across, (1.0 - point.x) * cap.height + cap.above));
 }
 
-// The normals visible from v; a model that includes this file weighs the samples.
-struct VisibleNormals {
+// The normals that GGX of those widths shows to v, within the cap; a model weighs their samples.
+struct BoundedNormals {
     BoundedCap cap;
     vec2 width;
     float d_over_pdf;
 };
 
-VisibleNormals visible_normals_brdf(vec3 v_local, vec2 width) {
+BoundedNormals bounded_normals_ggx(vec3 v_local, vec2 width) {
     BoundedCap cap = bounded_cap(v_local, width);
-    return VisibleNormals(cap, width, 0.25 / (v_local.z * cap.pdf_over_d));
+    return BoundedNormals(cap, width, 0.25 / (v_local.z * cap.pdf_over_d));
 }

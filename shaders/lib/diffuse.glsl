@@ -20,8 +20,9 @@ DiffuseWeights diffuse_weights(Surface s, sampler2D dfg, uint flags) {
     }
     float alpha = table_alpha(s);
     vec2 a_b = albedo_pair(dfg, s.n_dot_v, alpha);
-    vec3 multiple = multiple_scattering(s.f0, a_b, dfg, alpha);
-    vec3 reflected = (s.f0 * a_b.x + a_b.y) * compensation_factor(s.f0, a_b, dfg, alpha) + multiple;
+    vec3 f0 = f0_over_diffuse(s, flags);
+    vec3 multiple = multiple_scattering(f0, a_b, dfg, alpha);
+    vec3 reflected = (f0 * a_b.x + a_b.y) * compensation_factor(f0, a_b, dfg, alpha) + multiple;
     return DiffuseWeights((1.0 - reflected) * albedo, multiple);
 }
 

@@ -50,6 +50,15 @@ Surface surface_with_tangent(Surface s, vec4 tangent) {
     return s;
 }
 
+// F0 of what reflects light before the diffuse term gets it: the lobe's, or in a mixture of two BRDFs
+// the dielectric's. A metal has no diffuse term, and any F0 here.
+vec3 f0_over_diffuse(Surface s, uint flags) {
+    if ((flags & SHADE_FLAG_MIX_BRDFS) == 0u || s.metallic >= 1.0) {
+        return s.f0;
+    }
+    return clamp((s.f0 - s.metallic * s.albedo) / (1.0 - s.metallic), 0.0, 1.0);
+}
+
 // The frame of the lobe: columns tangent, bitangent, n.
 mat3 frame_of_surface(Surface s) {
     return ANISOTROPY == ANISOTROPY_NONE ? frame_from_normal(s.n) : mat3(s.t, cross(s.n, s.t), s.n);

@@ -1,6 +1,6 @@
-// Visible normals of the GGX distribution, the sampler of the reference for each model that
-// includes this file; src/instrument/brdf says how well they serve it. Vectors are local (n is +z);
-// widths are in [ALPHA_MIN, 1].
+// GGX's D and its visible normals, for models that have no visible normals of their own;
+// src/instrument/brdf says how well they serve each. Vectors are local (n is +z); widths are in
+// [ALPHA_MIN, 1].
 
 #include "lib/elementary.glsl"
 #include "lib/widths.glsl"
@@ -31,7 +31,7 @@ float g1_over_cosine_ggx(float n_dot_w, float alpha) {
 // Half vector among the normals that GGX of those widths shows to v: the half vectors of the
 // spherical cap that the stretched v reflects into; xi.x = 0 is the cap's centre. [Dupuy23 listing
 // 3]
-vec3 sample_visible_brdf(vec2 xi, vec3 v_local, vec2 width) {
+vec3 sample_visible_ggx(vec2 xi, vec3 v_local, vec2 width) {
     vec3 v_standard = normalize(vec3(width * v_local.xy, v_local.z));
     // The cap's point is (sin phi-part, 1 - d); sine and z + v.z are written in d and 1 - xi.x,
     // which cancel no digits.
@@ -40,9 +40,9 @@ vec3 sample_visible_brdf(vec2 xi, vec3 v_local, vec2 width) {
     return normalize(vec3(width * (cap + v_standard.xy), (1.0 - xi.x) * (1.0 + v_standard.z)));
 }
 
-// Density of l = reflect(-v, h) per solid angle of l under sample_visible_brdf: D G1(v) / (4
+// Density of l = reflect(-v, h) per solid angle of l under sample_visible_ggx: D G1(v) / (4
 // n_dot_v). [Heitz18 eq. 17]
-float pdf_visible_l_brdf(vec3 v_local, vec3 h_local, vec2 width) {
+float pdf_visible_l_ggx(vec3 v_local, vec3 h_local, vec2 width) {
     bool visible = v_local.z > 0.0 && dot(v_local, h_local) > 0.0;
     float alpha_v = width_along(v_local, width);
     return visible ? 0.25 * d_ggx(h_local, width) * g1_over_cosine_ggx(v_local.z, alpha_v) : 0.0;

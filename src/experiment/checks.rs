@@ -2,8 +2,8 @@
 
 use super::axis::{
     ALBEDO, ALPHA, ANISOTROPY, AXES, AxisId, COAT, COMPENSATION, DFG_TABLE, F0, FRAMES, FRESNEL,
-    Layer, METALLIC, METHOD, MOTION, Named, PREFILTER_SIZE, PREFILTERED, Point, SAMPLES, SCENE,
-    SHEEN_COLOR, SIZE, motion_fault,
+    Layer, METALLIC, METALLIC_MIX, METHOD, MOTION, Named, PREFILTER_SIZE, PREFILTERED, Point,
+    SAMPLES, SCENE, SHEEN_COLOR, SIZE, motion_fault,
 };
 use super::config::{Condition, Config, Located, Sweep, UNSCORED};
 use super::fault::{Faults, Location};
@@ -37,6 +37,14 @@ pub fn check_combinations(config: &Config, faults: &mut Faults) {
             faults.add(
                 &config.location_of(ANISOTROPY, &point),
                 format!("anisotropy: {what}"),
+            );
+        }
+        if let Some(what) = shading.metallic_mix.fault(shading.compensation) {
+            faults.add(
+                &config.location_of(METALLIC_MIX, &point),
+                format!(
+                    "metallic_mix: brdf does not support {what}; expected compensation = \"none\""
+                ),
             );
         }
         if let Some(fault) = motion_fault(&point, config.antialias) {

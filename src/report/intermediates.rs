@@ -222,6 +222,7 @@ fn inputs(settings: &Settings) -> String {
         sheen_visibility: _,
         sheen_lookup: _,
         specular_occlusion: _,
+        metallic_mix: _,
     } = shading;
     let lobe = (brdf.name(), masking_shadowing, compensation, fresnel);
     let terms = (method.name, diffuse.name);

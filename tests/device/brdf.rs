@@ -1,6 +1,5 @@
 //! Every function of every BRDF model against its f64 twin.
 
-use crate::brdf_twins::{pdf_visible_l, sample_visible};
 use crate::compare::{Tolerance, Worst, absolute, relative};
 use crate::harness::{Probe, rounded, rounded3, vec4, with_gpu, xyz};
 use glam::{DVec2, DVec3};
@@ -207,19 +206,19 @@ fn samples_and_their_densities() {
                 };
                 let (sampled, expected) = (
                     xyz(out[3]),
-                    sample_visible(item.xi, item.v, item.alpha.into()),
+                    model.sample_visible(item.xi, item.v, item.alpha.into()),
                 );
                 visible_slope.add(off(sampled, expected), 0.0, || {
                     format!("{sampled} for {expected}, {}", item.case())
                 });
                 visible_pdf.add(
                     out[4][0],
-                    pdf_visible_l(item.v, item.h, item.alpha.into()),
+                    model.pdf_visible_l(item.v, item.h, item.alpha.into()),
                     || item.case(),
                 );
                 visible_own.add(
                     out[4][1],
-                    pdf_visible_l(item.v, sampled, item.alpha.into()),
+                    model.pdf_visible_l(item.v, sampled, item.alpha.into()),
                     || item.case(),
                 );
 

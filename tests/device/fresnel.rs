@@ -1,6 +1,6 @@
 //! Exact Fresnel reflectance of dielectrics: methods and reference against integrals in f64.
 
-use crate::brdf_twins::reflectance;
+use crate::compensation_twins::reflectance;
 use crate::harness::{
     constant_environment, golden_environment, render_by_seeds, request, scene, with_pipeline,
 };

@@ -12,9 +12,9 @@
 
 mod antialias;
 mod brdf;
-#[path = "../shared/brdf_twins.rs"]
-mod brdf_twins;
 mod compare;
+#[path = "../shared/compensation_twins.rs"]
+mod compensation_twins;
 mod determinism;
 #[path = "../shared/environment_sampling.rs"]
 mod environment_sampling;
@@ -35,6 +35,7 @@ mod ladder;
 mod layers;
 mod layouts;
 mod lights;
+mod metallic;
 mod methods;
 #[path = "../shared/mips.rs"]
 mod mips_twin;

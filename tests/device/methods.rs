@@ -1,7 +1,7 @@
 //! Every method against f64, on a few pixels of a small frame.
 
-use crate::brdf_twins::multiple;
 use crate::compare::{Worst, relative};
+use crate::compensation_twins::multiple;
 use crate::gbuffer_twin::gbuffer;
 use crate::harness::{
     constant_environment, golden_environment, lobe_sphere, render_by_seeds, request, scene,

@@ -33,10 +33,14 @@ fn harmonic_levels_are_the_exact_integral_in_every_layout() {
         // The list has no mirror: its first level has a width.
         let list = LevelMapping::of_list(&[0.2, 0.5, 1.0]).unwrap();
         let mappings = [&LEVEL_MAPPINGS[0], &LEVEL_MAPPINGS[1], list];
-        for ((layout, model), mapping) in LAYOUTS.iter().zip(MODELS).zip(mappings) {
+        // Each model, layout and mapping at least once, the shorter lists again and again.
+        for case in 0..LAYOUTS.len().max(MODELS.len()).max(mappings.len()) {
+            let layout = &LAYOUTS[case % LAYOUTS.len()];
+            let model = MODELS[case % MODELS.len()];
+            let mapping = mappings[case % mappings.len()];
             let size = if layout.is_square { [32, 32] } else { [64, 32] };
             let recipe = Recipe {
-                kernel: Kernel::cosine(*model),
+                kernel: Kernel::cosine(model),
                 mapping,
                 lod_bias: 0.0,
             };

@@ -2,7 +2,6 @@
 //! integrals by other code.
 
 use crate::brdf::integrate_sphere;
-use crate::brdf_twins::{pdf_visible_l, sample_visible};
 use crate::chi_square::{fit_of_half_vectors, xi};
 use fastrand::Rng;
 use glam::{DQuat, DVec2, DVec3};
@@ -125,7 +124,10 @@ fn equal_widths_are_one_width() {
             );
             let h = (v + l).normalize();
             let pairs = [
-                (pdf_visible_l(v, h, alpha.into()), pdf_visible_l(v, h, near)),
+                (
+                    model.pdf_visible_l(v, h, alpha.into()),
+                    model.pdf_visible_l(v, h, near),
+                ),
                 (
                     model.pdf_vndf_l(v, h, alpha.into()),
                     model.pdf_vndf_l(v, h, near),
@@ -172,9 +174,11 @@ fn samplers_of_two_widths_follow_their_densities() {
         for v in directions() {
             // Undoes the Jacobian of the reflection.
             let by_h = |h: DVec3| 4.0 * v.dot(h).abs();
-            check("visible", &|h| pdf_visible_l(v, h, w) * by_h(h), &|xi| {
-                sample_visible(xi, v, w)
-            });
+            check(
+                "visible",
+                &|h| model.pdf_visible_l(v, h, w) * by_h(h),
+                &|xi| model.sample_visible(xi, v, w),
+            );
             check("vndf", &|h| model.pdf_vndf_l(v, h, w) * by_h(h), &|xi| {
                 model.sample_vndf(xi, v, w)
             });

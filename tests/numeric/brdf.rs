@@ -1,7 +1,6 @@
 //! Microfacet models: normalisation, samplers against densities, reciprocity, furnace, published
 //! albedos.
 
-use crate::brdf_twins::{pdf_visible_l, sample_visible};
 use crate::chi_square::{fit_of_half_vectors, xi};
 use fastrand::Rng;
 use glam::{DVec2, DVec3};
@@ -12,7 +11,7 @@ use splitsum::base::math::sampling::{direction_from_polar, hammersley};
 use splitsum::base::names::Listed;
 use splitsum::instrument::brdf::{self, Brdf, MODELS, MaskingShadowing};
 use splitsum::instrument::precompute::dfg::reference::dfg;
-use std::f64::consts::{E, PI, TAU};
+use std::f64::consts::{PI, TAU};
 
 const ALPHAS: [f64; 6] = [0.001, 0.01, 0.1, 0.35, 0.7, 1.0];
 
@@ -97,9 +96,10 @@ fn samplers_follow_their_densities() {
             for (k, n_dot_v) in CHI_SQUARE_VIEWS.into_iter().enumerate() {
                 let v = view(n_dot_v);
                 // pdf_h = pdf_l 4 |v·h|: undoes the Jacobian of the reflection.
-                let pdf_h = |h: DVec3| pdf_visible_l(v, h, alpha.into()) * 4.0 * v.dot(h).abs();
+                let pdf_h =
+                    |h: DVec3| model.pdf_visible_l(v, h, alpha.into()) * 4.0 * v.dot(h).abs();
                 let p = goodness_of_fit(alpha, seed + 1 + k as u64, pdf_h, |xi| {
-                    sample_visible(xi, v, alpha.into())
+                    model.sample_visible(xi, v, alpha.into())
                 });
                 assert!(
                     p > significance,
@@ -144,7 +144,7 @@ fn visible_density_integrates_to_one_over_all_directions() {
                     }
                 })
             };
-            let one = total(5e-5, &|h| pdf_visible_l(v, h, alpha.into()));
+            let one = total(5e-5, &|h| model.pdf_visible_l(v, h, alpha.into()));
             assert!(
                 (one - 1.0).abs() < 1e-4,
                 "{} alpha {alpha} n_dot_v {n_dot_v}: {one}",
@@ -162,19 +162,13 @@ fn visible_density_integrates_to_one_over_all_directions() {
 }
 
 /// In constant light the weight of a visible normal is `G2 D / (4 n_dot_v pdf_l)`. It is at most
-/// G2/G1(v) <= 1 if the model has its own sampler. The bounded cap wastes fewer samples than all
+/// G2/G1(v) <= 1 if the model draws its own visible normals, else what the model says. The bounded cap wastes fewer samples than all
 /// visible normals.
 #[test]
 fn weights_of_visible_normals_are_bounded() {
     const COUNT: u32 = 2000;
     for model in MODELS {
-        // Phong draws GGX's normals: its D is at most 4/e times GGX's, its visible area √π times.
-        let bound = (1.0 + 1e-9)
-            * if model.name() == "phong" {
-                4.0 / E * PI.sqrt()
-            } else {
-                1.0
-            };
+        let bound = (1.0 + 1e-9) * model.vndf_weight_max();
         for (alpha, n_dot_v) in ALPHAS
             .into_iter()
             .flat_map(|alpha| CHI_SQUARE_VIEWS.map(|cosine| (alpha, cosine)))
@@ -200,7 +194,7 @@ fn weights_of_visible_normals_are_bounded() {
             .count()
     };
     let [all, bounded] = [
-        lost(&|xi| sample_visible(xi, view(0.3), 1.0.into())),
+        lost(&|xi| brdf::Ggx.sample_visible(xi, view(0.3), 1.0.into())),
         lost(&|xi| brdf::Ggx.sample_vndf(xi, view(0.3), 1.0.into())),
     ];
     assert!(

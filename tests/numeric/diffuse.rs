@@ -1,6 +1,6 @@
 //! Irradiance from spherical harmonics by the diffuse methods, and light returned by compensation.
 
-use crate::brdf_twins::reflectance;
+use crate::compensation_twins::reflectance;
 use crate::math::spread;
 use glam::{DQuat, DVec2, DVec3};
 use splitsum::base::math::equirect::direction_from_uv;

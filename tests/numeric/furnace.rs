@@ -1,7 +1,7 @@
 //! White furnaces in f64: what the twins of the methods reflect of radiance 1, with the light that a
 //! compensation returns; and the factor and the dielectrics of Blender's Cycles.
 
-use crate::brdf_twins::{factor, multiple, reflectance};
+use crate::compensation_twins::{factor, multiple, reflectance};
 use glam::{DVec2, DVec3};
 use splitsum::base::math::sequence::SEQUENCES;
 use splitsum::base::names::Listed;

@@ -8,9 +8,9 @@
 mod anisotropy;
 mod bakes;
 mod brdf;
-#[path = "../shared/brdf_twins.rs"]
-mod brdf_twins;
 mod chi_square;
+#[path = "../shared/compensation_twins.rs"]
+mod compensation_twins;
 mod cost;
 mod design;
 mod diffuse;

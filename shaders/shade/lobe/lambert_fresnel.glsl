@@ -16,7 +16,7 @@ struct Lobe {
 
 Lobe lobe_at(Surface s, ShadeParams params) {
     mat3 frame = frame_from_normal(s.n);
-    return Lobe(frame, s.v * frame, s.f0);
+    return Lobe(frame, s.v * frame, f0_over_diffuse(s, params.flags));
 }
 
 LobeValue lobe_eval(Lobe lobe, vec3 l_local) {

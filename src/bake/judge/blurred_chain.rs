@@ -3,19 +3,23 @@
 
 use super::cause::{Cause, WidthLaw};
 use super::chain::{Chain, alphas_by, is_linear};
-use super::coarse_mips::CoarseSearch;
+use super::coarse_mips::{CoarseSearch, MipMeans};
 use super::directions::{Directions, texels};
 use super::level::LevelScore;
+use super::mip_chain::{MipChain, MipSource};
 use super::sampled_lobe::SampledLobe;
 use super::{EXPLAINED, GOOD, Truth, errors, fit, has_width};
 use crate::bake::convention::Convention;
 use crate::bake::parts::Map;
 use glam::DVec3;
+use std::cell::LazyCell;
 
 /// Laws of roughness that real bakers have beside other slips.
 const LAWS: [WidthLaw; 2] = [WidthLaw::OverCount, WidthLaw::OverHalfCount];
 /// Approximate number of texels that are compared.
 const TEXELS: usize = 600;
+/// Approximate number of them on which mips of maps are tried.
+const MIP_TEXELS: usize = 120;
 /// The laws make no level narrower by a smaller factor: a middle one of three.
 const NARROWER: f64 = 0.4;
 /// Fewest levels with a width that prove a law.
@@ -37,6 +41,9 @@ pub fn slip(
     if !is_linear(convention) || truth.is_other || wrong_count < LEVELS_MIN {
         return None;
     }
+    let mips = [MipSource::Cube, MipSource::LatLong]
+        .map(|source| LazyCell::new(move || MipChain::new(truth.environment, source)));
+    let mips = || mips.iter().map(|mips| &**mips);
     let levels: Vec<WideLevel> = scores
         .iter()
         .enumerate()
@@ -45,13 +52,16 @@ pub fn slip(
         .collect();
     let alone: f64 = levels.iter().map(|level| level.left_alone).sum();
     let assumed: Vec<f64> = scores.iter().map(|score| score.alpha).collect();
-    let by_assumed: f64 = levels.iter().map(|level| level.left(truth, &assumed)).sum();
+    let by_assumed: f64 = levels
+        .iter()
+        .map(|level| level.left(truth, mips(), &assumed))
+        .sum();
     let most = alone.min(EXPLAINED * by_assumed);
     let candidate = |law: WidthLaw| {
         let alphas = alphas_by(law, convention, &assumed);
         let mut left = 0.0;
         for level in &levels {
-            let of_level = level.left(truth, &alphas);
+            let of_level = level.left(truth, mips(), &alphas);
             left += level.allows(of_level).then_some(of_level)?;
         }
         (left <= most).then(|| (left, Chain::of_law(law, alphas)))
@@ -73,11 +83,19 @@ fn may_be_blurred(score: &LevelScore) -> bool {
     })
 }
 
-/// Compared texels of a level that is wider than a mirror.
-struct WideLevel {
-    index: usize,
+/// Compared texels of a level.
+struct Compared {
     directions: Directions,
     found: Vec<DVec3>,
+}
+
+/// A level that is wider than a mirror.
+struct WideLevel {
+    index: usize,
+    all: Compared,
+    /// Those on which mips of maps are tried.
+    few: Compared,
+    lobe: SampledLobe,
     search: CoarseSearch,
     /// Radiance of a texel of 1.
     scale: f64,
@@ -98,38 +116,77 @@ impl WideLevel {
         let size = [faces[0].width, faces[0].height];
         let directions = Directions::new(map.layout, convention.axes, size);
         let chosen = directions.grid(TEXELS);
-        let directions = directions.only(&chosen);
+        let all = Compared {
+            directions: directions.only(&chosen),
+            found: fit::picked(&texels(faces, convention.scale), &chosen),
+        };
         let lobe = SampledLobe {
             kernel: truth.kernel,
             is_irradiance: false,
         };
         Self {
             index,
-            found: fit::picked(&texels(faces, convention.scale), &chosen),
-            search: CoarseSearch::new(truth, lobe, NARROWER * score.alpha, &directions),
+            search: CoarseSearch::new(truth, lobe, NARROWER * score.alpha, &all.directions),
+            few: all.every((chosen.len() / MIP_TEXELS).max(1)),
+            all,
+            lobe,
             scale: convention.scale,
-            directions,
             is_good: score.errors.relmse <= GOOD,
             left_alone: score.left().unwrap_or(score.errors.relmse),
         }
     }
 
-    /// Returns the relMSE that the level's width in a chain leaves, beside a gain or coarse mips.
-    fn left(&self, truth: &Truth, alphas: &[f64]) -> f64 {
-        let epsilon = truth.epsilon();
-        let relmse = |values: &[DVec3]| {
-            let values = truth.stored(values, self.scale);
-            let gain = fit::gain(&self.directions, &self.found, &values, epsilon);
-            let gain = 1.0 / gain.clamp(*GAIN.start(), *GAIN.end());
-            errors(&self.directions, &self.found, &values, epsilon, gain).relmse
-        };
+    /// Returns the relMSE that the level's width in a chain leaves, beside a gain or coarse mips, as
+    /// even blurs or as mips of maps.
+    fn left<'m>(
+        &self,
+        truth: &Truth,
+        mips: impl Iterator<Item = &'m MipChain>,
+        alphas: &[f64],
+    ) -> f64 {
         let alpha = alphas[self.index];
-        let plain = relmse(&self.search.plain(truth, alpha));
-        plain.min(self.search.least(alpha, &relmse).relmse)
+        let of_all = |values: &[DVec3]| self.all.relmse(truth, self.scale, values);
+        let plain = of_all(&self.search.plain(truth, alpha));
+        let even = plain.min(self.search.least(alpha, &of_all).relmse);
+        // Means of mips take far longer.
+        if even <= GOOD {
+            return even;
+        }
+        let of_few = |values: &[DVec3]| self.few.relmse(truth, self.scale, values);
+        let by_mips = |mips: &MipChain| {
+            let means = MipMeans {
+                mips,
+                lobe: self.lobe,
+                directions: &self.few.directions,
+            };
+            means.least_of_all(alpha, &of_few).relmse
+        };
+        mips.map(by_mips).fold(even, f64::min)
     }
 
     /// Whether a chain may leave this relMSE: good levels stay good.
     fn allows(&self, left: f64) -> bool {
         left <= if self.is_good { GOOD } else { CLOSE }
+    }
+}
+
+impl Compared {
+    /// Returns every `step`-th of the texels.
+    fn every(&self, step: usize) -> Self {
+        let chosen: Vec<usize> = (0..self.found.len()).step_by(step).collect();
+        Self {
+            directions: self.directions.only(&chosen),
+            found: fit::picked(&self.found, &chosen),
+        }
+    }
+
+    /// Returns the relMSE of the texels over radiances, of which a texel of 1 is `scale`, beside a
+    /// gain.
+    fn relmse(&self, truth: &Truth, scale: f64, values: &[DVec3]) -> f64 {
+        let epsilon = truth.epsilon();
+        let values = truth.stored(values, scale);
+        let gain = fit::gain(&self.directions, &self.found, &values, epsilon);
+        let gain = 1.0 / gain.clamp(*GAIN.start(), *GAIN.end());
+        errors(&self.directions, &self.found, &values, epsilon, gain).relmse
     }
 }

@@ -6,7 +6,7 @@
 
 use super::cause::Cause;
 use super::directions::Directions;
-use super::mip_chain::MipSource;
+use super::mip_chain::{MipChain, MipSource};
 use super::sample::{Sample, Slipped};
 use super::sampled_lobe::SampledLobe;
 use super::{Truth, fit, has_width};
@@ -68,12 +68,13 @@ impl Sample<'_, '_> {
     /// Finds the levels in a range of least error by which samples read mips of a map too coarse.
     fn by_mips(&self, source: MipSource, range: [f64; 2]) -> CoarseLevel {
         let level = self.level;
-        // Bisections step beyond the range by less than a step of it.
-        let tried = [range[0] - LEVELS_STEP, range[1] + LEVELS_STEP];
-        let mips = level.lights.mips(source);
-        let rings = mips.ring_means(self.lobe(), level.alpha, tried, &self.directions);
+        let means = MipMeans {
+            mips: level.lights.mips(source),
+            lobe: self.lobe(),
+            directions: &self.directions,
+        };
         let relmse = |values: &[DVec3]| self.relmse(&self.stored(values));
-        least(range, &relmse, &|levels| rings.level(levels))
+        means.least(level.alpha, range, &relmse)
     }
 
     fn lobe(&self) -> SampledLobe {
@@ -81,6 +82,30 @@ impl Sample<'_, '_> {
             kernel: self.level.kernel,
             is_irradiance: self.is_irradiance(),
         }
+    }
+}
+
+/// Mips of a map, as the samples of a lobe about each direction read them.
+pub struct MipMeans<'m> {
+    pub mips: &'m MipChain,
+    pub lobe: SampledLobe,
+    pub directions: &'m Directions,
+}
+
+impl MipMeans<'_> {
+    /// Finds the levels of least `relmse`, of all that are tried, by which samples of a width read
+    /// mips too coarse.
+    pub fn least_of_all(&self, alpha: f64, relmse: &dyn Fn(&[DVec3]) -> f64) -> CoarseLevel {
+        self.least(alpha, [LEVELS_MIN, LEVELS_MAX], relmse)
+    }
+
+    fn least(&self, alpha: f64, range: [f64; 2], relmse: &dyn Fn(&[DVec3]) -> f64) -> CoarseLevel {
+        // Bisections step beyond the range by less than a step of it.
+        let tried = [range[0] - LEVELS_STEP, range[1] + LEVELS_STEP];
+        let rings = self
+            .mips
+            .ring_means(self.lobe, alpha, tried, self.directions);
+        least(range, relmse, &|levels| rings.level(levels))
     }
 }
 

@@ -183,4 +183,7 @@ constants! {
     /// Bit of `ShadeParams::flags`: the image has no specular term, so the diffuse one loses
     /// nothing to it.
     SHADE_FLAG_NO_SPECULAR: u32 = 1;
+    /// The diffuse term lies under the dielectric of a mixture of two BRDFs, not under one lobe of
+    /// mixed F0.
+    SHADE_FLAG_MIX_BRDFS: u32 = 2;
 }

@@ -9,6 +9,7 @@ use crate::experiment::value::{Kind, Range, Value};
 use crate::instrument::brdf::{Fresnel, SHEEN_ALPHA_MIN, SheenVisibility, WidthLaw};
 use crate::instrument::shade::bend::Bend;
 use crate::instrument::shade::coat::{CoatLayering, CoatRenderer};
+use crate::instrument::shade::metallic::MetallicMix;
 use crate::instrument::shade::occlusion::SpecularOcclusion;
 use crate::instrument::shade::sheen::SheenLookup;
 
@@ -171,6 +172,20 @@ pub(super) const LAYER_AXES: &[Axis] = &[
         used: |used| used.has_dielectric && !used.method.is_none(),
         set: Setter::Name(|settings, name| settings.shading.fresnel = *Fresnel::listed(name)),
         ..one_of::<Fresnel>(LAYER)
+    },
+    Axis {
+        name: "metallic_mix",
+        about: "what metallic between 0 and 1 mixes, for the image and its reference: F0 of one \
+                lobe, or two BRDFs as glTF",
+        plural: "metallic mixtures",
+        used: |used| {
+            let has_both = !used.method.is_none() && !used.diffuse.is_none();
+            has_both && used.has_diffuse_surface && used.has_dielectric
+        },
+        set: Setter::Name(|settings, name| {
+            settings.shading.metallic_mix = *MetallicMix::listed(name)
+        }),
+        ..one_of::<MetallicMix>(LAYER)
     },
     Axis {
         name: "specular_occlusion",

@@ -364,6 +364,7 @@ axis_ids! {
     FRAMES = "frames";
     MOTION = "motion";
     METALLIC = "metallic";
+    METALLIC_MIX = "metallic_mix";
     EXPOSURE = "exposure";
     CONTRAST = "contrast";
     ENVIRONMENT_ORIENTATION = "environment_orientation";

@@ -53,6 +53,27 @@ impl Brdf for Ggx {
     }
 }
 
+/// Samples visible normals by spherical caps: the normals of the visible half sphere are the half
+/// vectors of the cap that the stretched `v` reflects into \[Dupuy23\].
+pub(super) fn sample_visible(xi: DVec2, v_local: DVec3, widths: Widths) -> DVec3 {
+    let v_standard = widths.stretched(v_local).normalize();
+    let z = (1.0 - xi.x) * (1.0 + v_standard.z) - v_standard.z;
+    let h = direction_from_polar((1.0 - z * z).max(0.0).sqrt(), z, xi.y) + v_standard;
+    widths
+        .stretched(h.truncate().extend(h.z.max(0.0)))
+        .normalize()
+}
+
+/// Computes `G1(v) D / (4 n_dot_v)` [Heitz18, eq. 17]; 0 for normals that face away from `v`.
+pub(super) fn pdf_visible_l(v_local: DVec3, h_local: DVec3, widths: Widths) -> f64 {
+    if v_local.dot(h_local) <= 0.0 {
+        return 0.0;
+    }
+    // n_dot_v / G1(v), regular at n_dot_v = 0.
+    let area = 0.5 * (v_local.z + widths.stretched(v_local).length());
+    widths.d(&Ggx, h_local) / (4.0 * area)
+}
+
 /// The cap of the stretched sphere with all directions that leave above the horizon
 /// \[EtoTokuyoshi23\].
 struct BoundedCap {

@@ -66,6 +66,21 @@ pub trait Brdf: Sync + std::fmt::Debug {
     fn pdf_vndf_l(&self, v_local: DVec3, h_local: DVec3, widths: Widths) -> f64 {
         ggx::pdf_bounded_l(v_local, h_local, widths)
     }
+    /// Largest `G2 D / (4 n_dot_v pdf_vndf_l)` with exact masking: the weight of a sample of
+    /// [`Brdf::sample_vndf`] in constant light. It is 1 if the model draws its own visible normals.
+    fn vndf_weight_max(&self) -> f64 {
+        1.0
+    }
+    /// Samples a half vector among the normals visible from `v_local`, for the reference;
+    /// [`Brdf::pdf_visible_l`] is its density over `l`. The default draws all visible normals of
+    /// GGX by spherical caps \[Dupuy23\]: `xi.x = 0` is the cap's centre.
+    fn sample_visible(&self, xi: DVec2, v_local: DVec3, widths: Widths) -> DVec3 {
+        ggx::sample_visible(xi, v_local, widths)
+    }
+    /// Density per solid angle of `l = reflect(-v, h)` under [`Brdf::sample_visible`].
+    fn pdf_visible_l(&self, v_local: DVec3, h_local: DVec3, widths: Widths) -> f64 {
+        ggx::pdf_visible_l(v_local, h_local, widths)
+    }
 }
 
 /// Every model. docs/architecture.md ("Adding things") says what else a new one touches.

@@ -19,7 +19,7 @@ use super::{Brdf, g1_rational, sin2_cos2};
 use crate::base::math::incomplete_beta::{gamma_ratio_half, incomplete_beta_half};
 use crate::base::math::sampling::direction_from_polar;
 use glam::{DVec2, DVec3};
-use std::f64::consts::{PI, TAU};
+use std::f64::consts::{E, PI, TAU};
 
 #[derive(Debug)]
 pub struct Phong;
@@ -73,6 +73,11 @@ impl Brdf for Phong {
         let sin_2n = (n * (-cos_theta * cos_theta).ln_1p()).exp();
         let grazing = gamma_ratio_half(n) / PI.sqrt() * sin_2n / (2.0 * n - 1.0);
         cos_theta / (cos_theta * (1.0 - 0.5 * incomplete_beta_half(n, cos_theta)) + grazing)
+    }
+
+    /// D is at most 4/e times GGX's; GGX shows at most √π times the area.
+    fn vndf_weight_max(&self) -> f64 {
+        4.0 / E * PI.sqrt()
     }
 
     /// Samples `cos θ = (1 - u)^(1/(exponent + 2))`, density `D cos θ` [Walter07, section 5.2].

@@ -31,6 +31,8 @@ pub enum PipelineError {
     Settings(#[from] SettingsError),
     #[error("anisotropy: {0}")]
     Widths(String),
+    #[error("metallic_mix: brdf does not support {0}; expected metallic_mix = \"f0\"")]
+    MetallicMix(&'static str),
     #[error("fresnel: exact needs dielectrics of one grey F0 below 1, {0}")]
     Fresnel(NoDielectric),
     #[error(
@@ -57,6 +59,7 @@ impl PipelineError {
             | Self::PartPair(_)
             | Self::Widths(_)
             | Self::Fresnel(_)
+            | Self::MetallicMix(_)
             | Self::Settings(_) => true,
             Self::InvalidRadiance { method, .. } => method.text.is_some(),
             Self::Gpu(_) => false,

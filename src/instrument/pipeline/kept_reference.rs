@@ -7,6 +7,7 @@ use crate::base::pixels::RgbImage;
 use crate::instrument::brdf::Fresnel;
 use crate::instrument::gbuffer;
 use crate::instrument::shade::Shading;
+use crate::instrument::shade::metallic::MetallicMix;
 use crate::instrument::shade::pass::{BACKGROUND_SHADER, DIFFUSE_PASS, SPECULAR_PASS};
 use crate::instrument::shade::reference_pass::Convergence;
 
@@ -134,6 +135,7 @@ impl ShadingInputs {
             masking_shadowing,
             compensation,
             fresnel,
+            metallic_mix,
             method,
             diffuse,
             samples,
@@ -160,10 +162,14 @@ impl ShadingInputs {
             precompute.prefilter_level_count,
             precompute.level_mapping.name,
         ));
-        // References by Schlick's keep their keys.
+        // References by the defaults keep their keys.
         let fresnel = match fresnel {
             Fresnel::Schlick => "",
             Fresnel::Exact => "fresnel=exact\n",
+        };
+        let mix = match metallic_mix {
+            MetallicMix::F0 => "",
+            MetallicMix::Brdf => "metallic_mix=brdf\n",
         };
         let weight = method
             .uses_weight
@@ -172,7 +178,7 @@ impl ShadingInputs {
             light: format!("placement={placement:?}\nscale={environment_scale}\n"),
             terms: format!(
                 "method={}\ndiffuse={}\nbrdf={}\nmasking={masking_shadowing:?}\n\
-                 compensation={compensation:?}\nsamples={samples}\n{fresnel}",
+                 compensation={compensation:?}\nsamples={samples}\n{fresnel}{mix}",
                 method.name,
                 diffuse.name,
                 brdf.name(),

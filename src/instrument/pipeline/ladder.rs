@@ -239,6 +239,7 @@ fn steps_key(request: &RenderRequest, alpha: f64) -> String {
         sheen_visibility: _,
         sheen_lookup: _,
         specular_occlusion: _,
+        metallic_mix: _,
         // Drawn terms take the samples of a reference.
         samples: _,
         sequence: _,

@@ -5,7 +5,7 @@ use super::inputs::{DfgInputs, IrradianceInputs, PrefilterInputs, TapTableInputs
 use super::resources::{PointKey, Prepared, ReferenceData, Resources, Target, ViewKey};
 use super::shared_work::{Kept, Maker};
 use super::{PipelineError, RenderRequest};
-use crate::instrument::brdf::Fresnel;
+use crate::instrument::brdf::{Fresnel, UnderCoatLaw};
 use crate::instrument::environment::distribution::EnvironmentDistribution;
 use crate::instrument::environment::layout::MapLayout;
 use crate::instrument::gbuffer::design;
@@ -14,6 +14,8 @@ use crate::instrument::gbuffer::pass::{
 };
 use crate::instrument::gpu::{Buffer, Gpu, GpuError, Image, Report};
 use crate::instrument::precompute::points::Points;
+use crate::instrument::scene::Material;
+use crate::instrument::shade::metallic::MetallicMix;
 use crate::instrument::shade::pass::Tables;
 use crate::instrument::shade::reference_pass::{DistributionBuffers, Sums, pair_count};
 use crate::instrument::shade::{PointTable, Shading};
@@ -329,5 +331,31 @@ fn validate(request: &RenderRequest) -> Result<(), PipelineError> {
         let dielectric = request.scene.dielectric_f0();
         dielectric.map_err(PipelineError::Fresnel)?;
     }
+    if shading.metallic_mix == MetallicMix::Brdf
+        && let Some(what) = mixture_fault(request)
+    {
+        return Err(PipelineError::MetallicMix(what));
+    }
     Ok(shading.tables().validate()?)
+}
+
+/// Why the specular terms of a dielectric and a metal, mixed, differ from one of mixed F0.
+fn mixture_fault(request: &RenderRequest) -> Option<&'static str> {
+    let lowers_f0 = |material: &Material| {
+        let law = material.under_coat.map(|under| under.law.f0);
+        law.is_some_and(|f0| f0 != UnderCoatLaw::UNCHANGED.f0)
+    };
+    if let Some(fault) = request
+        .shading
+        .metallic_mix
+        .fault(request.shading.compensation)
+    {
+        Some(fault)
+    } else if request.scene.materials.iter().any(lowers_f0) {
+        Some("a coat whose renderer changes F0 of the base")
+    } else if request.scene.has_specular_weight() {
+        Some("specular weights (KHR_materials_specular)")
+    } else {
+        None
+    }
 }

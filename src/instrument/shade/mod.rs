@@ -6,6 +6,7 @@ pub mod diffuse;
 pub mod frames;
 #[cfg(feature = "gpu")]
 pub mod lights;
+pub mod metallic;
 pub mod method;
 pub mod occlusion;
 #[cfg(feature = "gpu")]

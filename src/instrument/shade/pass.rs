@@ -1,7 +1,7 @@
 //! The device passes of all methods but the reference: specular, diffuse, background.
 
 use super::{Method, Shading};
-use crate::base::glsl::constants::{ANISOTROPY_NONE, SHADE_FLAG_NO_SPECULAR};
+use crate::base::glsl::constants::ANISOTROPY_NONE;
 use crate::base::glsl::layout::{BackgroundParams, LightData, ShadeParams, SharedStruct};
 use crate::base::glsl::specialization::Specialization;
 use crate::instrument::brdf::{Brdf, FresnelWeight};
@@ -175,11 +175,7 @@ impl<'a> Passes<'a> {
             prefilter_level_count: shading.precompute.prefilter_level_count,
             environment_scale: shading.environment_scale,
             lod_bias: shading.lod_bias,
-            flags: if shading.method.is_none() {
-                SHADE_FLAG_NO_SPECULAR
-            } else {
-                0
-            },
+            flags: shading.flags(),
             seed: shading.point_seed(),
             pair_count: 0,
             point_count: 0,

@@ -3,10 +3,13 @@
 use super::bend::{BENDS, Bend};
 use super::coat::{COAT_RENDERERS, CoatLayering, CoatRenderer};
 use super::frames::Frames;
+use super::metallic::MetallicMix;
 use super::occlusion::SpecularOcclusion;
 use super::sheen::{SHEEN_LOOKUPS, SheenLookup};
 use super::{Diffuse, Method, NONE};
-use crate::base::glsl::constants::PIXEL_POINTS_SHIFTED;
+use crate::base::glsl::constants::{
+    PIXEL_POINTS_SHIFTED, SHADE_FLAG_MIX_BRDFS, SHADE_FLAG_NO_SPECULAR,
+};
 use crate::base::glsl::specialization::Specialization;
 use crate::base::math::sequence::{FramePoints, PixelPoints, R2_OF_FRAMES, SEQUENCES, Sequence};
 use crate::base::names::Listed;
@@ -59,6 +62,7 @@ pub struct Shading {
     pub sheen_visibility: SheenVisibility,
     pub sheen_lookup: &'static SheenLookup,
     pub specular_occlusion: SpecularOcclusion,
+    pub metallic_mix: MetallicMix,
 }
 
 impl Default for Shading {
@@ -88,6 +92,7 @@ impl Default for Shading {
             sheen_visibility: SheenVisibility::default(),
             sheen_lookup: &SHEEN_LOOKUPS[0],
             specular_occlusion: SpecularOcclusion::default(),
+            metallic_mix: MetallicMix::default(),
         }
     }
 }
@@ -130,6 +135,13 @@ impl Shading {
             },
             ..general
         }
+    }
+
+    /// Returns the bits of `ShadeParams::flags`.
+    pub fn flags(&self) -> u32 {
+        let flag = |is_set: bool, bit: u32| if is_set { bit } else { 0 };
+        flag(self.method.is_none(), SHADE_FLAG_NO_SPECULAR)
+            | flag(self.metallic_mix == MetallicMix::Brdf, SHADE_FLAG_MIX_BRDFS)
     }
 
     /// How a sequence of frames assigns the points; `None` for an image alone.

@@ -1,8 +1,8 @@
 //! Direct lights of every model, layer and compensation against f64.
 
 use super::{ROUNDING, plastic, three_lights, under};
-use crate::brdf_twins::{factor, multiple, reflectance};
 use crate::compare::{Tolerance, Worst, relative};
+use crate::compensation_twins::{factor, multiple, reflectance};
 use crate::harness::{scene, with_gpu, with_pipeline};
 use crate::methods::{Sight, radiance, sights};
 use crate::tables::dfg_table;

@@ -304,7 +304,7 @@ fn coarse_chain(light: &Environment, count: usize, last: f64, levels: f64) -> Ju
     judged(light, of_levels((0..count).map(level).collect()), None)
 }
 
-fn law_of(judged: &Judged) -> Option<WidthLaw> {
+pub fn law_of(judged: &Judged) -> Option<WidthLaw> {
     match judged.chain.as_ref().map(|chain| &chain.slip) {
         Some(ChainSlip::Law { law, .. }) => Some(*law),
         _ => None,

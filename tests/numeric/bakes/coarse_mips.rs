@@ -1,13 +1,13 @@
 //! Coarse mips of a lat-long map, in irradiance, and beside the rounding of an atlas.
 
-use super::causes::{blurred, causes_of, half_vectors, lamps};
+use super::causes::{blurred, causes_of, half_vectors, lamps, law_of};
 use super::files::faces;
 use super::packed::{RgbpScale, atlas_of, judged_file};
-use super::scores::marked_light;
+use super::scores::{light_of, marked_light};
 use super::slips::{each_texel, exact, judged, judged_bake, of_levels};
 use glam::{DVec2, DVec3};
 use splitsum::bake::Bake;
-use splitsum::bake::judge::{Cause, Encoding, MipSource, Truth};
+use splitsum::bake::judge::{Cause, Encoding, MipSource, Truth, WidthLaw};
 use splitsum::base::math::equirect::uv_from_direction;
 use splitsum::base::names::Listed;
 use splitsum::base::pixels::{Pixels, RgbImage};
@@ -245,6 +245,45 @@ fn scales_of_rgbp_that_are_rounded_up_are_named() {
     }
 }
 
+/// PlayCanvas filters level k of 6 for roughness 2k/11 by mips 1.83 levels too coarse. The last mips of a
+/// cube, which wide lobes read, have other means than even blurs.
+#[test]
+fn widths_of_playcanvas_are_named_beside_mips_of_a_cube() {
+    // Lamps near the size of a texel of the map.
+    let lamp = |k: u32| {
+        let k = f64::from(k);
+        DVec3::new((2.4 * k).cos(), 0.9 - 0.2 * k, (2.4 * k).sin()).normalize()
+    };
+    let light = light_of(|d| {
+        let of_lamp =
+            |k: u32| (400.0 * (d.dot(lamp(k)) - 1.0)).exp() * DVec3::new(60.0, 54.0, 42.0);
+        (0..10).map(of_lamp).sum::<DVec3>() + 0.3 + 0.15 * d.y
+    });
+    let mips = cube_mips(&light);
+    let level = |k: u32| match k {
+        0 => faces(&LAYOUTS[0], [32; 2], |d| light.radiance(d)),
+        _ => {
+            let alpha = (f64::from(k) / 5.5).powi(2);
+            let halves = half_vectors(1024, alpha);
+            faces(&LAYOUTS[0], [12; 2], |n| {
+                filtered_by_playcanvas(&mips, &halves, alpha, n)
+            })
+        }
+    };
+    let judged = judged(&light, of_levels((0..6).map(level).collect()), None);
+    let verdict = judged.verdict();
+    assert_eq!(law_of(&judged), Some(WidthLaw::OverHalfCount), "{verdict}");
+    assert!(!verdict.contains("--scale"), "{verdict}");
+    let fixed = judged.fixed.as_ref().unwrap();
+    for level in 1..6 {
+        let [Cause::CoarseMips { levels, source }] = causes_of(fixed, level) else {
+            panic!("level {level}: {verdict}");
+        };
+        assert_eq!(*source, MipSource::Cube, "level {level}: {verdict}");
+        assert!((levels - 1.83).abs() < 0.3, "level {level}: {levels}");
+    }
+}
+
 /// Grazing samples of irradiance read the last mips of a cube, which even blurs do not resemble.
 #[test]
 fn irradiance_of_a_cubes_mips_is_named() {
@@ -261,7 +300,7 @@ fn irradiance_of_a_cubes_mips_is_named() {
 fn no_gain_is_named_beside_a_cut() {
     let sun = DVec3::new(0.9, 0.1, 0.4).normalize();
     let marked = marked_light();
-    let light = super::scores::light_of(|d| {
+    let light = light_of(|d| {
         let of_sun = if d.angle_between(sun) < 0.12 {
             1e4
         } else {

@@ -475,6 +475,33 @@ fn a_flat_normal_map_changes_nothing() {
     }
 }
 
+/// 0 stands for a reflectance of 1; below 1 its specification has no other index.
+#[test]
+fn indices_of_refraction_below_1_are_named() {
+    for (ior, f0, is_named) in [
+        (0.0, 1.0, false),
+        (1.5, 0.04, false),
+        (0.5, 1.0 / 9.0, true),
+    ] {
+        let mut model = quad();
+        model["materials"] = json!([{
+            "pbrMetallicRoughness": { "metallicFactor": 0 },
+            "extensions": { "KHR_materials_ior": { "ior": ior } },
+        }]);
+        model["extensionsUsed"] = json!(["KHR_materials_ior"]);
+        let scene = loaded(&model);
+        assert!(
+            (f64::from(scene.materials[0].f0[0]) - f0).abs() < 1e-6,
+            "{ior}"
+        );
+        let named = scene
+            .warnings
+            .iter()
+            .any(|warning| warning.contains("index of refraction"));
+        assert_eq!(named, is_named, "{ior}: {:?}", scene.warnings);
+    }
+}
+
 #[test]
 fn axes_replace_factors() {
     let mut model = quad();

@@ -680,6 +680,19 @@ fn statements_of_glass_and_metal_are_named() {
     }
 }
 
+/// The last definition counts; equal ones need no word.
+#[test]
+fn materials_with_several_definitions_are_named() {
+    let scene = of_material("Kd 1 0 0\nnewmtl m\nKd 0.5 0.25 0.125").unwrap();
+    assert_eq!(scene.materials[0].albedo, [0.5, 0.25, 0.125]);
+    assert_eq!(
+        scene.warnings,
+        ["material \"m\" has several definitions; the last one is used"]
+    );
+    let equal = of_material("Kd 1 0 0\nnewmtl m\nKd 1 0 0").unwrap();
+    assert!(equal.warnings.is_empty(), "{:?}", equal.warnings);
+}
+
 /// Colours behind positions, ZBrush's comment, and normals without a direction.
 #[test]
 fn vertex_colours_and_zero_normals_are_named() {

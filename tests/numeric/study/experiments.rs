@@ -209,3 +209,37 @@ fn bins_of_shipped_experiments_make_the_whole() {
         }
     }
 }
+
+/// The list of experiments/README.md has each file of the folder once, and says of those that
+/// scripts/standard-set.sh does not run that they are not in the set.
+#[test]
+fn the_list_of_experiments_is_the_folder() {
+    let read = |path: &str| std::fs::read_to_string(path).unwrap();
+    let readme = read("experiments/README.md");
+    let row = |line: &str| {
+        let (name, rest) = line.strip_prefix("| [")?.split_once("](")?;
+        let (file, question) = rest.split_once(") |")?;
+        assert_eq!(file, format!("{name}.toml"));
+        Some((name.to_owned(), !question.contains("ot in the set")))
+    };
+    let listed: Vec<(String, bool)> = readme.lines().filter_map(row).collect();
+    let mut names: Vec<&str> = listed.iter().map(|(name, _)| name.as_str()).collect();
+    names.sort_unstable();
+    let shipped = experiments(SHIPPED);
+    let mut files: Vec<&str> = shipped.iter().map(|(name, _)| name.as_str()).collect();
+    files.sort_unstable();
+    assert_eq!(names, files);
+    let script = read("scripts/standard-set.sh");
+    let of_set = |line: &str| {
+        Some(
+            line.strip_prefix("set_names=\"")?
+                .trim_end_matches('"')
+                .to_owned(),
+        )
+    };
+    let set = script.lines().find_map(of_set).unwrap();
+    for (name, is_in_set) in &listed {
+        let runs = set.split(' ').any(|run| run == name);
+        assert_eq!(runs, *is_in_set, "{name}");
+    }
+}

@@ -290,6 +290,11 @@ impl<'a> UsedMaterial<'a> {
         if self.factors().any(|factor| !(0.0..=1.0).contains(&factor)) {
             unread.push("the parts of factors beyond [0, 1]");
         }
+        unread.extend(
+            self.extensions
+                .iter()
+                .filter_map(|extension| extension.odd_value()),
+        );
         // A broken transform is reported where the maps are read.
         let occlusion = self.read_occlusion();
         if self.occlusion_info().is_some() && occlusion.is_ok_and(|map| map.is_none()) {

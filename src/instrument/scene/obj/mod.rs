@@ -55,6 +55,7 @@ pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Sc
         .enumerate()
         .map(|(slot, material)| (material.name().to_owned(), slot))
         .collect();
+    add_first(&mut warnings, redefined_materials(&libraries, &slots));
     add_first(&mut warnings, undefined_materials(&statements, &slots));
 
     let first_material = first_material(&statements, &libraries, &mut warnings);
@@ -95,6 +96,18 @@ pub(super) fn load(spec: &str, path: &Path, files: &dyn SceneFiles) -> Result<Sc
     scene.warnings = warnings;
     scene.toward_viewer = toward_viewer_of_files();
     Ok(scene.hashed())
+}
+
+/// Names materials with several definitions that differ.
+fn redefined_materials(libraries: &[mtl::Source], slots: &HashMap<String, usize>) -> Vec<String> {
+    let names: BTreeSet<&str> = libraries
+        .iter()
+        .filter(|material| !material.is_like(&libraries[slots[material.name()]]))
+        .map(mtl::Source::name)
+        .collect();
+    let warning =
+        |name| format!("material \"{name}\" has several definitions; the last one is used");
+    names.into_iter().map(warning).collect()
 }
 
 fn role(keyword: &str) -> Role {

@@ -287,6 +287,11 @@ impl Source {
         };
     }
 
+    /// Whether another definition has the same values.
+    pub fn is_like(&self, other: &Self) -> bool {
+        self.values == other.values
+    }
+
     /// Whether `map_Ka` is an occlusion map. Some writers repeat the albedo map there.
     fn has_occlusion(&self) -> bool {
         let map = self.values.get("map_Ka");

@@ -36,6 +36,11 @@ pub trait MaterialExtension {
         Vec::new()
     }
 
+    /// Names a value that its specification excludes, and how it is read.
+    fn odd_value(&self) -> Option<&'static str> {
+        None
+    }
+
     /// Whether it refers to the tangent space of the surface.
     fn needs_tangents(&self) -> bool {
         false

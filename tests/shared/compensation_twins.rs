@@ -1,35 +1,8 @@
-//! f64 twins of functions of `shaders/brdf` and `shaders/lib/compensation.glsl`.
+//! f64 twins of functions of `shaders/lib/compensation.glsl`.
 #![allow(dead_code, reason = "each test program uses a part")]
 
 use glam::{DVec2, DVec3};
-use splitsum::base::math::sampling::direction_from_polar;
-use splitsum::instrument::brdf::{Compensation, FresnelWeight, Ggx, Widths};
-
-/// Samples visible normals of GGX by spherical caps, for every model: the normals of the visible
-/// half sphere are the half vectors of the cap that `v` reflects into \[Dupuy23\]. `xi.x = 0` is
-/// the cap's centre.
-pub fn sample_visible(xi: DVec2, v_local: DVec3, widths: Widths) -> DVec3 {
-    let v_hemisphere = stretched(v_local, widths).normalize();
-    let z = (1.0 - xi.x) * (1.0 + v_hemisphere.z) - v_hemisphere.z;
-    let cap = direction_from_polar((1.0 - z * z).max(0.0).sqrt(), z, xi.y);
-    let h = cap + v_hemisphere;
-    stretched(h.truncate().extend(h.z.max(0.0)), widths).normalize()
-}
-
-fn stretched(w_local: DVec3, widths: Widths) -> DVec3 {
-    (widths.0 * w_local.truncate()).extend(w_local.z)
-}
-
-/// Density per solid angle of `l = reflect(-v, h)` under [`sample_visible`]: `G1(v) D / (4
-/// n_dot_v)`.
-pub fn pdf_visible_l(v_local: DVec3, h_local: DVec3, widths: Widths) -> f64 {
-    if v_local.dot(h_local) <= 0.0 {
-        return 0.0;
-    }
-    // n_dot_v / G1(v), regular at n_dot_v = 0.
-    let area = 0.5 * (v_local.z + stretched(v_local, widths).length());
-    widths.d(&Ggx, h_local) / (4.0 * area)
-}
+use splitsum::instrument::brdf::{Compensation, FresnelWeight};
 
 /// The mean of a reflectance over cosines.
 fn mean_fresnel(f0: DVec3, fresnel: FresnelWeight) -> DVec3 {
