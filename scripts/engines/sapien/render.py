@@ -1,30 +1,22 @@
 """Renders the spheres in SAPIEN: its rasterizer's default shaders under its own prefiltered cube.
 
-Arguments: FOLDER of spheres.json. Needs a Vulkan driver that SAPIEN accepts: Chromium's SwiftShader, or VK_ICD_FILENAMES.
+Arguments: FOLDER of spheres.json, and the word `ours` for our bakes in place of its own. Needs a Vulkan driver that SAPIEN accepts: Chromium's SwiftShader, or VK_ICD_FILENAMES.
 """
-import os
 import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1]))
-from common import CANNOT_RUN, EXTENT, Spheres, check_version, read_hdr, stop
+from common import CANNOT_RUN, EXTENT, SAPIEN_BRIGHTEST as BRIGHTEST, Spheres, check_version, read_hdr, stop, use_swiftshader
 
 check_version("sapien", "sapien")
-# It refuses Mesa's lavapipe up to 22.3: "failed to find a compatible GPU".
-SWIFTSHADER = ["/usr/lib/chromium/vk_swiftshader_icd.json", "/opt/google/chrome/vk_swiftshader_icd.json"]
-if "VK_ICD_FILENAMES" not in os.environ:
-    found = [path for path in SWIFTSHADER if os.path.exists(path)]
-    if not found:
-        stop("sapien", "needs a Vulkan driver that it accepts: install Chromium or set VK_ICD_FILENAMES", CANNOT_RUN)
-    os.environ["VK_ICD_FILENAMES"] = found[0]
+use_swiftshader("sapien")
 import cv2
 import numpy as np
 import sapien
 from sapien import render
 
-# Its cube has 8 bits of sRGB that end at 1, so the light is dimmed and the picture brightened: light above BRIGHTEST is cut.
-# An .exr it holds as half floats, but its filter writes bytes into them and cuts every sample at 1.
-BRIGHTEST = 8
+# Its cube has 8 bits of sRGB that end at 1. An .exr it holds as half floats, but its filter writes bytes into them and cuts every
+# sample at 1.
 SIDE = 128
 # The shader takes the direction of view from the camera's position even in parallel projection, so the camera is far away.
 DISTANCE = 500
@@ -93,7 +85,7 @@ def draw(cubemap, sphere, size):
     return camera.get_picture("Lighting")[..., :3] * BRIGHTEST
 
 
-spheres = Spheres("sapien", sys.argv[1])
+spheres = Spheres("sapien", *sys.argv[1:])
 render.set_camera_shader_dir("default")
 try:
     sapien.Scene()
@@ -102,7 +94,10 @@ except RuntimeError as error:
 for name in spheres.maps:
     image = read_hdr(spheres.map_path(name, "hdr"))
     say_what_is_cut(name, image)
-    cubemap = render.RenderCubemap(*cube_of(name, image, spheres.out))
-    cubemap.export(str(spheres.out / f"{name}.ktx2"))
+    if spheres.bakes:
+        cubemap = render.RenderCubemap(str(spheres.bakes / name / "environment.ktx"))
+    else:
+        cubemap = render.RenderCubemap(*cube_of(name, image, spheres.out))
+        cubemap.export(str(spheres.out / f"{name}.ktx"))
     for sphere in spheres.of_map(name, LEFT_OUT):
         spheres.save(sphere, draw(cubemap, sphere, spheres.size))

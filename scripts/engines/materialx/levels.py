@@ -1,0 +1,58 @@
+"""Writes MaterialX' prefiltered levels of each map, as its viewer makes them: DIR/MAP/m0.pfm and so on.
+
+Arguments: FOLDER of spheres.json, DIR. Its renderer opens an X11 window: assets.sh starts Xvfb.
+"""
+import pathlib
+import sys
+
+sys.path.insert(0, str(pathlib.Path(__file__).parents[1]))
+from common import check_version, read_hdr, write_pfm
+
+check_version("materialx", "MaterialX")
+from glsl import context, gen, generator, image_of, library, mx, render, renderer_of
+import numpy as np
+import json
+
+folder, out = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
+# Fills the picture; the shader computes a direction from the pixel.
+QUAD = "v -2 -2 0\nv 2 -2 0\nv 2 2 0\nv -2 2 0\nvt 0 0\nvn 0 0 1\nf 1/1/1 2/1/1 3/1/1\nf 1/1/1 3/1/1 4/1/1\n"
+
+
+def stages(count):
+    """The vertex and the pixel shader that filter a map of so many mips."""
+    document = mx.createDocument()
+    document.setDataLibrary(library)
+    node = document.addNode("gltf_pbr", "surface", "surfaceshader")
+    options = context.getOptions()
+    options.hwSpecularEnvironmentMethod = gen.SPECULAR_ENVIRONMENT_PREFILTER
+    options.hwWriteEnvPrefilter = True
+    shader = generator.generate("prefilter", node, context)
+    return [shader.getSourceCode(stage) for stage in (gen.VERTEX_STAGE, gen.PIXEL_STAGE)]
+
+
+mesh = out / "quad.obj"
+mesh.write_text(QUAD)
+for name in json.loads((folder / "spheres.json").read_text())["maps"]:
+    image = read_hdr(folder / "maps" / f"{name}.hdr")
+    height, width, _ = image.shape
+    count = int(np.log2(width)) + 1
+    renderer = renderer_of(64, mesh)
+    camera = renderer.getCamera()
+    camera.setViewMatrix(mx.Matrix44.IDENTITY)
+    camera.setProjectionMatrix(render.Camera.createOrthographicMatrix(-1, 1, -1, 1, -1, 1))
+    lights = render.LightHandler.create()
+    lights.setEnvRadianceMap(image_of(image))
+    lights.setEnvIrradianceMap(image_of(image[:1, :2]))
+    renderer.setLightHandler(lights)
+    vertex, pixel = stages(count)
+    (out / name).mkdir(exist_ok=True)
+    write_pfm(out / name / "m0.pfm", image)
+    for level in range(1, count):
+        size = max(width >> level, 1), max(height >> level, 1)
+        # The viewer sets the level as a uniform.
+        renderer.createProgram({gen.VERTEX_STAGE: vertex, gen.PIXEL_STAGE: pixel.replace("u_envPrefilterMip;", f"u_envPrefilterMip = {level};")})
+        renderer.setSize(*size)
+        renderer.render()
+        found = renderer.captureImage(None)
+        texels = [[list(found.getTexelColor(x, y))[:3] for x in range(size[0])] for y in range(size[1])]
+        write_pfm(out / name / f"m{level}.pfm", np.array(texels, np.float32))
