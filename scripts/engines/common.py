@@ -112,3 +112,11 @@ def unit_sphere(bands):
     quads = [[corner, below, below + 1], [corner, below + 1, corner + 1]]
     triangles = np.concatenate([np.stack(quad, axis=-1).reshape(-1, 3) for quad in quads])
     return points.reshape(-1, 3), np.stack([u, 1 - v], axis=-1).reshape(-1, 2), triangles
+
+
+def write_sphere(path, bands=128):
+    """Writes `unit_sphere` as OBJ."""
+    points, uvs, triangles = unit_sphere(bands)
+    lines = [f"v {x} {y} {z}" for x, y, z in points] + [f"vt {u} {v}" for u, v in uvs] + [f"vn {x} {y} {z}" for x, y, z in points]
+    lines += ["f " + " ".join(f"{i}/{i}/{i}" for i in triangle + 1) for triangle in triangles]
+    path.write_text("\n".join(lines) + "\n")

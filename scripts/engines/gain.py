@@ -2,8 +2,8 @@
 
 Arguments: FOLDER of run.sh, --splitsum PROGRAM, --out CSV. For each engine, map, material and roughness it has the relMSE of both
 pictures to the engine's lookup and factors with exact maps, and to `reference`, and the factors between own and ours. With
---at-least X in place of --out it fails if the geometric mean of the first factor is below X for an engine and map. Materials with a
-diffuse term are left out, so the prefiltered map alone counts.
+--at-least X in place of --out it fails if the geometric mean of the first factor is below X for an engine and map. Metals alone are
+compared, so the prefiltered map alone counts, and not in constant light, where every filter is right.
 """
 import argparse
 import csv
@@ -13,7 +13,7 @@ import pathlib
 
 from compare import ENGINES, Ours, inner, lookup, mean_luminance, read, reference, scores, text
 
-SPECULAR = ["metal", "dielectric", "white"]
+METALS = ["metal", "white"]
 
 
 def rows_of(folder, program):
@@ -22,7 +22,7 @@ def rows_of(folder, program):
     for name, engine in ENGINES.items():
         for sphere in listed["spheres"]:
             paths = [folder / f"{name}{suffix}" / f"{sphere['name']}.exr" for suffix in ("", "-ours")]
-            if sphere["material"] not in SPECULAR or not all(path.exists() for path in paths):
+            if sphere["material"] not in METALS or sphere["map"] == "constant" or not all(path.exists() for path in paths):
                 continue
             mean = mean_luminance(folder / "maps" / f"{sphere['map']}.exr")
             pictures = [read(path)[mask] for path in paths]

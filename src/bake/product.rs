@@ -1,7 +1,7 @@
 //! Output for each engine as data ([`super::convention::PRESETS`]).
 
 use super::container::{SRGB8, Texel};
-use super::map_form::MapForm;
+use super::map_form::{MapForm, container};
 use super::paste::{TAPS, code};
 use super::source::MANIFEST;
 use crate::base::names::{Listed, not_one_of};
@@ -76,10 +76,11 @@ impl Product {
     pub fn check(&self) -> Result<(), String> {
         self.check_names()?;
         self.check_extensions()?;
+        let is_ktx = |name| container(name).is_some_and(|format| !format.needs_dxgi);
         if self.texel != SRGB8.name {
             Texel::parse(self.texel).map_err(|fault| format!("texel: {fault}"))?;
-        } else if !self.specular.ends_with(".ktx") && !self.specular.ends_with(".ktx2") {
-            return Err(format!("texel: {} is for .ktx and .ktx2", SRGB8.name));
+        } else if !is_ktx(self.specular) {
+            return Err(format!("texel: {} is for KTX files", SRGB8.name));
         }
         for name in &self.excluded_texels {
             Texel::parse(name).map_err(|fault| format!("excluded_texels: {fault}"))?;

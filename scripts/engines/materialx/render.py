@@ -6,7 +6,7 @@ import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1]))
-from common import EXTENT, Spheres, check_version, read_hdr, unit_sphere
+from common import EXTENT, Spheres, check_version, read_hdr, write_sphere
 
 check_version("materialx", "MaterialX")
 from glsl import context, gen, generator, image_of, library, mx, render, renderer_of
@@ -16,13 +16,6 @@ SAMPLES = 16
 # The shader takes the direction of view from the camera's position even in parallel projection, so the camera is far away.
 DISTANCE = 500
 DIFFUSE = (64, 32)
-
-
-def write_sphere(path):
-    points, uvs, triangles = unit_sphere(128)
-    lines = [f"v {x} {y} {z}" for x, y, z in points] + [f"vt {u} {v}" for u, v in uvs] + [f"vn {x} {y} {z}" for x, y, z in points]
-    lines += ["f " + " ".join(f"{i}/{i}/{i}" for i in triangle + 1) for triangle in triangles]
-    path.write_text("\n".join(lines) + "\n")
 
 
 def directions(width, height):
