@@ -100,6 +100,13 @@ and whatever our model misses. Pixels of the outline are left out. All rows: [sp
 
 {table}
 
+## Our bakes in the engine
+
+The same engine under its own bake and under one of `splitsum bake --for`, with as many texels ([bakes.csv](bakes.csv), written by
+`scripts/engines/gain.py`): metals of roughness 0.3, 0.5 and 0.7, geometric means, percent rms. *Exact maps*: the engine's lookup and factors with exact
+maps, so what is left is the bake. *Factor*: relMSE with its own bake over relMSE with ours.
+
+{bakes}
 ![Metal spheres by engine and roughness](spheres.png)
 
 A metal of F0 1, 0.5, 0.2 under `studio`. The last row is the reference with `--compensation turquin`; Mitsuba, Cycles and PlayCanvas scatter once.
@@ -355,8 +362,9 @@ def main():
         writer.writeheader()
         writer.writerows(answer(rows))
     listed = json.loads((arguments.folder / "spheres.json").read_text())
-    remark = arguments.out / "remark.md"
-    page = PAGE.format(remark=remark.read_text() if remark.exists() else "", answer=answer_table(rows), table=table(rows), error=f"{100 * REFERENCE_ERROR:g}")
+    kept = {name: arguments.out / f"{name}.md" for name in ("remark", "bakes")}
+    texts = {name: path.read_text() if path.exists() else "" for name, path in kept.items()}
+    page = PAGE.format(**texts, answer=answer_table(rows), table=table(rows), error=f"{100 * REFERENCE_ERROR:g}")
     (arguments.out / "README.md").write_text(page)
     if not arguments.keep:
         picture(arguments.folder, Ours(arguments.splitsum, arguments.folder, listed["size"]), arguments.out / "spheres.png")

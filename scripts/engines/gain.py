@@ -1,6 +1,6 @@
 """How much better an engine draws with our bake than with its own: pictures of run.sh with and without --ours.
 
-Arguments: FOLDER of run.sh, --splitsum PROGRAM, --out CSV. For each engine, map, material and roughness it has the relMSE of both
+Arguments: FOLDER of run.sh, --splitsum PROGRAM, --out DIR. It writes DIR/bakes.csv, and DIR/bakes.md for compare.py. For each engine, map, material and roughness it has the relMSE of both
 pictures to the engine's lookup and factors with exact maps, and to `reference`, and the factors between own and ours. With
 --at-least X in place of --out it fails if the geometric mean of the first factor is below X for an engine and map. Metals alone are
 compared, so the prefiltered map alone counts, and not in constant light, where every filter is right.
@@ -69,7 +69,9 @@ def main():
         parser.error(f"{arguments.folder} has no pictures of both bakes: run scripts/engines/run.sh with and without --ours first")
     print(table(rows))
     if arguments.out:
-        with open(arguments.out, "w", newline="") as file:
+        arguments.out.mkdir(parents=True, exist_ok=True)
+        (arguments.out / "bakes.md").write_text(table(rows) + "\n")
+        with open(arguments.out / "bakes.csv", "w", newline="") as file:
             writer = csv.DictWriter(file, rows[0].keys(), lineterminator="\n")
             writer.writeheader()
             writer.writerows({key: text(value) for key, value in row.items()} for row in rows)
