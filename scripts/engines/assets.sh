@@ -35,11 +35,11 @@ tools=$installed/tools/bin/python
 judge() { # what, arguments of check-bake
     what=$1
     shift
-    if found=$("$program" check-bake "$@" 2>&1); then
-        echo "$found" > "$out/$(echo "$what" | tr ' /' '--').txt"
-        echo "$what: $(echo "$found" | tail -1)"
+    said=$out/$(echo "$what" | tr ' /' '--').txt
+    if "$program" check-bake "$@" > "$said" 2>&1; then
+        echo "$what: $(sed -n '/^Verdict/,$p' "$said" | tr -s '\n ' ' ')"
     else
-        echo "$what: FAILED: $found"
+        echo "$what: FAILED: $(cat "$said")"
         code=1
     fi
 }

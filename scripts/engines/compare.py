@@ -31,6 +31,8 @@ EDGE = 1.25
 # if its levels are for other widths than it reads; flags of a material's model; and the materials for which we have no model. TABLE
 # is in FOLDER.
 TABLE = "sapien-table.exr"
+# A lobe of two widths has no masking by Schlick's fit, but a table may.
+SCHLICK = "schlick-table/dfg.exr"
 CUBE = "--prefilter-size 256x256 --prefilter-level-count 6 --diffuse irradiance-map"
 ENGINES = {
     "mitsuba": {"title": "Mitsuba 3.9.1", "brdf": "--masking separable", "widths": "disney"},
@@ -49,6 +51,7 @@ ENGINES = {
         "title": "Babylon.js 9.35.0, OpenPBR", "brdf": "--masking correlated --compensation turquin", "widths": "openpbr",
         "model": f"--method split-sum-babylon {CUBE.replace('irradiance-map', 'sh9')}",
         "anisotropic": f"file:{pathlib.Path(__file__).parent}/openpbr/anisotropic.glsl", "coat": "--coat-renderer openpbr",
+        "under_coat": lambda base, coat: min(base**4 + 2 * coat**4, 1) ** 0.25,
     },
     "playcanvas": {
         "title": "PlayCanvas 2.23.3", "brdf": "--masking correlated", "widths": "gltf",
@@ -128,9 +131,15 @@ class Ours:
         self.table = self.folder.parent / TABLE
         if not self.table.exists():
             subprocess.run([sys.executable, pathlib.Path(__file__).parent / "sapien" / "table.py", self.table], check=True)
+        table = self.folder.parent / SCHLICK
+        if not table.exists():
+            settings = ["masking=schlick", "prefilter_size=8x8", "prefilter_level_count=2", "dfg_size=128"]
+            command = [program, "bake", "builtin:constant", "--for", "raw", "--out", table.parent]
+            subprocess.run(command + [part for setting in settings for part in ("--set", setting)], check=True, stdout=subprocess.DEVNULL)
 
     def picture(self, sphere, flags):
-        flags = flags.replace(f"file:{TABLE}", f"file:{self.table}")
+        for name in (TABLE, SCHLICK):
+            flags = flags.replace(f"file:{name}", f"file:{self.folder.parent / name}")
         flags = f"{flags} --size {self.size}x{self.size} --perceptual-roughness {sphere['roughness']}".split()
         light = self.maps / f"{sphere['map']}.exr"
         key = hashlib.sha256(json.dumps(flags).encode() + light.read_bytes()).hexdigest()[:24]
@@ -175,8 +184,12 @@ def lookup(ours, sphere, engine, flags):
         method = flags.split()[1]
         bent = engine.get("anisotropic", "split-sum-bent")
         flags = f"{flags.replace(method, bent)} {engine.get('bend', '')}"
+        if "schlick" in engine["brdf"]:
+            flags += f" --dfg file:{SCHLICK}#vtk"
     if "coat" in sphere:
         flags += f" {engine['coat']}"
+        if "under_coat" in engine:
+            sphere = {**sphere, "roughness": engine["under_coat"](sphere["roughness"], sphere["coat_roughness"])}
     return ours.picture(sphere, f"{flags} {surface(sphere, engine)}")
 
 

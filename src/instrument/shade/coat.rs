@@ -176,11 +176,12 @@ pub static COAT_RENDERERS: &[CoatRenderer] = &[
     },
     CoatRenderer {
         name: "vtk",
-        about: "ReplaceShaderLight of VTK: c F (0.04 A + B) P along r, the base's diffuse term \
-                attenuated twice",
+        about: "ReplaceShaderLight of VTK: c F (0.04 A + B) P along r over an unattenuated base",
         lookup: Some("split-sum"),
         scale: CoatWeight::FresnelTimesAlbedo,
-        diffuse_power: 2,
+        // Its shader attenuates both terms after it has added them.
+        specular_power: 0,
+        diffuse_power: 0,
         ..EXACT
     },
     CoatRenderer {
