@@ -2,6 +2,7 @@
 
 Arguments: FOLDER of spheres.json, DIR. Its renderer opens an X11 window: assets.sh starts Xvfb.
 """
+import json
 import pathlib
 import sys
 
@@ -11,15 +12,14 @@ from common import check_version, read_hdr, write_pfm
 check_version("materialx", "MaterialX")
 from glsl import context, gen, generator, image_of, library, mx, render, renderer_of
 import numpy as np
-import json
 
 folder, out = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
 # Fills the picture; the shader computes a direction from the pixel.
 QUAD = "v -2 -2 0\nv 2 -2 0\nv 2 2 0\nv -2 2 0\nvt 0 0\nvn 0 0 1\nf 1/1/1 2/1/1 3/1/1\nf 1/1/1 3/1/1 4/1/1\n"
 
 
-def stages(count):
-    """The vertex and the pixel shader that filter a map of so many mips."""
+def prefilter(level):
+    """The shader that filters a level."""
     document = mx.createDocument()
     document.setDataLibrary(library)
     node = document.addNode("gltf_pbr", "surface", "surfaceshader")
@@ -27,7 +27,10 @@ def stages(count):
     options.hwSpecularEnvironmentMethod = gen.SPECULAR_ENVIRONMENT_PREFILTER
     options.hwWriteEnvPrefilter = True
     shader = generator.generate("prefilter", node, context)
-    return [shader.getSourceCode(stage) for stage in (gen.VERTEX_STAGE, gen.PIXEL_STAGE)]
+    uniforms = shader.getStage(gen.PIXEL_STAGE).getUniformBlock("PrivateUniforms")
+    mip = next(uniforms[i] for i in range(uniforms.size()) if uniforms[i].getVariable() == "u_envPrefilterMip")
+    mip.setValue(mx.TypedValue_integer.createValue(level), False)
+    return shader
 
 
 mesh = out / "quad.obj"
@@ -44,13 +47,11 @@ for name in json.loads((folder / "spheres.json").read_text())["maps"]:
     lights.setEnvRadianceMap(image_of(image))
     lights.setEnvIrradianceMap(image_of(image[:1, :2]))
     renderer.setLightHandler(lights)
-    vertex, pixel = stages(count)
     (out / name).mkdir(exist_ok=True)
     write_pfm(out / name / "m0.pfm", image)
     for level in range(1, count):
         size = max(width >> level, 1), max(height >> level, 1)
-        # The viewer sets the level as a uniform.
-        renderer.createProgram({gen.VERTEX_STAGE: vertex, gen.PIXEL_STAGE: pixel.replace("u_envPrefilterMip;", f"u_envPrefilterMip = {level};")})
+        renderer.createProgram(prefilter(level))
         renderer.setSize(*size)
         renderer.render()
         found = renderer.captureImage(None)
