@@ -4,6 +4,7 @@ Arguments: FOLDER of spheres.json, DIR. Its renderer opens an X11 window: assets
 """
 import json
 import pathlib
+import subprocess
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1]))
@@ -35,10 +36,13 @@ def prefilter(level):
 
 mesh = out / "quad.obj"
 mesh.write_text(QUAD)
-for name in json.loads((folder / "spheres.json").read_text())["maps"]:
+maps = json.loads((folder / "spheres.json").read_text())["maps"]
+
+
+def write_level(name, level):
     image = read_hdr(folder / "maps" / f"{name}.hdr")
     height, width, _ = image.shape
-    count = int(np.log2(width)) + 1
+    size = max(width >> level, 1), max(height >> level, 1)
     renderer = renderer_of(64, mesh)
     camera = renderer.getCamera()
     camera.setViewMatrix(mx.Matrix44.IDENTITY)
@@ -47,13 +51,21 @@ for name in json.loads((folder / "spheres.json").read_text())["maps"]:
     lights.setEnvRadianceMap(image_of(image))
     lights.setEnvIrradianceMap(image_of(image[:1, :2]))
     renderer.setLightHandler(lights)
+    renderer.createProgram(prefilter(level))
+    renderer.setSize(*size)
+    renderer.render()
+    found = renderer.captureImage(None)
+    texels = [[list(found.getTexelColor(x, y))[:3] for x in range(size[0])] for y in range(size[1])]
+    write_pfm(out / name / f"m{level}.pfm", np.array(texels, np.float32))
+
+
+if len(sys.argv) > 3:
+    write_level(sys.argv[3], int(sys.argv[4]))
+    sys.exit()
+for name in maps:
+    image = read_hdr(folder / "maps" / f"{name}.hdr")
     (out / name).mkdir(exist_ok=True)
     write_pfm(out / name / "m0.pfm", image)
-    for level in range(1, count):
-        size = max(width >> level, 1), max(height >> level, 1)
-        renderer.createProgram(prefilter(level))
-        renderer.setSize(*size)
-        renderer.render()
-        found = renderer.captureImage(None)
-        texels = [[list(found.getTexelColor(x, y))[:3] for x in range(size[0])] for y in range(size[1])]
-        write_pfm(out / name / f"m{level}.pfm", np.array(texels, np.float32))
+    for level in range(1, int(np.log2(image.shape[1])) + 1):
+        # A process keeps the level of its first program, and a second renderer in it draws black.
+        subprocess.run([sys.executable, __file__, folder, out, name, str(level)], check=True)
