@@ -4,7 +4,7 @@
 #
 #     sh scripts/engines/assets.sh ENGINE... --out DIR [--map NAME|FILE.exr]...
 #
-# three: its PMREM of each map and its table. babylon: its two tables. filament: the nine lights of Open3D against their skyboxes.
+# three: its PMREM of each map and its table. babylon: its two tables. filament: the ten lights of Open3D against their skyboxes.
 # f3d, sapien: the levels that run.sh left in DIR. sapien: its dome and its table, too. materialx: its prefiltered levels of each map.
 # Babylon.js' `.env`, PlayCanvas' atlas and VTK's levels are judged by scripts/check-files.sh. 77: an engine cannot run here.
 set -eu

@@ -4,7 +4,6 @@ Arguments: FOLDER of spheres.json, DIR. Its renderer opens an X11 window: assets
 """
 import json
 import pathlib
-import subprocess
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1]))
@@ -19,7 +18,7 @@ folder, out = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
 QUAD = "v -2 -2 0\nv 2 -2 0\nv 2 2 0\nv -2 2 0\nvt 0 0\nvn 0 0 1\nf 1/1/1 2/1/1 3/1/1\nf 1/1/1 3/1/1 4/1/1\n"
 
 
-def prefilter(level):
+def prefilter():
     """The shader that filters a level."""
     document = mx.createDocument()
     document.setDataLibrary(library)
@@ -27,45 +26,33 @@ def prefilter(level):
     options = context.getOptions()
     options.hwSpecularEnvironmentMethod = gen.SPECULAR_ENVIRONMENT_PREFILTER
     options.hwWriteEnvPrefilter = True
-    shader = generator.generate("prefilter", node, context)
-    uniforms = shader.getStage(gen.PIXEL_STAGE).getUniformBlock("PrivateUniforms")
-    mip = next(uniforms[i] for i in range(uniforms.size()) if uniforms[i].getVariable() == "u_envPrefilterMip")
-    mip.setValue(mx.TypedValue_integer.createValue(level), False)
-    return shader
+    return generator.generate("prefilter", node, context)
 
 
 mesh = out / "quad.obj"
 mesh.write_text(QUAD)
-maps = json.loads((folder / "spheres.json").read_text())["maps"]
-
-
-def write_level(name, level):
+renderer = renderer_of(64, mesh)
+camera = renderer.getCamera()
+camera.setViewMatrix(mx.Matrix44.IDENTITY)
+camera.setProjectionMatrix(render.Camera.createOrthographicMatrix(-1, 1, -1, 1, -1, 1))
+for name in json.loads((folder / "spheres.json").read_text())["maps"]:
     image = read_hdr(folder / "maps" / f"{name}.hdr")
     height, width, _ = image.shape
-    size = max(width >> level, 1), max(height >> level, 1)
-    renderer = renderer_of(64, mesh)
-    camera = renderer.getCamera()
-    camera.setViewMatrix(mx.Matrix44.IDENTITY)
-    camera.setProjectionMatrix(render.Camera.createOrthographicMatrix(-1, 1, -1, 1, -1, 1))
     lights = render.LightHandler.create()
     lights.setEnvRadianceMap(image_of(image))
     lights.setEnvIrradianceMap(image_of(image[:1, :2]))
     renderer.setLightHandler(lights)
-    renderer.createProgram(prefilter(level))
-    renderer.setSize(*size)
-    renderer.render()
-    found = renderer.captureImage(None)
-    texels = [[list(found.getTexelColor(x, y))[:3] for x in range(size[0])] for y in range(size[1])]
-    write_pfm(out / name / f"m{level}.pfm", np.array(texels, np.float32))
-
-
-if len(sys.argv) > 3:
-    write_level(sys.argv[3], int(sys.argv[4]))
-    sys.exit()
-for name in maps:
-    image = read_hdr(folder / "maps" / f"{name}.hdr")
+    renderer.createProgram(prefilter())
     (out / name).mkdir(exist_ok=True)
     write_pfm(out / name / "m0.pfm", image)
-    for level in range(1, int(np.log2(image.shape[1])) + 1):
-        # A process keeps the level of its first program, and a second renderer in it draws black.
-        subprocess.run([sys.executable, __file__, folder, out, name, str(level)], check=True)
+    for level in range(1, int(np.log2(width)) + 1):
+        size = max(width >> level, 1), max(height >> level, 1)
+        renderer.setSize(*size)
+        # As the viewer does: the value in the shader is for the first level.
+        program = renderer.getProgram()
+        program.bind()
+        program.bindUniform("u_envPrefilterMip", mx.TypedValue_integer.createValue(level), True)
+        renderer.render()
+        found = renderer.captureImage(None)
+        texels = [[list(found.getTexelColor(x, y))[:3] for x in range(size[0])] for y in range(size[1])]
+        write_pfm(out / name / f"m{level}.pfm", np.array(texels, np.float32))
