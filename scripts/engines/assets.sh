@@ -106,8 +106,10 @@ assets_of() { # engine
             $display "$installed/materialx/bin/python" "$here/materialx/levels.py" "$out" "$folder" || return
             "$tools" "$here/to_exr.py" "$folder"
             for map in $(maps); do
+                # The last level is one texel, which is no lat-long map. The preset counts levels, so it is told the widths.
                 # shellcheck disable=SC2046 # names without blanks, in the order of levels
-                judge "MaterialX levels of $map" $(ls -v "$folder/$map"/m*.exr) --preset materialx --environment "$out/maps/$map.exr"
+                judge "MaterialX levels of $map" $(ls -v "$folder/$map"/m*.exr | sed '$d') --preset materialx --alphas "$(cat "$folder/$map/alphas")" \
+                    --environment "$out/maps/$map.exr"
             done ;;
         *)
             echo "splitsum: $1: expected three, babylon, filament, f3d, sapien or materialx" >&2

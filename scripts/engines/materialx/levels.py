@@ -45,7 +45,11 @@ for name in json.loads((folder / "spheres.json").read_text())["maps"]:
     renderer.createProgram(prefilter())
     (out / name).mkdir(exist_ok=True)
     write_pfm(out / name / "m0.pfm", image)
-    for level in range(1, int(np.log2(width)) + 1):
+    count = int(np.log2(width)) + 1
+    # mx_latlong_lod_to_alpha, of all levels but the last.
+    shares = [level / (count - 1) for level in range(count - 1)]
+    (out / name / "alphas").write_text(",".join(f"{x * x if x < 0.5 else 2 * (x - 0.375):g}" for x in shares))
+    for level in range(1, count):
         size = max(width >> level, 1), max(height >> level, 1)
         renderer.setSize(*size)
         # As the viewer does: the value in the shader is for the first level.
