@@ -106,7 +106,7 @@ assets_of() { # engine
             $display "$installed/materialx/bin/python" "$here/materialx/levels.py" "$out" "$folder" || return
             "$tools" "$here/to_exr.py" "$folder"
             for map in $(maps); do
-                # The last level is one texel, which is no lat-long map. The preset counts levels, so it is told the widths.
+                # The last level, of one texel, is left out. The preset counts levels, so the widths are listed.
                 # shellcheck disable=SC2046 # names without blanks, in the order of levels
                 judge "MaterialX levels of $map" $(ls -v "$folder/$map"/m*.exr | sed '$d') --preset materialx --alphas "$(cat "$folder/$map/alphas")" \
                     --environment "$out/maps/$map.exr"
