@@ -4,16 +4,18 @@
 # npm, a network for npm, chromium, and a Vulkan device for the pictures to compare with. Takes 42 s of CPU time.
 # scripts/test.sh runs it if CI is set.
 #
-#     sh scripts/check-clients.sh [--bevy | --filament]
+#     sh scripts/check-clients.sh [--bevy | --filament | --gain]
 #
 # With --filament, Filament draws the bake for it instead: a metal and a plastic under the marker and a studio, in Open3D
 # (scripts/engines; a download of 0.5 GB). A mean must be within 0.5 % of `splitsum render` with Filament's lookup.
+# With --gain, Babylon.js, PlayCanvas, F3D and SAPIEN draw metals under their own bakes and under ours (scripts/engines; a download of
+# 1 GB): ours must be nearer to the engine's lookup with exact maps.
 # With --bevy, Bevy also renders with our pair of maps and with the lines to paste, and filters our cube, on any Vulkan device. Its build takes 40 CPU
 # minutes and 2 GB in target/bevy, its pictures a minute; BEVY_PEER names a program that is already built.
 set -eu
 case "$*" in
-    "" | --bevy | --filament) ;;
-    *) echo "usage: sh scripts/check-clients.sh [--bevy | --filament]" >&2; exit 2 ;;
+    "" | --bevy | --filament | --gain) ;;
+    *) echo "usage: sh scripts/check-clients.sh [--bevy | --filament | --gain]" >&2; exit 2 ;;
 esac
 root=$(cd "$(dirname "$0")/.." && pwd)
 program=${SPLITSUM:-$root/target/release/splitsum}
@@ -24,6 +26,15 @@ if [ "$*" = --filament ]; then
         --material metal,plastic --roughness 0.3,0.7
     "${ENGINES:-$root/target/engines}/tools/bin/python" "$root/scripts/engines/compare.py" "$work" --splitsum "$program" \
         --engine filament --check 0.5
+    exit
+fi
+if [ "$*" = --gain ]; then
+    for ours in '' --ours; do
+        # shellcheck disable=SC2086 # a flag or nothing
+        SPLITSUM=$program sh "$root/scripts/engines/run.sh" $ours babylon playcanvas f3d sapien --out "$work" --map marker --map studio \
+            --material metal --roughness 0.3,0.7 --size 64
+    done
+    "${ENGINES:-$root/target/engines}/tools/bin/python" "$root/scripts/engines/gain.py" "$work" --splitsum "$program" --at-least 1
     exit
 fi
 cd "$work"

@@ -97,19 +97,28 @@ pub fn check_bake(
 ) -> PyResult<String> {
     let brdf = <dyn Brdf>::parse(&model).map_err(value_error)?;
     let limits: Limits = serde_json::from_str(&limits).map_err(value_error)?;
+    let open = |text: &str| {
+        let preset = if text.starts_with('{') {
+            Preset::from_json(text.to_owned())
+        } else {
+            Preset::parse(text)
+        };
+        preset.map_err(value_error)
+    };
+    let named = preset.as_deref().map(open).transpose()?;
     let reading = Reading {
         layout: None,
         brdf: brdf.name(),
+        byte_color: named.and_then(|preset| preset.convention().byte_color),
     };
     let bake = py
         .detach(|| read(&files, reading))
         .map_err(|error| file_error(&error.path.clone(), error))?;
-    let preset = match preset.as_deref().or(bake.stated.preset.as_deref()) {
-        Some(text) if text.starts_with('{') => Preset::from_json(text.to_owned()),
-        Some(name) => Preset::parse(name),
-        None => Ok(&PRESETS[0]),
+    let preset = match (named, &bake.stated.preset) {
+        (Some(preset), _) => preset,
+        (None, Some(stated)) => open(stated)?,
+        (None, None) => &PRESETS[0],
     };
-    let preset = preset.map_err(value_error)?;
     let environment = match source {
         Some(source) => source.environment(py)?,
         None if bake.specular.is_some() || bake.irradiance.is_some() || bake.sh.is_some() => {

@@ -1,10 +1,12 @@
 // The two halves of browser.sh around Chromium. `bundle`: packs an engine's render.js, the list of spheres and the maps into
-// page.html of the current folder. `pictures`: reads the page's text from stdin, and writes the pictures as PFM.
+// page.html of the current folder. `pictures`: reads the page's text from stdin, and writes the pictures as PFM. The last argument says
+// what is drawn: nothing for the engine's own light, `ours` for our bakes, `assets` for its levels and tables in place of spheres.
 import { mkdirSync, readFileSync, writeFileSync } from 'node:fs';
 import { createRequire } from 'node:module';
+import { dirname } from 'node:path';
 import { text } from 'node:stream/consumers';
 
-const [step, engine, out, here] = process.argv.slice(2);
+const [step, engine, out, here, kind] = process.argv.slice(2);
 const listed = JSON.parse(readFileSync(`${out}/spheres.json`));
 
 const stop = (why) => {
@@ -13,13 +15,16 @@ const stop = (why) => {
 };
 
 const bundle = async () => {
-    const { dependencies, maps: form } = JSON.parse(readFileSync(`${here}/${engine}/package.json`));
+    const { dependencies, maps: form, bake } = JSON.parse(readFileSync(`${here}/${engine}/package.json`));
     for (const [name, pinned] of Object.entries(dependencies)) {
         const { version } = JSON.parse(readFileSync(`node_modules/${name}/package.json`));
         if (version !== pinned) stop(`expected ${name} ${pinned}, found ${version}: remove ${process.cwd()}`);
     }
     const { build } = createRequire(`${process.cwd()}/`)('esbuild');
-    const start = `
+    const start = kind === 'assets' ? `
+        import { assets } from '${here}/${engine}/assets.js';
+        import { keep } from '${here}/page.js';
+        keep(assets);` : `
         import { engine } from '${here}/${engine}/render.js';
         import { draw } from '${here}/page.js';
         draw(engine);`;
@@ -27,10 +32,11 @@ const bundle = async () => {
         stdin: { contents: start, resolveDir: process.cwd() }, nodePaths: [`${process.cwd()}/node_modules`],
         bundle: true, format: 'esm', write: false, logLevel: 'error',
     });
-    const maps = Object.fromEntries(listed.maps.map((name) => [name, readFileSync(`${out}/maps/${name}.${form}`).toString('base64')]));
+    const file = (name) => kind === 'ours' ? `${out}/bakes/${engine}/${name}/${bake}` : `${out}/maps/${name}.${form}`;
+    const maps = Object.fromEntries(listed.maps.map((name) => [name, readFileSync(file(name)).toString('base64')]));
     const script = made.outputFiles[0].text.replaceAll('</script', '<\\/script');
     writeFileSync('page.html', `<!doctype html><meta charset=utf-8><body><script>window.LISTED = ${JSON.stringify(listed)}; ` +
-        `window.MAPS = ${JSON.stringify(maps)}</script><script type=module>${script}</script>`);
+        `window.MAPS = ${JSON.stringify(maps)}; window.OURS = ${kind === 'ours'}</script><script type=module>${script}</script>`);
 };
 
 const pictures = async () => {
@@ -39,11 +45,11 @@ const pictures = async () => {
     for (const line of of('SAYS')) console.log(`${engine}: ${line}`);
     if (of('FAILED').length) stop(of('FAILED').join('\n'));
     if (!lines.includes('DONE')) stop('the page ended early');
-    mkdirSync(`${out}/${engine}`, { recursive: true });
     for (const line of of('PICTURE')) {
-        const [name, base64] = line.split(' ');
-        const header = `PF\n${listed.size} ${listed.size}\n-1.0\n`;
-        writeFileSync(`${out}/${engine}/${name}.pfm`, Buffer.concat([Buffer.from(header), Buffer.from(base64, 'base64')]));
+        const [name, width, height, base64] = line.split(' ');
+        const path = `${out}/${engine}${kind ? `-${kind}` : ''}/${name}.pfm`;
+        mkdirSync(dirname(path), { recursive: true });
+        writeFileSync(path, Buffer.concat([Buffer.from(`PF\n${width} ${height}\n-1.0\n`), Buffer.from(base64, 'base64')]));
     }
 };
 

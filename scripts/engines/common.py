@@ -1,5 +1,6 @@
 """What the renderers in Python share: the list of spheres, the pinned version, a mesh, and images as PFM."""
 import json
+import os
 import pathlib
 import sys
 from importlib.metadata import PackageNotFoundError, version
@@ -9,6 +10,9 @@ import numpy as np
 # The orthographic image shows the square [-EXTENT, EXTENT]² of a unit sphere, as `splitsum render` does.
 EXTENT = 1.05
 CANNOT_RUN = 77
+SWIFTSHADER = ["/usr/lib/chromium/vk_swiftshader_icd.json", "/opt/google/chrome/vk_swiftshader_icd.json"]
+# SAPIEN's cubes end at 1, so the light is dimmed and the picture brightened: light above this is cut.
+SAPIEN_BRIGHTEST = 8
 
 
 def stop(engine, why, code=2):
@@ -29,13 +33,17 @@ def check_version(engine, package):
 
 
 class Spheres:
-    """The list that spheres.py wrote: `maps` by name, and one sphere a map, material and roughness."""
+    """The list that spheres.py wrote: `maps` by name, and one sphere a map, material and roughness.
 
-    def __init__(self, engine, folder):
+    With the word `ours`, `bakes` has a folder a map: a bake of splitsum that the engine draws in place of its own.
+    """
+
+    def __init__(self, engine, folder, ours=None):
         self.engine, self.folder = engine, pathlib.Path(folder)
         listed = json.loads((self.folder / "spheres.json").read_text())
         self.size, self.maps, self.spheres = listed["size"], listed["maps"], listed["spheres"]
-        self.out = self.folder / engine
+        self.bakes = self.folder / "bakes" / engine if ours else None
+        self.out = self.folder / (f"{engine}-ours" if ours else engine)
         self.out.mkdir(exist_ok=True)
 
     def map_path(self, name, form):
@@ -49,11 +57,25 @@ class Spheres:
         return [sphere for sphere in found if sphere["material"] not in leave_out]
 
     def save(self, sphere, image):
-        """Writes linear RGB, float32, first row at the top."""
-        path = self.out / f"{sphere['name']}.pfm"
-        height, width, _ = image.shape
-        rows = np.ascontiguousarray(image[::-1], dtype="<f4")
-        path.write_bytes(f"PF\n{width} {height}\n-1.0\n".encode() + rows.tobytes())
+        """Writes linear RGB, first row at the top."""
+        write_pfm(self.out / f"{sphere['name']}.pfm", image)
+
+
+def write_pfm(path, image):
+    """Writes linear RGB, float32, first row at the top."""
+    height, width, _ = image.shape
+    rows = np.ascontiguousarray(image[::-1], dtype="<f4")
+    path.write_bytes(f"PF\n{width} {height}\n-1.0\n".encode() + rows.tobytes())
+
+
+def use_swiftshader(engine):
+    """Selects Chromium's Vulkan driver unless one is named: SAPIEN refuses Mesa's lavapipe up to 22.3."""
+    if "VK_ICD_FILENAMES" in os.environ:
+        return
+    found = [path for path in SWIFTSHADER if os.path.exists(path)]
+    if not found:
+        stop(engine, "needs a Vulkan driver that it accepts: install Chromium or set VK_ICD_FILENAMES", CANNOT_RUN)
+    os.environ["VK_ICD_FILENAMES"] = found[0]
 
 
 def read_pfm(path):
@@ -90,3 +112,11 @@ def unit_sphere(bands):
     quads = [[corner, below, below + 1], [corner, below + 1, corner + 1]]
     triangles = np.concatenate([np.stack(quad, axis=-1).reshape(-1, 3) for quad in quads])
     return points.reshape(-1, 3), np.stack([u, 1 - v], axis=-1).reshape(-1, 2), triangles
+
+
+def write_sphere(path, bands=128):
+    """Writes `unit_sphere` as OBJ."""
+    points, uvs, triangles = unit_sphere(bands)
+    lines = [f"v {x} {y} {z}" for x, y, z in points] + [f"vt {u} {v}" for u, v in uvs] + [f"vn {x} {y} {z}" for x, y, z in points]
+    lines += ["f " + " ".join(f"{i}/{i}/{i}" for i in triangle + 1) for triangle in triangles]
+    path.write_text("\n".join(lines) + "\n")

@@ -12,6 +12,7 @@ import json
 import pathlib
 import statistics
 import subprocess
+import sys
 
 import matplotlib
 import numpy as np
@@ -26,8 +27,12 @@ REFERENCE_ERROR = 0.01
 # Pixels this near to the outline are left out: engines draw a mesh there, and some of them a part of a pixel.
 EDGE = 1.25
 
-# For each engine: its package; the flags that its BRDF shares with the reference; the flags of our model of it; flags of a
-# material's model; and the materials for which we have no model.
+# For each engine: its package; the flags that its BRDF shares with the reference; the flags of our model of it, and with exact maps
+# if its levels are for other widths than it reads; flags of a material's model; and the materials for which we have no model. TABLE
+# is in FOLDER.
+TABLE = "sapien-table.exr"
+# A lobe of two widths has no masking by Schlick's fit, but a table may.
+SCHLICK = "schlick-table/dfg.exr"
 CUBE = "--prefilter-size 256x256 --prefilter-level-count 6 --diffuse irradiance-map"
 ENGINES = {
     "mitsuba": {"title": "Mitsuba 3.9.1", "brdf": "--masking separable", "widths": "disney"},
@@ -42,6 +47,12 @@ ENGINES = {
         "model": f"--method split-sum-babylon {CUBE.replace('irradiance-map', 'sh9')}",
         "coat": "--coat-renderer babylon", "lacks": ["anisotropic"],
     },
+    "openpbr": {
+        "title": "Babylon.js 9.35.0, OpenPBR", "brdf": "--masking correlated --compensation turquin", "widths": "openpbr",
+        "model": f"--method split-sum-babylon {CUBE.replace('irradiance-map', 'sh9')}",
+        "anisotropic": f"file:{pathlib.Path(__file__).parent}/openpbr/anisotropic.glsl", "coat": "--coat-renderer openpbr",
+        "under_coat": lambda base, coat: min(base**4 + 2 * coat**4, 1) ** 0.25,
+    },
     "playcanvas": {
         "title": "PlayCanvas 2.23.3", "brdf": "--masking correlated", "widths": "gltf",
         "model": f"--method split-sum-playcanvas {CUBE}",
@@ -53,15 +64,16 @@ ENGINES = {
         "coat": "--coat-renderer filament",
     },
     "vtk": {
-        "title": "VTK 9.7.1", "brdf": "--masking schlick --compensation fdez-aguera", "widths": "kulla",
-        "model": f"--method split-sum-vtk {CUBE}", "lacks": ["anisotropic", "coated"],
+        "title": "VTK 9.7.1", "brdf": "--masking schlick --compensation fdez-aguera", "widths": "disney",
+        "model": f"--method split-sum-vtk {CUBE}", "bend": "--bend vtk", "coat": "--coat-renderer vtk",
     },
     "f3d": {
         "title": "F3D 4.0.0", "brdf": "--masking schlick --compensation fdez-aguera",
     },
     "sapien": {
         "title": "SAPIEN 3.0.3", "brdf": "--masking schlick",
-        "model": f"--method file:{pathlib.Path(__file__).parent}/sapien/model.glsl {CUBE.replace('irradiance-map', 'none').replace('count 6', 'count 5')}",
+        "model": f"--method file:{pathlib.Path(__file__).parent}/sapien/model.glsl {CUBE.replace('irradiance-map', 'none').replace('count 6', 'count 5')} --dfg file:{TABLE}#sapien",
+        "exact": f"--method split-sum {CUBE.replace('irradiance-map', 'none')} --dfg file:{TABLE}#sapien",
     },
     "materialx": {"title": "MaterialX 1.39.5", "brdf": "--masking correlated --compensation turquin", "widths": "gltf"},
     "eevee": {"title": "EEVEE (Blender 5.2.3)", "brdf": "--masking correlated --compensation cycles"},
@@ -91,6 +103,13 @@ and whatever our model misses. Pixels of the outline are left out. All rows: [sp
 
 {table}
 
+## Our bakes in the engine
+
+The same engine under its own bake and under one of `splitsum bake --for`, with as many texels ([bakes.csv](bakes.csv), written by
+`scripts/engines/gain.py`): metals of roughness 0.3, 0.5 and 0.7, geometric means, percent rms. *Exact maps*: the engine's lookup and factors with exact
+maps, so what is left is the bake. *Factor*: relMSE with its own bake over relMSE with ours.
+
+{bakes}
 ![Metal spheres by engine and roughness](spheres.png)
 
 A metal of F0 1, 0.5, 0.2 under `studio`. The last row is the reference with `--compensation turquin`; Mitsuba, Cycles and PlayCanvas scatter once.
@@ -109,8 +128,18 @@ class Ours:
         self.program, self.folder, self.size = program, folder / "ours", size
         self.maps = folder / "maps"
         self.folder.mkdir(exist_ok=True)
+        self.table = self.folder.parent / TABLE
+        if not self.table.exists():
+            subprocess.run([sys.executable, pathlib.Path(__file__).parent / "sapien" / "table.py", self.table], check=True)
+        table = self.folder.parent / SCHLICK
+        if not table.exists():
+            settings = ["masking=schlick", "prefilter_size=8x8", "prefilter_level_count=2", "dfg_size=128"]
+            command = [program, "bake", "builtin:constant", "--for", "raw", "--out", table.parent]
+            subprocess.run(command + [part for setting in settings for part in ("--set", setting)], check=True, stdout=subprocess.DEVNULL)
 
     def picture(self, sphere, flags):
+        for name in (TABLE, SCHLICK):
+            flags = flags.replace(f"file:{name}", f"file:{self.folder.parent / name}")
         flags = f"{flags} --size {self.size}x{self.size} --perceptual-roughness {sphere['roughness']}".split()
         light = self.maps / f"{sphere['map']}.exr"
         key = hashlib.sha256(json.dumps(flags).encode() + light.read_bytes()).hexdigest()[:24]
@@ -146,12 +175,21 @@ def model(ours, sphere, engine):
     """Our picture of the engine's, or None if we have no model."""
     if "model" not in engine or sphere["material"] in engine.get("lacks", []):
         return None
-    flags = engine["model"]
+    return lookup(ours, sphere, engine, engine["model"])
+
+
+def lookup(ours, sphere, engine, flags):
+    """Our picture by these flags of a method and its maps."""
     if "anisotropy" in sphere:
         method = flags.split()[1]
-        flags = f"{flags.replace(method, 'split-sum-bent')} {engine['bend']}"
+        bent = engine.get("anisotropic", "split-sum-bent")
+        flags = f"{flags.replace(method, bent)} {engine.get('bend', '')}"
+        if "schlick" in engine["brdf"]:
+            flags += f" --dfg file:{SCHLICK}#vtk"
     if "coat" in sphere:
         flags += f" {engine['coat']}"
+        if "under_coat" in engine:
+            sphere = {**sphere, "roughness": engine["under_coat"](sphere["roughness"], sphere["coat_roughness"])}
     return ours.picture(sphere, f"{flags} {surface(sphere, engine)}")
 
 
@@ -337,8 +375,9 @@ def main():
         writer.writeheader()
         writer.writerows(answer(rows))
     listed = json.loads((arguments.folder / "spheres.json").read_text())
-    remark = arguments.out / "remark.md"
-    page = PAGE.format(remark=remark.read_text() if remark.exists() else "", answer=answer_table(rows), table=table(rows), error=f"{100 * REFERENCE_ERROR:g}")
+    kept = {name: arguments.out / f"{name}.md" for name in ("remark", "bakes")}
+    texts = {name: path.read_text() if path.exists() else "" for name, path in kept.items()}
+    page = PAGE.format(**texts, answer=answer_table(rows), table=table(rows), error=f"{100 * REFERENCE_ERROR:g}")
     (arguments.out / "README.md").write_text(page)
     if not arguments.keep:
         picture(arguments.folder, Ours(arguments.splitsum, arguments.folder, listed["size"]), arguments.out / "spheres.png")

@@ -34,20 +34,32 @@ export const sphereMesh = () => {
     return { positions, normals: positions.slice(), uvs, tangents, indices };
 };
 
-// `engine.light(name)` prepares a map; `engine.draw(sphere, light)` gives RGBA floats, rows from the bottom.
-export const draw = async (engine) => {
+// Leaves what `run(said)` adds as the page's text.
+const leave = async (run) => {
     const said = [];
     try {
-        for (const name of LISTED.maps) {
-            const light = await engine.light(name);
-            for (const sphere of LISTED.spheres.filter((sphere) => sphere.map === name)) {
-                const rgba = await engine.draw(sphere, light);
-                const rgb = new Float32Array(3 * SIZE * SIZE);
-                rgb.forEach((_, i) => { rgb[i] = rgba[4 * Math.floor(i / 3) + i % 3]; });
-                said.push(`PICTURE ${sphere.name} ${base64(rgb)}`);
-            }
-        }
+        await run(said);
         said.push('DONE');
     } catch (error) { said.push(`FAILED ${error.stack ?? error}`.replaceAll('\n', ' ')); }
     document.body.textContent = `\n${said.join('\n')}\n`;
 };
+
+// `engine.light(name)` prepares a map; `engine.draw(sphere, light)` gives RGBA floats, rows from the bottom.
+export const draw = (engine) => leave(async (said) => {
+    for (const name of LISTED.maps) {
+        const light = await engine.light(name);
+        for (const sphere of LISTED.spheres.filter((sphere) => sphere.map === name)) {
+            const rgba = await engine.draw(sphere, light);
+            const rgb = new Float32Array(3 * SIZE * SIZE);
+            rgb.forEach((_, i) => { rgb[i] = rgba[4 * Math.floor(i / 3) + i % 3]; });
+            said.push(`PICTURE ${sphere.name} ${SIZE} ${SIZE} ${base64(rgb)}`);
+        }
+    }
+});
+
+// `assets(names, save)` saves images of RGB floats, rows from the top.
+export const keep = (assets) => leave((said) => assets(LISTED.maps, (name, width, height, rgb) => {
+    const up = new Float32Array(rgb.length);
+    for (let y = 0; y < height; y++) up.set(rgb.subarray(3 * width * y, 3 * width * (y + 1)), 3 * width * (height - 1 - y));
+    said.push(`PICTURE ${name} ${width} ${height} ${base64(up)}`);
+}));

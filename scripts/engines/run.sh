@@ -2,7 +2,9 @@
 # Renders spheres in real engines, each at its pinned version, and writes linear EXR: DIR/ENGINE/MAP-MATERIAL-ROUGHNESS.exr.
 # README.md beside this file says what each engine renders and how it runs.
 #
-#     sh scripts/engines/run.sh ENGINE... --out DIR [--map NAME|FILE.exr]... [--material M,...] [--roughness R,...] [--size N]
+#     sh scripts/engines/run.sh [--ours] ENGINE... --out DIR [--map NAME|FILE.exr]... [--material M,...] [--roughness R,...] [--size N]
+#
+# With --ours the engine draws a bake of `splitsum bake --for` in place of its own: DIR/ENGINE-ours. gain.py compares both.
 #
 # Needs Python 3.11 or newer, for Cycles and EEVEE 3.13, for the three engines in a browser node, npm and Chromium, and a network for
 # the packages, which go to target/engines. 77: an engine cannot run here, and no other failed.
@@ -21,21 +23,30 @@ refuse() {
 
 known=$(cd "$here" && for script in */render.*; do printf '%s ' "${script%%/*}"; done)
 engines=
+ours=
+if [ "${1:-}" = --ours ]; then
+    ours=ours
+    shift
+fi
 while [ $# -gt 0 ] && [ "${1#-}" = "$1" ]; do
     [ -f "$here/$1/render.py" ] || [ -f "$here/$1/render.js" ] || refuse "$1 is not an engine: expected $known"
     engines="$engines $1"
     shift
 done
 [ -n "$engines" ] && [ "${1:-}" = --out ] && [ $# -gt 1 ] ||
-    refuse "usage: sh scripts/engines/run.sh ENGINE... --out DIR [--map NAME|FILE.exr]... [--material M,...] [--roughness R,...] [--size N]"
+    refuse "usage: sh scripts/engines/run.sh [--ours] ENGINE... --out DIR [--map NAME|FILE.exr]... [--material M,...] [--roughness R,...] [--size N]"
 out=$2
 shift 2
 mkdir -p "$out" "$installed"
 out=$(cd "$out" && pwd)
 
 render() { # engine: fails with 77 if it cannot run here
+    if [ -n "$ours" ]; then
+        SPLITSUM=$program PYTHON=$installed/tools/bin/python sh "$here/bakes.sh" "$1" "$out" || return
+    fi
     if [ -f "$here/$1/render.js" ]; then
-        sh "$here/browser.sh" "$1" "$out" "$installed"
+        # shellcheck disable=SC2086 # a word or nothing
+        sh "$here/browser.sh" "$1" "$out" "$installed" $ours
         return
     fi
     # Comments in its requirements.txt may name a version of Python, and the engine whose environment it shares.
@@ -54,8 +65,8 @@ render() { # engine: fails with 77 if it cannot run here
     if [ "$1" = materialx ] && [ -z "${DISPLAY:-}" ] && has_command xvfb-run; then
         display='xvfb-run -a'
     fi
-    # shellcheck disable=SC2086 # a command with a flag
-    $display "$installed/$environment/bin/python" "$here/$1/render.py" "$out"
+    # shellcheck disable=SC2086 # a command with a flag, and a word or nothing
+    $display "$installed/$environment/bin/python" "$here/$1/render.py" "$out" $ours
 }
 
 python=$(python_of 3.11 '<') || stop "needs Python 3.11 or newer"
@@ -63,11 +74,12 @@ install_python tools "$here/requirements.txt" "$python" || stop "the packages of
 "$installed/tools/bin/python" "$here/spheres.py" "$out" --splitsum "$program" "$@"
 code=0
 for engine in $engines; do
-    rm -rf "${out:?}/$engine"
+    pictures=$out/$engine${ours:+-ours}
+    rm -rf "$pictures"
     found=0
     render "$engine" || found=$?
     case $found in
-        0) "$installed/tools/bin/python" "$here/to_exr.py" "$out/$engine" || code=1 ;;
+        0) "$installed/tools/bin/python" "$here/to_exr.py" "$pictures" || code=1 ;;
         77) [ $code -ne 0 ] || code=77 ;;
         *) echo "$engine: FAILED" >&2; code=1 ;;
     esac

@@ -1,4 +1,4 @@
-"""Turns FOLDER/*.pfm into linear EXR. Arguments: FOLDER."""
+"""Turns each PFM in FOLDER into linear EXR. Arguments: FOLDER."""
 import pathlib
 import sys
 
@@ -7,13 +7,13 @@ import OpenEXR
 from common import read_pfm
 
 folder = pathlib.Path(sys.argv[1])
-for path in sorted(folder.glob("*.pfm")):
+for path in sorted(folder.rglob("*.pfm")):
     image = read_pfm(path)
     if not np.isfinite(image).all():
         sys.exit(f"{path}: has values that are not finite")
     OpenEXR.File({"type": OpenEXR.scanlineimage}, {"RGB": image}).write(str(path.with_suffix(".exr")))
     path.unlink()
-count = len(list(folder.glob("*.exr")))
+count = len(list(folder.rglob("*.exr")))
 if not count:
     sys.exit(f"{folder.name}: no pictures")
 print(f"{folder.name}: {count} pictures")

@@ -1,6 +1,8 @@
 //! Meaning of a bake's numbers as data: conventions by name, and presets of known tools.
 
 use super::babylon_env;
+use super::container::ByteColor;
+use super::level_law::LevelLaw;
 use super::map_form::MapForm;
 use super::playcanvas_atlas;
 use super::product::{LAST_SIDE, Product, SIDE};
@@ -200,6 +202,8 @@ pub struct Convention {
     /// Levels per doubling of the width, in a chain down to one texel whose level k has the width
     /// `2^(k/s)/n`, n the side of level 0; replaces the mapping.
     pub levels_per_doubling: Option<f64>,
+    /// A formula of the widths; replaces the mapping, too.
+    pub level_law: Option<&'static LevelLaw>,
     /// Radiance of a texel of 1.
     pub scale: f64,
     /// Irradiance over π of a texel of 1 in an irradiance map.
@@ -209,6 +213,8 @@ pub struct Convention {
     pub masking: MaskingShadowing,
     /// Weight of a direction in a texel's mean.
     pub weight: &'static Weight,
+    /// What texels of four bytes hold; `None` if the tool writes none.
+    pub byte_color: Option<ByteColor>,
 }
 
 /// The conventions of a tool: one of `assets/bakes/presets.json`, or a TOML file of the user.
@@ -223,12 +229,14 @@ pub struct Preset {
     level_mapping: &'static str,
     alphas: Option<Vec<f64>>,
     levels_per_doubling: Option<f64>,
+    level_law: Option<&'static str>,
     scale: f64,
     irradiance_scale: f64,
     table_axes: &'static str,
     table_channels: &'static str,
     masking: &'static str,
     weight: &'static str,
+    bytes: Option<&'static str>,
     product: Option<Product>,
 }
 
@@ -242,12 +250,14 @@ impl Default for Preset {
             level_mapping: "linear",
             alphas: None,
             levels_per_doubling: None,
+            level_law: None,
             scale: 1.0,
             irradiance_scale: 1.0,
             table_axes: TABLE_AXES[0].name,
             table_channels: TABLE_CHANNELS[0].name,
             masking: "correlated",
             weight: WEIGHTS[0].name,
+            bytes: None,
             product: None,
         }
     }
@@ -316,6 +326,9 @@ impl Preset {
         if let Some(product) = &preset.product {
             if preset.scale != 1.0 {
                 return Err("scale: a preset with [product] writes radiance; leave it out".into());
+            }
+            if preset.level_law.is_some() {
+                return Err("level_law: a preset with [product] needs alphas or a mapping".into());
             }
             if let Some(alphas) = &preset.alphas {
                 preset.convention().spacing(alphas.len())?;
@@ -394,12 +407,14 @@ impl Preset {
             mapping: LevelMapping::parse(self.level_mapping)?,
             alphas: self.alphas.clone(),
             levels_per_doubling: self.levels_per_doubling,
+            level_law: self.level_law.map(LevelLaw::parse).transpose()?,
             scale: self.scale,
             irradiance_scale: self.irradiance_scale,
             table_axes: TableAxes::parse(self.table_axes)?,
             table_channels: TableChannels::parse(self.table_channels)?,
             masking: *MaskingShadowing::parse(self.masking)?,
             weight: Weight::parse(self.weight)?,
+            byte_color: self.bytes.map(ByteColor::parse).transpose()?.copied(),
         })
     }
 }
@@ -409,6 +424,9 @@ impl Convention {
     pub fn alphas(&self, count: usize) -> Result<Vec<f64>, String> {
         if let (None, Some(scale)) = (&self.alphas, self.levels_per_doubling) {
             return Ok(babylon_env::alphas(1 << (count - 1), count, scale));
+        }
+        if let (None, Some(law)) = (&self.alphas, self.level_law) {
+            return Ok(law.alphas(count));
         }
         match &self.alphas {
             Some(alphas) if alphas.len() == count && alphas.is_sorted() => Ok(alphas.clone()),
@@ -448,7 +466,7 @@ impl Convention {
 
     /// Whether widths follow from a mapping of levels.
     pub fn has_mapping(&self) -> bool {
-        self.alphas.is_none() && self.levels_per_doubling.is_none()
+        self.alphas.is_none() && self.levels_per_doubling.is_none() && self.level_law.is_none()
     }
 
     /// Returns the number of levels that the engine reads of `count`.

@@ -72,12 +72,20 @@ impl<'v> Opened<'v> {
             Some((path, preset)) => (path, Some(preset)),
             None => (path, None),
         };
-        let bake = read(&[dir.join(path).display().to_string()], Reading::default())
+        let open =
+            |name: &str| Preset::open(name, dir).map_err(|fault| format!("{value}: {fault}"));
+        let named = preset.map(open).transpose()?;
+        let reading = Reading {
+            byte_color: named.and_then(|preset| preset.convention().byte_color),
+            ..Reading::default()
+        };
+        let bake = read(&[dir.join(path).display().to_string()], reading)
             .map_err(|fault| fault.to_string())?;
-        let name = preset
-            .or(bake.stated.preset.as_deref())
-            .unwrap_or(PRESETS[0].name);
-        let preset = Preset::open(name, dir).map_err(|fault| format!("{value}: {fault}"))?;
+        let preset = match (named, &bake.stated.preset) {
+            (Some(preset), _) => preset,
+            (None, Some(stated)) => open(stated)?,
+            (None, None) => &PRESETS[0],
+        };
         let mut convention = preset.convention();
         convention.alphas = bake.stated.alphas.clone().or(convention.alphas);
         Ok(Some(Self {

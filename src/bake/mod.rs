@@ -14,6 +14,7 @@ mod f3d_sh;
 mod face_folder;
 pub mod given;
 pub mod judge;
+mod level_law;
 pub mod make;
 mod map_form;
 mod packed;

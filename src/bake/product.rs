@@ -1,7 +1,7 @@
 //! Output for each engine as data ([`super::convention::PRESETS`]).
 
-use super::container::Texel;
-use super::map_form::MapForm;
+use super::container::{SRGB8, Texel};
+use super::map_form::{MapForm, container};
 use super::paste::{TAPS, code};
 use super::source::MANIFEST;
 use crate::base::names::{Listed, not_one_of};
@@ -76,7 +76,12 @@ impl Product {
     pub fn check(&self) -> Result<(), String> {
         self.check_names()?;
         self.check_extensions()?;
-        Texel::parse(self.texel).map_err(|fault| format!("texel: {fault}"))?;
+        let is_ktx = |name| container(name).is_some_and(|format| !format.needs_dxgi);
+        if self.texel != SRGB8.name {
+            Texel::parse(self.texel).map_err(|fault| format!("texel: {fault}"))?;
+        } else if !is_ktx(self.specular) {
+            return Err(format!("texel: {} is for KTX files", SRGB8.name));
+        }
         for name in &self.excluded_texels {
             Texel::parse(name).map_err(|fault| format!("excluded_texels: {fault}"))?;
         }
@@ -146,9 +151,19 @@ impl Product {
         Ok(())
     }
 
+    /// Lists the pixel formats that the map may have. Bytes are for engines that read nothing else.
+    pub fn texels(&self) -> Vec<&'static Texel> {
+        if self.texel == SRGB8.name {
+            return vec![&SRGB8];
+        }
+        let mut texels = MapForm::of(self.specular).texels();
+        texels.retain(|texel| !self.excluded_texels.contains(&texel.name));
+        texels
+    }
+
     /// Returns the default pixel format.
     pub fn texel(&self) -> &'static Texel {
-        let texels = MapForm::of(self.specular).texels();
+        let texels = self.texels();
         let named = texels.iter().find(|texel| texel.name == self.texel);
         named.copied().unwrap_or(texels[0])
     }

@@ -3,7 +3,7 @@
 //! A cube or lat-long map is prefiltered radiance, or irradiance if it has one level; a square
 //! image is a DFG table; text is SH. `irradiance=FILE` and so on override this.
 
-use super::container::{FACE_COUNT, FORMATS, Texture, read_texture};
+use super::container::{ByteColor, FACE_COUNT, FORMATS, Texture, read_texture_of};
 use super::face_folder;
 use super::packed::{self, Packed};
 use super::parts::{Bake, Manifest, Map};
@@ -39,6 +39,8 @@ pub struct Reading<'a> {
     pub layout: Option<&'static MapLayout>,
     /// Model whose tables to read from a folder of several.
     pub brdf: &'a str,
+    /// What texels of four bytes hold; `None` refuses them, unless the file says it.
+    pub byte_color: Option<ByteColor>,
 }
 
 impl Default for Reading<'_> {
@@ -47,6 +49,7 @@ impl Default for Reading<'_> {
         Self {
             layout: None,
             brdf: MODELS[0].name(),
+            byte_color: None,
         }
     }
 }
@@ -130,7 +133,7 @@ fn add_file(
         keys,
         warnings,
         ..
-    } = read_texture(path)?;
+    } = read_texture_of(path, reading.byte_color)?;
     bake.stated.add(&keys);
     bake.warn(path, warnings);
     let first = &levels[0][0];

@@ -135,6 +135,9 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     let reading = Reading {
         layout: arguments.layout,
         brdf: arguments.brdf.name(),
+        byte_color: arguments
+            .preset
+            .and_then(|preset| preset.convention().byte_color),
     };
     let bake = read(&arguments.files, reading).map_err(Failure::input)?;
     for warning in &bake.warnings {

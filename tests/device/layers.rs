@@ -267,12 +267,14 @@ fn renderers_of_a_coat_meet_their_closed_forms_in_constant_light() {
                     "exact" => [fresnel, fresnel * (over.x + over.y)],
                     "three" | "babylon" => [fresnel, albedo],
                     "openpbr" => [albedo, albedo],
+                    "vtk" => [fresnel, fresnel * albedo],
                     _ => [fresnel, fresnel],
                 };
                 let left = 1.0 - 0.75 * lost;
                 let [of_specular, of_diffuse] = match renderer.name {
                     "bevy" => [left * left, left],
                     "unity" => [left * left, 1.0],
+                    "vtk" => [1.0, 1.0],
                     _ => [left, left],
                 };
                 let exact = of_specular * specular + of_diffuse * diffuse + 0.75 * coat;

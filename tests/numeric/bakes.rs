@@ -268,6 +268,7 @@ fn folders_and_images_are_found_by_their_form() {
     let reading = Reading {
         layout: None,
         brdf: "ggx",
+        byte_color: None,
     };
     let (_, seen) = marker(&TEXELS[3], 6);
     std::fs::create_dir(dir.path().join("faces")).unwrap();

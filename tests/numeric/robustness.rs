@@ -121,6 +121,7 @@ fn seeds_are_valid_files() {
         let reading = source::Reading {
             layout: None,
             brdf: "ggx",
+            byte_color: None,
         };
         let bake = source::read(&[dir.path().display().to_string()], reading);
         assert!(bake.is_ok_and(|bake| bake.specular.is_some()), "{name}");

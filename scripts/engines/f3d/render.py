@@ -1,9 +1,11 @@
 """Renders the spheres in F3D: VTK's physically based shading under F3D's own prefiltered map, offscreen.
 
-Arguments: FOLDER of spheres.json.
+Arguments: FOLDER of spheres.json, and the word `ours` for our bakes in its cache, which it then reads in place of its own.
 """
+import hashlib
 import math
 import pathlib
+import shutil
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1]))
@@ -45,13 +47,20 @@ def draw(engine, size):
     return total / np.maximum(weights, 1e-30)
 
 
-spheres = Spheres("f3d", sys.argv[1])
+def put_into_cache(bake, cache, map_path):
+    """F3D looks a map up in its cache by the MD5 of the file."""
+    digest = hashlib.md5(pathlib.Path(map_path).read_bytes()).hexdigest()
+    shutil.copytree(bake, cache / digest)
+
+
+spheres = Spheres("f3d", *sys.argv[1:])
 try:
     engine = f3d.Engine.create_egl()
 except RuntimeError as error:
     stop("f3d", f"cannot render offscreen here: {error}", CANNOT_RUN)
 engine.window.size = (spheres.size, spheres.size)
-engine.cache_path = str(spheres.out / "cache")
+cache = spheres.out / "cache"
+engine.cache_path = str(cache)
 engine.options.update({
     "render.hdri.ambient": True,
     "render.background.color": [0.0, 0.0, 0.0],
@@ -62,6 +71,8 @@ engine.scene.remove_all_lights()
 camera = engine.window.camera
 camera.state = f3d.CameraState((DISTANCE, 0, 0), (0, 0, 0), (0, 1, 0), math.degrees(2 * math.atan(EXTENT / DISTANCE)))
 for name in spheres.maps:
+    if spheres.bakes:
+        put_into_cache(spheres.bakes / name, cache, spheres.map_path(name, "hdr"))
     engine.options["render.hdri.file"] = spheres.map_path(name, "hdr")
     for sphere in spheres.of_map(name, LEFT_OUT):
         engine.options.update({

@@ -2,36 +2,20 @@
 
 Arguments: FOLDER of spheres.json. Its renderer opens an X11 window: run.sh starts Xvfb.
 """
-import os
 import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1]))
-from common import CANNOT_RUN, EXTENT, Spheres, check_version, read_hdr, stop, unit_sphere
+from common import EXTENT, Spheres, check_version, read_hdr, write_sphere
 
 check_version("materialx", "MaterialX")
-if not os.environ.get("DISPLAY"):
-    stop("materialx", "its renderer needs an X11 display: install Xvfb", CANNOT_RUN)
-# Mesa 22.3.6's llvmpipe draws light that is not there, at the left of a sphere and at its rim; its softpipe does not.
-os.environ.setdefault("GALLIUM_DRIVER", "softpipe")
-# The shader states GLSL 4.00 and needs no more than 3.30.
-os.environ.setdefault("MESA_GL_VERSION_OVERRIDE", "4.0")
-os.environ.setdefault("MESA_GLSL_VERSION_OVERRIDE", "400")
-import MaterialX as mx
+from glsl import context, gen, generator, image_of, library, mx, render, renderer_of
 import numpy as np
-from MaterialX import PyMaterialXGenGlsl as gen_glsl, PyMaterialXGenShader as gen, PyMaterialXRender as render, PyMaterialXRenderGlsl as glsl
 
 SAMPLES = 16
 # The shader takes the direction of view from the camera's position even in parallel projection, so the camera is far away.
 DISTANCE = 500
 DIFFUSE = (64, 32)
-
-
-def write_sphere(path):
-    points, uvs, triangles = unit_sphere(128)
-    lines = [f"v {x} {y} {z}" for x, y, z in points] + [f"vt {u} {v}" for u, v in uvs] + [f"vn {x} {y} {z}" for x, y, z in points]
-    lines += ["f " + " ".join(f"{i}/{i}/{i}" for i in triangle + 1) for triangle in triangles]
-    path.write_text("\n".join(lines) + "\n")
 
 
 def directions(width, height):
@@ -53,17 +37,7 @@ def irradiance_over_pi(image):
     return (cosines @ small.reshape(-1, 3) / np.pi).reshape(DIFFUSE[1], DIFFUSE[0], 3)
 
 
-def image_of(texels):
-    height, width, _ = texels.shape
-    found = render.Image.create(width, height, 3, render.FLOAT)
-    found.createResourceBuffer()
-    for y in range(height):
-        for x in range(width):
-            found.setTexelColor(x, y, mx.Color4(*map(float, texels[y, x]), 1.0))
-    return found
-
-
-def shader_of(library, sphere):
+def shader_of(sphere):
     document = mx.createDocument()
     document.setDataLibrary(library)
     node = document.addNode("gltf_pbr", "surface", "surfaceshader")
@@ -81,19 +55,9 @@ def shader_of(library, sphere):
 
 spheres = Spheres("materialx", sys.argv[1])
 size = spheres.size
-generator = gen_glsl.GlslShaderGenerator.create()
-context = gen.GenContext(generator)
-search = mx.getDefaultDataSearchPath()
-context.registerSourceCodeSearchPath(search)
-library = mx.createDocument()
-mx.loadLibraries(mx.getDefaultDataLibraryFolders(), search, library)
-renderer = glsl.GlslRenderer.create(size, size, render.FLOAT)
-renderer.initialize()
-renderer.setImageHandler(glsl.GLTextureHandler.create(render.StbImageLoader.create()))
 mesh = spheres.out / "sphere.obj"
 write_sphere(mesh)
-renderer.getGeometryHandler().addLoader(render.TinyObjLoader.create())
-renderer.getGeometryHandler().loadGeometry(mx.FilePath(str(mesh)), False)
+renderer = renderer_of(size, mesh)
 camera = renderer.getCamera()
 camera.setViewMatrix(render.Camera.createViewMatrix(mx.Vector3(0, 0, DISTANCE), mx.Vector3(0, 0, 0), mx.Vector3(0, 1, 0)))
 camera.setProjectionMatrix(render.Camera.createOrthographicMatrix(-EXTENT, EXTENT, -EXTENT, EXTENT, DISTANCE - 2, DISTANCE + 2))
@@ -105,7 +69,7 @@ for name in spheres.maps:
     lights.setEnvSampleCount(SAMPLES)
     renderer.setLightHandler(lights)
     for sphere in spheres.of_map(name):
-        renderer.createProgram(shader_of(library, sphere))
+        renderer.createProgram(shader_of(sphere))
         renderer.setSize(size, size)
         renderer.render()
         found = renderer.captureImage(None)

@@ -1,4 +1,4 @@
-// PlayCanvas: StandardMaterial under its own atlas of the map.
+// PlayCanvas: StandardMaterial under its own atlas of the map, or under ours (OURS).
 import * as pc from 'playcanvas';
 import { DISTANCE, FOV, SIZE, mapBytes, sphereMesh } from '../page.js';
 
@@ -26,12 +26,16 @@ app.start();
 
 const light = async (name) => {
     const map = await new Promise((done, fail) => {
-        const asset = new pc.Asset(name, 'texture', { url: `${name}.hdr`, contents: mapBytes(name) });
+        const options = { type: pc.TEXTURETYPE_RGBP, mipmaps: false, addressu: 'clamp', addressv: 'clamp' };
+        const asset = OURS
+            ? new pc.Asset(name, 'texture', { url: `${name}.png`, contents: mapBytes(name) }, options)
+            : new pc.Asset(name, 'texture', { url: `${name}.hdr`, contents: mapBytes(name) });
         asset.on('load', () => done(asset.resource));
         asset.on('error', fail);
         app.assets.add(asset);
         app.assets.load(asset);
     });
+    if (OURS) return map;
     map.projection = pc.TEXTUREPROJECTION_EQUIRECT;
     return pc.EnvLighting.generateAtlas(pc.EnvLighting.generateLightingSource(map));
 };

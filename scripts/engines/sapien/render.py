@@ -1,30 +1,23 @@
 """Renders the spheres in SAPIEN: its rasterizer's default shaders under its own prefiltered cube.
 
-Arguments: FOLDER of spheres.json. Needs a Vulkan driver that SAPIEN accepts: Chromium's SwiftShader, or VK_ICD_FILENAMES.
+Arguments: FOLDER of spheres.json, and the word `ours` for our bakes in place of its own. Needs a Vulkan driver that SAPIEN accepts:
+Chromium's SwiftShader, or VK_ICD_FILENAMES.
 """
-import os
 import pathlib
 import sys
 
 sys.path.insert(0, str(pathlib.Path(__file__).parents[1]))
-from common import CANNOT_RUN, EXTENT, Spheres, check_version, read_hdr, stop
+from common import CANNOT_RUN, EXTENT, SAPIEN_BRIGHTEST as BRIGHTEST, Spheres, check_version, read_hdr, stop, use_swiftshader, write_sphere
 
 check_version("sapien", "sapien")
-# It refuses Mesa's lavapipe up to 22.3: "failed to find a compatible GPU".
-SWIFTSHADER = ["/usr/lib/chromium/vk_swiftshader_icd.json", "/opt/google/chrome/vk_swiftshader_icd.json"]
-if "VK_ICD_FILENAMES" not in os.environ:
-    found = [path for path in SWIFTSHADER if os.path.exists(path)]
-    if not found:
-        stop("sapien", "needs a Vulkan driver that it accepts: install Chromium or set VK_ICD_FILENAMES", CANNOT_RUN)
-    os.environ["VK_ICD_FILENAMES"] = found[0]
+use_swiftshader("sapien")
 import cv2
 import numpy as np
 import sapien
 from sapien import render
 
-# Its cube has 8 bits of sRGB that end at 1, so the light is dimmed and the picture brightened: light above BRIGHTEST is cut.
-# An .exr it holds as half floats, but its filter writes bytes into them and cuts every sample at 1.
-BRIGHTEST = 8
+# Its cube has 8 bits of sRGB that end at 1. An .exr it holds as half floats, but its filter writes bytes into them and cuts every
+# sample at 1.
 SIDE = 128
 # The shader takes the direction of view from the camera's position even in parallel projection, so the camera is far away.
 DISTANCE = 500
@@ -41,8 +34,8 @@ def face_directions():
 
 
 def cube_of(name, image, folder):
-    """Writes the map as six PNG; returns their names, by which SAPIEN caches cubes. They mirror x against ours."""
-    x, y, z = np.moveaxis(face_directions() * [-1, 1, 1], -1, 0)
+    """Writes the map as six PNG; returns their names, by which SAPIEN caches cubes. They mirror z against ours."""
+    x, y, z = np.moveaxis(face_directions() * [1, 1, -1], -1, 0)
     height, width, _ = image.shape
     column = (0.5 - np.arctan2(x, z) / (2 * np.pi)) * width - 0.5
     row = np.arccos(y) / np.pi * height - 0.5
@@ -72,7 +65,7 @@ def say_what_is_cut(name, image):
         print(f"sapien: {name}: light above {BRIGHTEST} is cut, {100 * share:.0f} % of all light")
 
 
-def draw(cubemap, sphere, size):
+def draw(cubemap, mesh, sphere, size):
     scene = sapien.Scene()
     scene.set_ambient_light([0, 0, 0])
     scene.set_environment_map(cubemap)
@@ -81,28 +74,34 @@ def draw(cubemap, sphere, size):
         specular=0.5,  # F0 0.04
     )
     builder = scene.create_actor_builder()
-    builder.add_sphere_visual(radius=1, material=material)
+    # Its own sphere has too few triangles: the rim of a dielectric is 2 % brighter.
+    builder.add_visual_from_file(str(mesh), material=material)
     builder.build_static()
     camera = scene.add_camera("camera", size, size, 1, 0.1, 10)
     camera.set_orthographic_parameters(DISTANCE - 2, DISTANCE + 2, EXTENT)
-    # Its world has z up; a camera looks along its own +x. Ours at +z is its +y.
-    camera.entity.set_pose(sapien.Pose([0, DISTANCE, 0], [np.sqrt(0.5), 0, 0, -np.sqrt(0.5)]))
+    # Its world has z up: ours at +z is its -y. A camera looks along its own +x.
+    camera.entity.set_pose(sapien.Pose([0, -DISTANCE, 0], [np.sqrt(0.5), 0, 0, np.sqrt(0.5)]))
     scene.update_render()
     camera.take_picture()
     # What its shading writes, before the tone curve.
     return camera.get_picture("Lighting")[..., :3] * BRIGHTEST
 
 
-spheres = Spheres("sapien", sys.argv[1])
+spheres = Spheres("sapien", *sys.argv[1:])
 render.set_camera_shader_dir("default")
 try:
     sapien.Scene()
 except RuntimeError as error:
     stop("sapien", f"cannot render here: {error}", CANNOT_RUN)
+mesh = spheres.out / "sphere.obj"
+write_sphere(mesh)
 for name in spheres.maps:
     image = read_hdr(spheres.map_path(name, "hdr"))
     say_what_is_cut(name, image)
-    cubemap = render.RenderCubemap(*cube_of(name, image, spheres.out))
-    cubemap.export(str(spheres.out / f"{name}.ktx2"))
+    if spheres.bakes:
+        cubemap = render.RenderCubemap(str(spheres.bakes / name / "environment.ktx"))
+    else:
+        cubemap = render.RenderCubemap(*cube_of(name, image, spheres.out))
+        cubemap.export(str(spheres.out / f"{name}.ktx"))
     for sphere in spheres.of_map(name, LEFT_OUT):
-        spheres.save(sphere, draw(cubemap, sphere, spheres.size))
+        spheres.save(sphere, draw(cubemap, mesh, sphere, spheres.size))

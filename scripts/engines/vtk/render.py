@@ -64,6 +64,8 @@ def shade(actor, sphere):
     prop.SetColor(*sphere["base_color"])
     prop.SetMetallic(sphere["metallic"])
     prop.SetRoughness(sphere["roughness"])
+    # As every other coat; its own default is 2.
+    prop.SetCoatIOR(1.5)
     prop.SetCoatStrength(sphere.get("coat", 0))
     prop.SetCoatRoughness(sphere.get("coat_roughness", 0))
     prop.SetAnisotropy(sphere.get("anisotropy", 0))

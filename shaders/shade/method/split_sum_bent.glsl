@@ -18,7 +18,9 @@ vec3 bent_normal(vec3 v, vec2 width, float alpha, float strength) {
     vec3 z = vec3(0.0, 0.0, 1.0);
     vec3 g = vec3(v.x, 0.0, v.z);
     float pr = sqrt(alpha);
-    if (BEND_NORMAL == BEND_NORMAL_LINEAR) {
+    if (BEND_NORMAL == BEND_NORMAL_STRENGTH) {
+        return normalize(mix(z, g, strength));
+    } else if (BEND_NORMAL == BEND_NORMAL_LINEAR) {
         return normalize(mix(z, g, strength * min(5.0 * pr, 1.0)));
     } else if (BEND_NORMAL == BEND_NORMAL_QUARTIC) {
         return normalize(mix(z, g, quartic_share(strength, pr)));

@@ -3,6 +3,7 @@
 //! A header of 64 bytes, keys and values, then the levels, largest first [KTX 1 file format,
 //! section 2].
 
+use super::byte_color::ByteColor;
 use super::interpretation::Interpretation;
 use super::pixel_format::PixelFormat;
 use super::{Claim, Encoding, Texture, left_over, pairs, truncated, unjoined};
@@ -74,16 +75,17 @@ impl Header {
 }
 
 /// Reads a file of 1 or 6 faces.
-pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
+pub fn read(bytes: &[u8], byte_color: Option<ByteColor>) -> Result<Texture, Fault> {
     let Header {
         internal_format,
         claim,
         key_bytes,
     } = Header::read(bytes)?;
     let face_count = claim.check()?;
-    let format = PixelFormat::of_gl(internal_format)?;
     let mut position = HEADER.saturating_add(key_bytes);
     let keys = unjoined(bytes.get(HEADER..position).unwrap_or_default());
+    let byte_color = ByteColor::of_keys(&keys, byte_color);
+    let format = PixelFormat::of_gl(internal_format, byte_color)?;
     let interpretation = Interpretation::of_keys(&keys);
     let mut levels = Vec::new();
     for level in 0..claim.levels {

@@ -1,5 +1,6 @@
 //! KTX 2: levels anywhere in the file, plain or compressed by zstd or zlib.
 
+use super::byte_color::ByteColor;
 use super::interpretation::Interpretation;
 use super::pixel_format::PixelFormat;
 use super::texel::Texel;
@@ -15,8 +16,11 @@ use ruzstd::encoding::{CompressionLevel, compress_to_vec};
 use std::borrow::Cow;
 use std::io::Read;
 
+/// First bytes of a file.
+pub const IDENTIFIER: [u8; 12] = *b"\xabKTX 20\xbb\r\n\x1a\n";
+
 /// Reads a file of 1 or 6 faces.
-pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
+pub fn read(bytes: &[u8], byte_color: Option<ByteColor>) -> Result<Texture, Fault> {
     // The crate's own reader panics at unexpected data format descriptors.
     let header = bytes
         .first_chunk()
@@ -36,8 +40,9 @@ pub fn read(bytes: &[u8]) -> Result<Texture, Fault> {
     if let Some([model, ..]) = descriptor {
         check_model(model)?;
     }
-    let format = PixelFormat::of_vulkan(header.format)?;
     let keys = keys(bytes, &header);
+    let byte_color = ByteColor::of_keys(&keys, byte_color);
+    let format = PixelFormat::of_vulkan(header.format, byte_color)?;
     let mut interpretation = Interpretation::of_keys(&keys);
     if let Some(descriptor) = descriptor {
         interpretation.take_descriptor(descriptor)?;

@@ -3,6 +3,7 @@
 //! Headers are checked before anything is allocated: at most [`TEXELS_MAX`] texels, square faces,
 //! levels that halve.
 
+mod byte_color;
 mod dds;
 mod interpretation;
 mod ktx1;
@@ -10,9 +11,10 @@ mod ktx2;
 mod pixel_format;
 mod texel;
 
+pub use byte_color::{BYTES_KEY, ByteColor};
 pub(super) use interpretation::Interpretation;
 pub use ktx2::write_table;
-pub use texel::{RGBD, RGBP, TEXELS, Texel};
+pub use texel::{RGBD, RGBP, SRGB8, TEXELS, Texel};
 
 use crate::base::pixels::{Decoded, Fault, PixelsError, RgbImage, png, read_bounded};
 use crate::instrument::environment::FORMATS as IMAGES;
@@ -50,7 +52,7 @@ pub const FACE_COUNT: usize = 6;
 pub struct Format {
     pub name: &'static str,
     pub extension: &'static str,
-    read: fn(&[u8]) -> Result<Texture, Fault>,
+    read: fn(&[u8], Option<ByteColor>) -> Result<Texture, Fault>,
     /// Whether its pixel formats are DXGI codes.
     pub needs_dxgi: bool,
     /// Encodes a file; DDS ignores the keys.
@@ -87,7 +89,8 @@ pub static FORMATS: &[Format] = &[
     Format {
         name: "dds",
         extension: "dds",
-        read: dds::read,
+        // No program is known that writes codes of bytes into it.
+        read: |bytes, _| dds::read(bytes),
         needs_dxgi: true,
         write: dds::write,
     },
@@ -106,13 +109,19 @@ pub fn extensions() -> Vec<&'static str> {
 
 const PNG: &str = "png";
 
-/// Reads the texture at `path`; its extension selects the format.
+/// Reads the texture at `path`; its extension selects the format. Texels of four bytes are refused
+/// unless the file says what they hold.
 pub fn read_texture(path: &Path) -> Result<Texture, PixelsError> {
+    read_texture_of(path, None)
+}
+
+/// Reads the texture at `path` of a program that decodes bytes in this way.
+pub fn read_texture_of(path: &Path, byte_color: Option<ByteColor>) -> Result<Texture, PixelsError> {
     // Refuses unknown extensions before opening the file.
     if path.exists() {
         extension(path)?;
     }
-    from_bytes(path, &read_bounded(path)?)
+    decoded(path, &read_bounded(path)?, byte_color)
 }
 
 fn extension(path: &Path) -> Result<String, PixelsError> {
@@ -133,17 +142,29 @@ fn extension(path: &Path) -> Result<String, PixelsError> {
 
 /// Reads a texture from memory; the extension of `path` selects the format.
 pub fn from_bytes(path: &Path, bytes: &[u8]) -> Result<Texture, PixelsError> {
+    decoded(path, bytes, None)
+}
+
+fn decoded(
+    path: &Path,
+    bytes: &[u8],
+    byte_color: Option<ByteColor>,
+) -> Result<Texture, PixelsError> {
     let image = |decoded: Decoded, texel| Texture {
         levels: vec![vec![decoded.rgb]],
         texel,
         keys: Vec::new(),
         warnings: decoded.warnings,
     };
-    let extension = extension(path)?;
+    let extension = match extension(path)? {
+        // SAPIEN writes KTX 2 by either name, and reads `.ktx` alone.
+        ktx if ktx == "ktx" && bytes.starts_with(&ktx2::IDENTIFIER) => "ktx2".to_owned(),
+        extension => extension,
+    };
     let container = FORMATS.iter().find(|format| format.extension == extension);
     let image_format = IMAGES.iter().find(|format| format.extension == extension);
     let texture = if let Some(format) = container {
-        (format.read)(bytes).map_err(|fault| fault.in_file(path))?
+        (format.read)(bytes, byte_color).map_err(|fault| fault.in_file(path))?
     } else if let Some(format) = image_format {
         image(format.read(path, bytes)?, format.name)
     } else {

@@ -1,7 +1,8 @@
 //! How a container stores texels: one by one ([`Texel`]), or in blocks of BC6H.
 
+use super::byte_color::ByteColor;
 use super::interpretation::Interpretation;
-use super::texel::Texel;
+use super::texel::{SRGB8, Texel};
 use crate::base::pixels::{Fault, Pixels, RgbImage, reserved};
 use ktx2::Format;
 
@@ -44,7 +45,12 @@ const BC6H: [BlockCodes; 2] = [
 
 impl PixelFormat {
     /// Finds the format of KTX 2.
-    pub fn of_vulkan(code: Option<Format>) -> Result<Self, Fault> {
+    pub fn of_vulkan(code: Option<Format>, bytes: Option<ByteColor>) -> Result<Self, Fault> {
+        if code == Some(SRGB8.vulkan)
+            && let Some(bytes) = bytes
+        {
+            return Ok(Self::Plain(bytes.texel()));
+        }
         let name = || match code {
             Some(code) => format!("its pixel format is {code:?}"),
             None => "its pixel format is undefined".to_owned(),
@@ -56,7 +62,12 @@ impl PixelFormat {
     }
 
     /// Finds the format of KTX 1 by its `glInternalFormat`.
-    pub fn of_gl(code: u32) -> Result<Self, Fault> {
+    pub fn of_gl(code: u32, bytes: Option<ByteColor>) -> Result<Self, Fault> {
+        if code == SRGB8.gl
+            && let Some(bytes) = bytes
+        {
+            return Ok(Self::Plain(bytes.texel()));
+        }
         let name = || format!("its glInternalFormat is {code:#06x}");
         Self::blocks(|codes| codes.gl == code).map_or_else(
             || Texel::with_code(|texel| texel.gl == code, name).map(Self::Plain),

@@ -1,6 +1,7 @@
 //! Pixel formats by their codes in each container.
 
 use super::interpretation::Interpretation;
+use crate::base::color::{srgb_decode, srgb_encode};
 use crate::base::names::{Listed, listed};
 use crate::base::pixels::{Fault, HALF_MAX, Pixels, RgbImage, reserved};
 use half::f16;
@@ -70,6 +71,13 @@ pub static TEXELS: &[Texel] = &[
         encode: to_eleven_eleven_ten,
     },
 ];
+
+/// sRGB codes in bytes that a container calls linear, of a program that decodes them anyway
+/// ([`super::ByteColor`]): light above 1 is cut.
+pub static SRGB8: Texel = Texel {
+    channels: 4,
+    ..color_in_bytes("srgb8", 1.0, srgb, to_srgb)
+};
 
 /// Babylon.js' RGBD: `(rgb^2.2)/a`. No container of [`TEXELS`] holds it.
 pub static RGBD: Texel = color_in_bytes("rgbd", 255.0, rgbd, to_rgbd);
@@ -288,6 +296,17 @@ fn unorm(bytes: &[u8]) -> [f32; 4] {
 
 fn to_unorm(value: f32) -> u8 {
     (255.0 * value.clamp(0.0, 1.0)).round() as u8
+}
+
+fn srgb(bytes: &[u8]) -> [f32; 4] {
+    let [r, g, b, alpha] = unorm(bytes);
+    let [r, g, b] = [r, g, b].map(srgb_decode);
+    [r, g, b, alpha]
+}
+
+fn to_srgb([r, g, b, alpha]: [f32; 4], bytes: &mut [u8]) {
+    bytes[..3].copy_from_slice(&[r, g, b].map(|value| to_unorm(srgb_encode(value))));
+    bytes[3] = to_unorm(alpha);
 }
 
 fn rgbd(bytes: &[u8]) -> [f32; 4] {

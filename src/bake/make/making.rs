@@ -154,8 +154,5 @@ fn is_exr(name: &str) -> bool {
 
 /// Lists the pixel formats that an engine's map may have.
 pub fn formats(product: &Product) -> impl Iterator<Item = &'static Texel> {
-    let texels = MapForm::of(product.specular).texels();
-    texels
-        .into_iter()
-        .filter(|texel| !product.excluded_texels.contains(&texel.name))
+    product.texels().into_iter()
 }

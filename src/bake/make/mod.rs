@@ -81,6 +81,7 @@ pub fn make(making: &Making, out: &Path) -> Result<Baked, PixelsError> {
     let reading = Reading {
         layout: None,
         brdf: making.brdf.name(),
+        byte_color: convention.byte_color,
     };
     let bake = read(&[out.display().to_string()], reading)?;
     let specular = bake.specular.as_ref().expect("it was written");

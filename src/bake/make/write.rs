@@ -3,7 +3,7 @@
 use super::exact_maps::{ExactMap, ExactMaps};
 use super::making::Making;
 use crate::bake::babylon_env;
-use crate::bake::container::{Encoding, Texel, write_table};
+use crate::bake::container::{BYTES_KEY, ByteColor, Encoding, Texel, write_table};
 use crate::bake::convention::Convention;
 use crate::bake::face_folder::FACES;
 use crate::bake::map_form::{MapForm, container};
@@ -47,7 +47,7 @@ impl<'a> Writer<'a> {
             making,
             out,
             kernel: exact.kernel,
-            keys: keys(&manifest),
+            keys: keys(&manifest, ByteColor::of_texel(making.texel)),
             manifest,
             files: Vec::new(),
         }
@@ -280,8 +280,8 @@ fn mapping_words(convention: &Convention) -> String {
     }
 }
 
-/// Builds a container's metadata without SH.
-fn keys(manifest: &Manifest) -> Vec<(String, String)> {
+/// Builds a container's metadata without SH; `byte_color` says what its texels of bytes hold.
+fn keys(manifest: &Manifest, byte_color: Option<ByteColor>) -> Vec<(String, String)> {
     let alphas: Vec<String> = manifest
         .prefilter_alphas
         .iter()
@@ -303,7 +303,8 @@ fn keys(manifest: &Manifest) -> Vec<(String, String)> {
         ("units", &manifest.units),
     ]
     .map(|(key, value)| (format!("{KEY}{key}"), value.clone()));
-    common.into_iter().chain(ours).collect()
+    let bytes = byte_color.map(|color| (format!("{KEY}{BYTES_KEY}"), color.name().to_owned()));
+    common.into_iter().chain(ours).chain(bytes).collect()
 }
 
 /// Writes cmgen's coefficients, a line each.

@@ -29,7 +29,11 @@ pub enum Loss {
     /// Values above the largest of the format are cut.
     Cut(CutLoss),
     /// Dark channels beside bright ones are rounded.
-    Rounding { texel: &'static Texel },
+    Rounding {
+        texel: &'static Texel,
+        /// Whether the same file may have other formats.
+        has_choice: bool,
+    },
 }
 
 /// Values that a format cuts.
@@ -67,7 +71,10 @@ impl Loss {
                     .min_by_key(|format| format.bytes),
             }));
         }
-        is_off.then_some(Self::Rounding { texel })
+        is_off.then(|| Self::Rounding {
+            texel,
+            has_choice: formats(making.preset.product()).count() > 1,
+        })
     }
 }
 
@@ -94,11 +101,13 @@ impl fmt::Display for Loss {
                     None => f.write_str("clip the map before the bake"),
                 }
             }
-            Self::Rounding { texel } => write!(
-                f,
-                "{} rounds dark channels beside bright ones; try another --format",
-                texel.name
-            ),
+            Self::Rounding { texel, has_choice } => {
+                write!(f, "{} rounds dark channels beside bright ones", texel.name)?;
+                if *has_choice {
+                    f.write_str("; try another --format")?;
+                }
+                Ok(())
+            }
         }
     }
 }

@@ -32,6 +32,8 @@ pub enum Parameters {
 pub enum Normal {
     /// n.
     Plain = code::BEND_NORMAL_PLAIN,
+    /// The share of g is a.
+    Strength = code::BEND_NORMAL_STRENGTH,
     /// The share of g is `a sat(5 pr)`.
     Linear = code::BEND_NORMAL_LINEAR,
     /// `1 - (1 - s (1 - pr))⁴`.
@@ -120,6 +122,7 @@ bends! {
     "godot" Geometric Linear Bent Level "the sky's lookup of Godot's forward renderer";
     "playcanvas" Narrow QuarticRoot Mirror Level "reflDirAniso of PlayCanvas";
     "unity" Mean Root Unity Level "GetGGXAnisotropicModifiedNormalAndRoughness of HDRP";
+    "vtk" Geometric Strength Mirror Level "vtkOpenGLPolyDataMapper::ReplaceShaderLight of VTK";
     "materialx" Geometric Plain Mirror Level "mx_environment_prefilter of MaterialX: no bend";
     "filament-square" Mean Linear Normal Square "filament, with A and B at the root mean square \
                                                  width";

@@ -56,14 +56,19 @@ pub enum CoatWeight {
     Fresnel,
     /// `0.04 A + B`, of the DFG table.
     Albedo,
+    /// The product of both.
+    FresnelTimesAlbedo,
 }
 
 impl CoatWeight {
     /// Returns the reflectance at μ = n_c·v; `pair` is (A, B).
     pub fn reflectance(self, n_dot_v: f64, pair: DVec2) -> f64 {
+        let fresnel = f_schlick(DVec3::splat(COAT_F0), n_dot_v).x;
+        let albedo = COAT_F0 * pair.x + pair.y;
         match self {
-            Self::Fresnel => f_schlick(DVec3::splat(COAT_F0), n_dot_v).x,
-            Self::Albedo => COAT_F0 * pair.x + pair.y,
+            Self::Fresnel => fresnel,
+            Self::Albedo => albedo,
+            Self::FresnelTimesAlbedo => fresnel * albedo,
         }
     }
 }
@@ -167,6 +172,16 @@ pub static COAT_RENDERERS: &[CoatRenderer] = &[
             f0: F0_OF_FILAMENT,
             ..UnderCoatLaw::UNCHANGED
         },
+        ..EXACT
+    },
+    CoatRenderer {
+        name: "vtk",
+        about: "ReplaceShaderLight of VTK: c F (0.04 A + B) P along r over an unattenuated base",
+        lookup: Some("split-sum"),
+        scale: CoatWeight::FresnelTimesAlbedo,
+        // Its shader attenuates both terms after it has added them.
+        specular_power: 0,
+        diffuse_power: 0,
         ..EXACT
     },
     CoatRenderer {

@@ -2,11 +2,13 @@
 //! rounding, and the rules of each format.
 
 use super::files;
-use super::scores::marked_light;
+use super::scores::{light_of, marked_light};
 use glam::{DVec2, DVec3};
 use half::f16;
 use splitsum::bake::Stated;
-use splitsum::bake::container::{Encoding, FORMATS, TEXELS, Texel, from_bytes, read_texture};
+use splitsum::bake::container::{
+    Encoding, FORMATS, SRGB8, TEXELS, Texel, Texture, from_bytes, read_texture, read_texture_of,
+};
 use splitsum::bake::convention::{Axes, Preset, TABLE_AXES};
 use splitsum::bake::given;
 use splitsum::bake::judge::Part;
@@ -82,8 +84,8 @@ pub fn making<'a>(engine: &str, environment: &'a Environment) -> Making<'a> {
 #[test]
 fn every_direction_is_where_the_engine_looks() {
     let light = marked_light();
-    // An atlas has no cube; `packed` compares it.
-    assert_eq!(LOOKUPS.len() + 1, Preset::engines().count());
+    // An atlas has no cube; `packed` compares it. SAPIEN's cubes end at 1; its test is the next one.
+    assert_eq!(LOOKUPS.len() + 2, Preset::engines().count());
     let hot = DVec3::new(0.35, 0.6, 0.72).normalize();
     for (engine, lookup) in LOOKUPS {
         let dir = tempfile::tempdir().unwrap();
@@ -102,6 +104,7 @@ fn every_direction_is_where_the_engine_looks() {
             Reading {
                 layout: None,
                 brdf: "ggx",
+                byte_color: None,
             },
         )
         .unwrap();
@@ -197,6 +200,114 @@ fn every_direction_is_where_the_engine_looks() {
                 .to_string()
                 .contains("exists")
         );
+    }
+}
+
+/// SAPIEN's shader swaps y and z of a world with z up; its x is ours, its y our -z
+/// (`deferred.frag`, specularIBL). It decodes the bytes as sRGB, and takes a KTX of linear bytes alone.
+#[test]
+fn srgb_codes_for_sapien_are_where_it_looks() {
+    let radiance = |d: DVec3| 0.5 + 0.4 * d;
+    let light = light_of(radiance);
+    let folder = tempfile::tempdir().unwrap();
+    let baked = make(&making("sapien", &light), folder.path()).unwrap();
+    assert_eq!(baked.levels.len(), 5);
+    for level in &baked.levels {
+        assert!(level.relmse < 2e-5 && level.loss.is_none(), "{level:?}");
+    }
+    let file = std::fs::read(folder.path().join("environment.ktx")).unwrap();
+    let word = |at: usize| u32::from_le_bytes(file[at..at + 4].try_into().unwrap());
+    // glType, glFormat and glInternalFormat: GL_UNSIGNED_BYTE, GL_RGBA, GL_RGBA8.
+    assert_eq!([word(16), word(24), word(28)], [0x1401, 0x1908, 0x8058]);
+    let key_bytes = word(60) as usize;
+    let texels = &file[64 + key_bytes + 4..][..6 * 64 * 64 * 4];
+    let decoded = |code: u8| {
+        let signal = f64::from(code) / 255.0;
+        if signal <= 0.04045 {
+            signal / 12.92
+        } else {
+            ((signal + 0.055) / 1.055).powf(2.4)
+        }
+    };
+    for d in [
+        DVec3::X,
+        DVec3::NEG_X,
+        DVec3::Y,
+        DVec3::NEG_Y,
+        DVec3::Z,
+        DVec3::NEG_Z,
+        DVec3::new(0.35, 0.6, 0.72).normalize(),
+    ] {
+        let sapien = DVec3::new(d.x, -d.z, d.y);
+        let (face, uv) = (LAYOUTS[0].face_uv)(DVec3::new(sapien.x, sapien.z, sapien.y));
+        let [x, y] = [uv.x, uv.y].map(|u| (u * 64.0) as usize);
+        let at = 4 * ((face as usize * 64 + y) * 64 + x);
+        let found = DVec3::from_array([0, 1, 2].map(|i| decoded(texels[at + i])));
+        assert!(
+            (found - radiance(d)).abs().max_element() < 0.02,
+            "{d}: {found}"
+        );
+    }
+}
+
+/// Light above 1 is cut, and the message says that no other format helps.
+#[test]
+fn bright_maps_for_sapien_lose_light() {
+    let light = light_of(|d| DVec3::splat(if d.x > 0.7 { 4.0 } else { 0.2 }));
+    let folder = tempfile::tempdir().unwrap();
+    let making = making("sapien", &light);
+    let baked = make(&making, folder.path()).unwrap();
+    let Some(Loss::Cut(cut)) = &baked.levels[0].loss else {
+        panic!("{:?}", baked.levels[0]);
+    };
+    assert!(cut.enough.is_none() && cut.share > 0.4, "{cut:?}");
+    let linear = Making {
+        texel: Texel::listed("rgba16f"),
+        ..making
+    };
+    let refusal = linear.check().unwrap_err();
+    assert!(refusal.contains("needs one of srgb8"), "{refusal}");
+}
+
+/// Texels of bytes say nothing of their code: a key of our file does, or the preset of its program.
+#[test]
+fn bytes_are_read_by_a_key_or_a_preset_alone() {
+    let gray = RgbImage::from_fn(8, 8, |_, _| [0.214_041; 3]);
+    let levels = vec![vec![gray; 6]];
+    let folder = tempfile::tempdir().unwrap();
+    for extension in ["ktx", "ktx2"] {
+        let write = |name: &str, keys: &[(String, String)]| {
+            let format = FORMATS
+                .iter()
+                .find(|format| format.extension == extension)
+                .unwrap();
+            let file = (format.write)(&Encoding {
+                texel: &SRGB8,
+                levels: &levels,
+                keys,
+                is_packed: false,
+            });
+            // SAPIEN gives KTX 2 the extension of KTX 1.
+            let path = folder.path().join(format!("{extension}-{name}.ktx"));
+            std::fs::write(&path, file).unwrap();
+            path
+        };
+        let seen = |texture: Texture| texture.levels[0][5].get(7, 0)[0];
+        let plain = write("plain", &[]);
+        let refusal = read_texture(&plain).unwrap_err().to_string();
+        assert!(
+            refusal.contains("0x8058") || refusal.contains("R8G8B8A8_UNORM"),
+            "{refusal}"
+        );
+        let by_preset = Preset::listed("sapien").convention().byte_color;
+        let found = read_texture_of(&plain, by_preset).unwrap();
+        assert_eq!(found.texel, "srgb8");
+        assert!((seen(found) - 0.214).abs() < 2e-3);
+        let key = ("splitsum.bytes".to_owned(), "srgb".to_owned());
+        let keyed = read_texture(&write("keyed", &[key])).unwrap();
+        assert!((seen(keyed) - 0.214).abs() < 2e-3);
+        let unknown = ("splitsum.bytes".to_owned(), "gamma".to_owned());
+        read_texture(&write("unknown", &[unknown])).unwrap_err();
     }
 }
 
@@ -436,6 +547,7 @@ fn levels_that_an_engine_does_not_read_are_not_judged_between_texels() {
         Reading {
             layout: None,
             brdf: "ggx",
+            byte_color: None,
         },
     )
     .unwrap();
@@ -755,7 +867,7 @@ fn a_preset_is_read_from_its_own_fields() {
 /// Half of the sphere at 1e6: halves end at 65504, so level 0 keeps 65504/1e6 of its light.
 #[test]
 fn a_sun_above_the_largest_number_of_a_format_is_reported_with_the_light_it_costs() {
-    let light = super::scores::light_of(|d| DVec3::splat(if d.y > 0.0 { 1e6 } else { 0.0 }));
+    let light = light_of(|d| DVec3::splat(if d.y > 0.0 { 1e6 } else { 0.0 }));
     let baked = |format: &str| {
         let dir = tempfile::tempdir().unwrap();
         let making = Making {
@@ -787,7 +899,7 @@ fn a_sun_above_the_largest_number_of_a_format_is_reported_with_the_light_it_cost
 
     // A sun of two texels: relMSE alone hardly notices it.
     let sun = DVec3::new(0.3, 0.8, 0.5).normalize();
-    let light = super::scores::light_of(|d| {
+    let light = light_of(|d| {
         DVec3::splat(if d.angle_between(sun) < 0.04 {
             3e5
         } else {

@@ -152,6 +152,7 @@ fn bake(bytes: &[u8]) {
         source::Reading {
             layout: None,
             brdf: "ggx",
+            byte_color: None,
         },
     ) {
         Ok(bake) => {

@@ -70,6 +70,7 @@ impl BentLobe {
         let quartic = |width: f64| 1.0 - (1.0 - strength * (1.0 - width)).powi(4);
         let bent = match normal {
             Normal::Plain => DVec3::Z,
+            Normal::Strength => DVec3::Z.lerp(g, strength),
             Normal::Linear => DVec3::Z.lerp(g, strength * (5.0 * pr).min(1.0)),
             Normal::Quartic => DVec3::Z.lerp(g, quartic(pr)),
             Normal::QuarticUnit => DVec3::Z.lerp(g.normalize(), quartic(pr)),
