@@ -73,11 +73,11 @@ pub const UNSCORED: &str = "unscored";
 columns! {
     /// `errors.csv`, besides the cell, its axes, the metrics and their noise floors.
     pub struct ErrorColumns {
-        /// Samples per pixel and term at which the reference stopped; the fewest of its terms; empty
-        /// if no term is an integral.
+        /// Samples per pixel and term at which the reference stopped; the fewest of its terms;
+        /// empty if no term is an integral.
         pub reference_samples: Option<u64>,
-        /// Relative standard error of the reference image; the largest of its terms; empty if no term
-        /// is an integral.
+        /// Relative standard error of the reference image; the largest of its terms; empty if no
+        /// term is an integral.
         pub reference_relative_error: Option<f64>,
         /// `samples`; `relative-error` if every term reached the requested error; `noise-share` if
         /// fewer samples were exact enough for all images that it judges; empty if no term is an

@@ -109,8 +109,8 @@ impl ReferenceImage {
         Ok(file.clone().expect("it was written"))
     }
 
-    /// A display image of it, written by the first cell that shows it: a file of that name may be of
-    /// another sample count.
+    /// A display image of it, written by the first cell that shows it: a file of that name may be
+    /// of another sample count.
     pub(super) fn picture(
         &self,
         store: &Store,
@@ -168,8 +168,8 @@ impl ReferenceImage {
         self.noise_floors.get_or_init(compute).clone()
     }
 
-    /// Expected scores of an exact image by bin, given the pixels of each bin; empty if the standard
-    /// error is unknown. Computed once.
+    /// Expected scores of an exact image by bin, given the pixels of each bin; empty if the
+    /// standard error is unknown. Computed once.
     pub(super) fn bin_floors(&self, bins: &[Vec<usize>]) -> Vec<Scores> {
         let of_bin = |standard_error: &RgbImage, pixels: &Vec<usize>| {
             let images = [&self.radiance, standard_error];
@@ -193,8 +193,8 @@ impl ReferenceImage {
         self.bin_floors.get_or_init(compute).clone()
     }
 
-    /// The largest noise floor over the error of an image without noise, both as mean squares, of the
-    /// metrics whose scores have the noise as a sum
+    /// The largest noise floor over the error of an image without noise, both as mean squares, of
+    /// the metrics whose scores have the noise as a sum
     /// ([`crate::instrument::metrics::Metric::noise_share`]).
     pub fn noise_beside(&self, radiance: &RgbImage) -> Result<f64, CellFault> {
         let curve = ToneCurve::default();

@@ -2,8 +2,8 @@
 //! `shaders/lib/compensation.glsl`.
 //!
 //! Let (A, B) be the DFG pair at n·v, `E = A + B` the albedo for F = 1, `E_avg = 2 ∫ E μ dμ` its
-//! mean, and `F_avg` the mean of the reflectance, Schlick's `f0 + (1 - f0)/21` or the exact one of an
-//! index ([`super::FresnelWeight::mean`]). The specular term of albedo `f0 A + B` gets
+//! mean, and `F_avg` the mean of the reflectance, Schlick's `f0 + (1 - f0)/21` or the exact one of
+//! an index ([`super::FresnelWeight::mean`]). The specular term of albedo `f0 A + B` gets
 //!
 //! | | what | source |
 //! |---|---|---|

@@ -11,9 +11,9 @@
 //! # Sampling
 //!
 //! Phong's visible normals have no known sampler in closed form. `sampled-vndf` and the reference
-//! draw GGX's of the same alpha: with `k = 1/alpha² - 1` and `s = sin² θ_h`, `D / D_ggx = (1 - s)^k (1 + k s)²`,
-//! at most `4/e` (near `k s = 1`), so weights are bounded. Samples of D itself would hit only a few
-//! of the facets that a grazing view sees.
+//! draw GGX's of the same alpha: with `k = 1/alpha² - 1` and `s = sin² θ_h`, `D / D_ggx = (1 - s)^k
+//! (1 + k s)²`, at most `4/e` (near `k s = 1`), so weights are bounded. Samples of D itself would
+//! hit only a few of the facets that a grazing view sees.
 
 use super::{Brdf, g1_rational, sin2_cos2};
 use crate::base::math::incomplete_beta::{gamma_ratio_half, incomplete_beta_half};

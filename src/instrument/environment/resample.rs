@@ -11,7 +11,8 @@ use rayon::prelude::*;
 
 /// Texels around the horizon for each texel along an edge of a face: as many as the cube has.
 const COLUMNS_PER_TEXEL: u64 = 4;
-/// Most lookups across a texel, in each direction, and the fewest: below two a lookup misses texels.
+/// Most lookups across a texel, in each direction, and the fewest: below two a lookup misses
+/// texels.
 const LOOKUPS_MAX: u64 = 4;
 const LOOKUPS_MIN: u64 = 2;
 /// About as many lookups as take a few seconds.
@@ -130,12 +131,13 @@ impl RowDirections {
     }
 }
 
-/// Fewest rows of a map that is moved from its edges: in fewer, a bright pole gains light, 37 % in 8.
+/// Fewest rows of a map that is moved from its edges: in fewer, a bright pole gains light, 37 % in
+/// 8.
 const EDGE_ROWS_MIN: u32 = 128;
 
 /// Resamples a lat-long map whose outermost texel centres lie on its edges: the first and the last
-/// column are one meridian, the first and the last row the poles. Small maps get a multiple of their
-/// rows and columns.
+/// column are one meridian, the first and the last row the poles. Small maps get a multiple of
+/// their rows and columns.
 pub(super) fn from_edges(image: &RgbImage) -> RgbImage {
     let finer = EDGE_ROWS_MIN.div_ceil(image.height);
     let [width, height] = [image.width, image.height].map(|side| finer * side);
@@ -286,7 +288,8 @@ mod tests {
         assert!(constant.data.iter().all(|texel| *texel == [0.1, 2.0, 3e4]));
     }
 
-    /// A pole of 1 that falls to 0 at the next row, at the angle a, has a mean of (1 - sin a / a)/2.
+    /// A pole of 1 that falls to 0 at the next row, at the angle a, has a mean of (1 - sin a /
+    /// a)/2.
     #[test]
     fn a_bright_pole_on_the_edge_keeps_its_light() {
         let nodes = RgbImage::from_fn(16, 8, |_, y| [if y == 0 { 1.0 } else { 0.0 }; 3]);

@@ -13,10 +13,11 @@
 //! Schlick's of `f0 = mix(w f0, albedo, metallic) / mix(w, 1, metallic)`; attachment 3 has this f0,
 //! and the g-buffer of [`Scene::specular_weights`] the weight.
 //!
-//! Under a coat of weight c and width alpha_c some renderers change the base ([`Scene::below_coat`]).
-//! With r the perceptual roughness and p the polynomial of the law, attachment 3 then has `mix(f0,
-//! clamp(p(f0), 0, 1), c)` before the division by `mix(w, 1, metallic)`, and attachment 1 an alpha of
-//! the law ([`RoughnessUnderCoat`](crate::instrument::brdf::RoughnessUnderCoat)).
+//! Under a coat of weight c and width alpha_c some renderers change the base
+//! ([`Scene::below_coat`]). With r the perceptual roughness and p the polynomial of the law,
+//! attachment 3 then has `mix(f0, clamp(p(f0), 0, 1), c)` before the division by `mix(w, 1,
+//! metallic)`, and attachment 1 an alpha of the law
+//! ([`RoughnessUnderCoat`](crate::instrument::brdf::RoughnessUnderCoat)).
 //!
 //! Spheres are exact: with c the centre relative to the ray's origin, d the ray's direction and x =
 //! d x c, a ray hits if `r² d·d - x·x >= 0`, at `(d x x - sqrt(r² d·d - x·x) d) / d·d` from the
@@ -38,8 +39,8 @@
 //! alphas of a second g-buffer, of [`Scene::tangents`]: in place of a normal m is the direction
 //! `(d.x, d.y, 0)` of the material's map (without one +x), turned counter-clockwise, and in place
 //! of alpha the strength times the length of d. Spheres, and meshes without tangents or with
-//! tangents along their normals, have the tangent of [`crate::base::math::frame::east`]. Shading makes tangents orthogonal to the normal of
-//! the first g-buffer.
+//! tangents along their normals, have the tangent of [`crate::base::math::frame::east`]. Shading
+//! makes tangents orthogonal to the normal of the first g-buffer.
 //!
 //! Occlusion is the red of the albedo of another g-buffer, of [`Scene::occlusions`].
 //!

@@ -31,6 +31,21 @@ fn texels([width, height]: [u32; 2]) -> u64 {
     u64::from(width) * u64::from(height)
 }
 
+/// Bytes of texels with a mip chain, which takes a third more.
+fn with_mips(texels: u64) -> u64 {
+    texels * VEC4 * 4 / 3
+}
+
+fn image(what: &str, size: [u32; 2], bytes: u64) -> Need {
+    Need {
+        what: what.to_owned(),
+        size,
+        bytes,
+        buffer_bytes: 0,
+        has_images: true,
+    }
+}
+
 /// Returns the memory of a reference's sums and of the distribution of its environment.
 fn reference_need(request: &RenderRequest) -> Need {
     let map = &request.environment.image;
@@ -50,15 +65,6 @@ fn reference_need(request: &RenderRequest) -> Need {
 
 /// Lists the memory that `request` needs besides pipelines and geometry.
 fn needs(request: &RenderRequest) -> Vec<Need> {
-    // A mip chain takes a third more.
-    let with_mips = |texels: u64| texels * VEC4 * 4 / 3;
-    let image = |what: &str, size, bytes| Need {
-        what: what.to_owned(),
-        size,
-        bytes,
-        buffer_bytes: 0,
-        has_images: true,
-    };
     let map = &request.environment.image;
     let size = request.size;
     let map_size = [map.width, map.height];
@@ -89,11 +95,19 @@ fn needs(request: &RenderRequest) -> Vec<Need> {
     if request.has_reference_term() {
         needs.push(reference_need(request));
     }
+    needs.extend(table_needs(request));
+    needs
+}
+
+/// Lists the memory of the tables that `request` reads.
+fn table_needs(request: &RenderRequest) -> Vec<Need> {
+    let mut needs = Vec::new();
+    let map = &request.environment.image;
     let settings = &request.shading.precompute;
     let layout = settings.layout;
     let face_texels = |size| u64::from(layout.face_count) * texels(size);
     if request.reads_filtered_levels() && !layout.is_environments() {
-        let size = (layout.finest_size)(map_size);
+        let size = (layout.finest_size)([map.width, map.height]);
         needs.push(image(
             "filtered environment",
             size,

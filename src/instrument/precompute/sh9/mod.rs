@@ -5,9 +5,9 @@
 //! it errs by +6 % at the peak and is negative beyond 110°.
 //!
 //! The integral over a map can be read in three ways. The device computes two of them
-//! ([`Projection`]): texels as constant patches, with the exact integrals of the harmonics over each
-//! texel, and the sum `Σ L Y sin θ 2π²/(W H)` at texel centres \[Kim22\]. The third is the bilinear
-//! map of lookups and the reference.
+//! ([`Projection`]): texels as constant patches, with the exact integrals of the harmonics over
+//! each texel, and the sum `Σ L Y sin θ 2π²/(W H)` at texel centres \[Kim22\]. The third is the
+//! bilinear map of lookups and the reference.
 
 #[cfg(feature = "gpu")]
 pub mod pass;
@@ -16,8 +16,8 @@ pub mod reference;
 use crate::base::glsl::constants::{SH9_AT_CENTRES, SH9_OVER_TEXELS};
 
 /// Width and height of the equirectangular texture of irradiance over π, as source document 0's:
-/// a bilinear lookup errs by 4e-5 rms of the brightest irradiance, and by at most 1.2e-3, at the poles
-/// (`tests/numeric/diffuse.rs`).
+/// a bilinear lookup errs by 4e-5 rms of the brightest irradiance, and by at most 1.2e-3, at the
+/// poles (`tests/numeric/diffuse.rs`).
 pub const TEXTURE_SIZE: [u32; 2] = [400, 200];
 
 /// How a texel counts in the coefficients.
