@@ -99,7 +99,7 @@ fn bakes_for_every_engine_score_as_exact() {
             "prefilter_size=64x64"
         };
         // Bytes cut the sky.
-        let environment = if product.texel == "rgba8" {
+        let environment = if product.texel == "srgb8" {
             "builtin:gradient:slope=0.4"
         } else {
             "builtin:sky"
