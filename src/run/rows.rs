@@ -18,10 +18,11 @@ pub fn rows<T: Copy>(items: &[T], key: impl Fn(T) -> Key) -> Vec<(Key, Vec<T>)> 
     for (index, item) in items.iter().enumerate() {
         groups.entry(key(*item)).or_default().push(index);
     }
-    let partial_keys = PartialKeys::new(groups.keys());
+    let (keys, members): (Vec<Key>, Vec<Vec<usize>>) = groups.into_iter().unzip();
+    let partial_keys = PartialKeys::new(keys.iter());
     // The groups whose keys each group's key extends.
-    let extended: Vec<Vec<usize>> = groups
-        .keys()
+    let extended: Vec<Vec<usize>> = keys
+        .iter()
         .enumerate()
         .map(|(group, key)| {
             let mut found = partial_keys.extended_by(key);
@@ -31,18 +32,17 @@ pub fn rows<T: Copy>(items: &[T], key: impl Fn(T) -> Key) -> Vec<(Key, Vec<T>)> 
         .collect();
     let is_extended: HashSet<usize> = extended.iter().flatten().copied().collect();
     let mut rows = Vec::new();
-    for (group, (key, members)) in groups.iter().enumerate() {
+    for (group, key) in keys.into_iter().enumerate() {
         if is_extended.contains(&group) {
             continue;
         }
-        let mut indices = members.clone();
+        let mut indices = members[group].clone();
         for other in &extended[group] {
-            indices.extend(&groups[*other]);
+            indices.extend(&members[*other]);
         }
         indices.sort_unstable();
         indices.dedup();
-        let row = indices.into_iter().map(|index| items[index]).collect();
-        rows.push((key.clone(), row));
+        rows.push((key, indices.into_iter().map(|index| items[index]).collect()));
     }
     rows
 }

@@ -177,6 +177,9 @@ fn bins(
         }
         Ok(())
     })?;
+    for cell in cells.iter_mut() {
+        Arc::make_mut(&mut cell.bins).shrink_to_fit();
+    }
     let is_scored = |cell: &FinishedCell| {
         cell.scores
             .as_ref()

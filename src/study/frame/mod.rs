@@ -304,6 +304,16 @@ pub fn agree(a: &[Value], b: &[Value]) -> bool {
         .all(|(a, b)| a == b || *a == Value::Unset || *b == Value::Unset)
 }
 
+/// The axes on which some rows differ. The others do not part rows, and need no room in their keys.
+pub fn varying(rows: &[&Row], axes: impl IntoIterator<Item = AxisId>) -> Vec<AxisId> {
+    let Some((first, rest)) = rows.split_first() else {
+        return Vec::new();
+    };
+    axes.into_iter()
+        .filter(|axis| rest.iter().any(|row| row.point[*axis] != first.point[*axis]))
+        .collect()
+}
+
 /// Groups rows that agree on some axes ([`rows`](crate::run::rows::rows)).
 pub fn group_by_axes<'r, 'f>(
     rows: &[&'r Row<'f>],
@@ -389,11 +399,12 @@ fn set_values(rows: &[&Row], axis: AxisId) -> Vec<Value> {
 
 /// Each value once, in order of appearance.
 pub fn distinct_in_order<T: Eq + std::hash::Hash>(values: impl IntoIterator<Item = T>) -> Vec<T> {
-    values
-        .into_iter()
-        .collect::<IndexSet<T>>()
-        .into_iter()
-        .collect()
+    let mut distinct = IndexSet::new();
+    // One by one: `extend` and `collect` reserve room for as many as there are values.
+    for value in values {
+        distinct.insert(value);
+    }
+    distinct.into_iter().collect()
 }
 
 /// Groups items with equal keys, in order of appearance.

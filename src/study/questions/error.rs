@@ -44,9 +44,9 @@ struct Case<'r, 'f> {
 
 fn cases<'r, 'f>(frame: &Frame, images: &[&'r Row<'f>]) -> Vec<Case<'r, 'f>> {
     let luck = frame.swept(&[Part::Luck, Part::Display]);
-    let axes: Vec<AxisId> = AXES.ids().filter(|axis| !luck.contains(axis)).collect();
     let mut rows = images.to_vec();
     rows.retain(|row| frame.error(row).is_some());
+    let axes = varying(&rows, AXES.ids().filter(|axis| !luck.contains(axis)));
     let mut cases = Vec::new();
     for (_, rows) in group_by_axes(&rows, &axes) {
         let errors: Vec<f64> = rows.iter().filter_map(|row| frame.error(row)).collect();

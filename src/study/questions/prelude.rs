@@ -21,7 +21,7 @@ pub use crate::instrument::shade::NONE;
 pub use crate::study::frame::estimate::{Estimate, Middle, estimate, geometric_mean, median};
 pub use crate::study::frame::{
     Frame, Key, Row, Shape, VISIBLE_FROM, agree, ascending, distinct_in_order, group_by_axes,
-    grouped, grouped_ascending, pair, values,
+    grouped, grouped_ascending, pair, values, varying,
 };
 pub use crate::study::table::{Table, column};
 pub(super) use crate::study::table::{axis_cells, cells, value_cell};
