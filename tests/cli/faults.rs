@@ -235,7 +235,10 @@ const LIMITS: &str = "SPLITSUM_TEST_LIMITS";
 /// Renders a picture under a limit; an empty limit is none.
 fn limited(dir: &Path, limit: &str, out: &str, flags: &str) -> Output {
     let arguments: Vec<&str> = flags.split_whitespace().chain(["--out", out]).collect();
-    command(dir, &arguments).env(LIMITS, limit).output().unwrap()
+    command(dir, &arguments)
+        .env(LIMITS, limit)
+        .output()
+        .unwrap()
 }
 
 /// The relMSE between two pictures, to the digits that `compare` prints.
@@ -321,7 +324,12 @@ fn the_gain_of_two_lookups_holds_under_the_limits_of_filters() {
              --alpha 0.25 --method {method}"
         )
     };
-    let reference = limited(dir.path(), "", "truth.exr", &flags("reference --samples 1024"));
+    let reference = limited(
+        dir.path(),
+        "",
+        "truth.exr",
+        &flags("reference --samples 1024"),
+    );
     assert!(reference.status.success(), "{reference:?}");
     let ratio = |limit: &str| {
         let [one, two] = ["split-sum", "split-sum-two"].map(|method| {
@@ -334,10 +342,16 @@ fn the_gain_of_two_lookups_holds_under_the_limits_of_filters() {
     };
     let exact = ratio("");
     assert!(exact < 0.9, "no gain to keep: {exact}");
-    for limit in SHADER_LIMITS.into_iter().filter(|limit| *limit != "cube-seams") {
+    for limit in SHADER_LIMITS
+        .into_iter()
+        .filter(|limit| *limit != "cube-seams")
+    {
         let limited = ratio(limit);
         println!("{limit}: {limited} for {exact}");
-        assert!((limited / exact - 1.0).abs() < 0.05, "{limit}: {limited} for {exact}");
+        assert!(
+            (limited / exact - 1.0).abs() < 0.05,
+            "{limit}: {limited} for {exact}"
+        );
     }
 }
 
