@@ -143,8 +143,11 @@ packed_maps() {
 
 experiment() { # name, weight
     lights=$(lights_of "$1" "$(packed_maps)")
+    # Published runs have exact references: with fewer samples small ratios move by up to a half without any hardware.
+    case " $COMPARED " in *" $1 "*) references=--exact-references ;; *) references= ;; esac
     share "$2"
-    step "run-$1" "$limit" ./splitsum run "experiments/$1.toml" ${lights:+--set "environment=$lights"} --out "$out/runs/$1" --no-cache
+    step "run-$1" "$limit" ./splitsum run "experiments/$1.toml" ${lights:+--set "environment=$lights"} $references \
+        --out "$out/runs/$1" --no-cache
     # A run that was cut off lacks rows. Times are of another machine.
     case "$ending $1" in "ok timing" | "ok equal-time") return 0 ;; "ok "*) ;; *) return 0 ;; esac
     if [ ! -d "results/$1/answers" ] || ! command -v python3 >/dev/null; then
@@ -235,7 +238,8 @@ run() { # minutes, options
     check_size "$out/splitsum-gpu-results.tar.xz" "$RESULTS_MIB_MAX" || return 1
     cat "$out/steps.csv"
     say "results: $out/splitsum-gpu-results.tar.xz"
-    ! grep -q ',failed' "$out/steps.csv"
+    # The driver of the published runs, which a rehearsal has, must find the published answers.
+    ! grep -q ",failed${is_rehearsal:+\|,differs}" "$out/steps.csv"
 }
 
 publish() { # results

@@ -16,10 +16,14 @@ bool emulates(uint limit) {
     return (EMULATED_LIMITS & limit) != 0u;
 }
 
-// A texel position (in texels from the first centre) whose bilinear weights are multiples of 1/256.
-vec2 position_of_coarse_weights(vec2 position) {
-    vec2 corner = floor(position);
-    return corner + round((position - corner) * FRACTION_STEPS) / FRACTION_STEPS;
+// A texel position (in texels from the first centre) whose bilinear weights are multiples of 1/256
+// if the device emulates that, to nearest or rounded down.
+vec2 position_of_weights(vec2 position) {
+    vec2 corner = floor(position), steps = (position - corner) * FRACTION_STEPS;
+    if (emulates(EMULATE_TEXEL_WEIGHTS_DOWN)) {
+        return corner + floor(steps) / FRACTION_STEPS;
+    }
+    return emulates(EMULATE_TEXEL_WEIGHTS) ? corner + round(steps) / FRACTION_STEPS : position;
 }
 
 // The level's side lengths. textureSize of several levels at once is wrong on some drivers.
@@ -28,29 +32,56 @@ vec2 size_of_level(ivec2 size, float level) {
 }
 
 vec4 limited_level(sampler2D map, vec2 uv, float level) {
-    if (emulates(EMULATE_TEXEL_WEIGHTS)) {
+    if (emulates(EMULATE_TEXEL_WEIGHTS | EMULATE_TEXEL_WEIGHTS_DOWN)) {
         vec2 size = size_of_level(textureSize(map, 0), level);
-        uv = (position_of_coarse_weights(uv * size - 0.5) + 0.5) / size;
+        uv = (position_of_weights(uv * size - 0.5) + 0.5) / size;
     }
     return textureLod(map, uv, level);
 }
 
-vec4 limited_level(samplerCube map, vec3 d, float level) {
+// The axes of the face that a direction meets: its normal, then the two along its sides.
+uvec3 axes_of_face(vec3 d) {
     vec3 a = abs(d);
-    int major = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
-    int first = (major + 1) % 3, second = (major + 2) % 3;
+    uint major = a.x >= a.y && a.x >= a.z ? 0u : a.y >= a.z ? 1u : 2u;
+    return uvec3(major, (major + 1u) % 3u, (major + 2u) % 3u);
+}
+
+// Where three faces meet, a lookup has three texels. Vulkan leaves the weight of the fourth open:
+// lavapipe averages the three; here the face's own texel takes it. `d` is on the face of `axes`, and
+// `beyond` says how far (in texels) it is outside the centres of that face, along both sides.
+vec4 level_at_corner(samplerCube map, vec3 d, uvec3 axes, vec2 beyond, vec2 size, float level) {
+    vec2 last_centre = 1.0 - 1.0 / size;
+    vec3 own = d;
+    own[axes.y] = sign(d[axes.y]) * last_centre.x;
+    own[axes.z] = sign(d[axes.z]) * last_centre.y;
+    vec3 across_first = own, across_second = own;
+    across_first[axes.x] = d[axes.x] * last_centre.x;
+    across_first[axes.y] = sign(d[axes.y]);
+    across_second[axes.x] = d[axes.x] * last_centre.y;
+    across_second[axes.z] = sign(d[axes.z]);
+    float first_weight = beyond.x * (1.0 - beyond.y), second_weight = (1.0 - beyond.x) * beyond.y;
+    return (1.0 - first_weight - second_weight) * textureLod(map, own, level)
+        + first_weight * textureLod(map, across_first, level)
+        + second_weight * textureLod(map, across_second, level);
+}
+
+vec4 limited_level(samplerCube map, vec3 d, float level) {
+    uvec3 axes = axes_of_face(d);
     vec2 size = size_of_level(textureSize(map, 0), level);
-    vec2 position = (0.5 * vec2(d[first], d[second]) / a[major] + 0.5) * size - 0.5;
-    if (emulates(EMULATE_TEXEL_WEIGHTS)) {
-        position = position_of_coarse_weights(position);
-    }
+    vec2 position = (0.5 * vec2(d[axes.y], d[axes.z]) / abs(d[axes.x]) + 0.5) * size - 0.5;
+    position = position_of_weights(position);
+    vec2 within = clamp(position, vec2(0.0), size - 1.0);
     if (emulates(EMULATE_CUBE_SEAMS)) {
-        position = clamp(position, vec2(0.0), size - 1.0);
+        position = within;
     }
     vec2 inside = 2.0 * (position + 0.5) / size - 1.0;
-    d[first] = inside.x;
-    d[second] = inside.y;
-    d[major] = d[major] < 0.0 ? -1.0 : 1.0;
+    d[axes.y] = inside.x;
+    d[axes.z] = inside.y;
+    d[axes.x] = d[axes.x] < 0.0 ? -1.0 : 1.0;
+    vec2 beyond = abs(position - within);
+    if (emulates(EMULATE_CUBE_CORNERS) && min(beyond.x, beyond.y) > 0.0) {
+        return level_at_corner(map, d, axes, beyond, size, level);
+    }
     return textureLod(map, d, level);
 }
 

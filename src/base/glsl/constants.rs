@@ -120,12 +120,18 @@ constants! {
     EMULATE_CUBE_SEAMS: u32 = 4;
     /// Lookups rounded to f16.
     EMULATE_HALF_LOOKUPS: u32 = 8;
-    /// Any of the bits above: a lookup that is not the driver's.
-    EMULATE_LOOKUPS: u32 = 15;
+    /// 8-bit weights of texels, rounded down.
+    EMULATE_TEXEL_WEIGHTS_DOWN: u32 = 64;
+    /// The missing texel of a cube's corner taken from the nearest face, not averaged from three.
+    EMULATE_CUBE_CORNERS: u32 = 128;
+    /// Any limit of lookups: a lookup that is not the driver's.
+    EMULATE_LOOKUPS: u32 = 207;
     /// Elementary functions as coarse as Vulkan allows.
     EMULATE_ELEMENTARY: u32 = 16;
     /// Vertices on a grid of 1/256 pixel.
     EMULATE_VERTEX_GRID: u32 = 32;
+    /// NaN in new images and buffers, whose contents Vulkan leaves undefined; the host writes it.
+    EMULATE_UNDEFINED_MEMORY: u32 = 256;
     /// Whether lobes have two widths, and how alpha and a strength make them; in the order of
     /// `brdf::Anisotropy`.
     ANISOTROPY_NONE: u32 = 0;

@@ -54,7 +54,13 @@ fn storage() -> vk::BufferUsageFlags {
 impl Gpu {
     /// Makes a device-local storage buffer of `size` bytes with undefined contents.
     pub fn buffer(&self, name: &str, size: u64) -> Result<Buffer, GpuError> {
-        self.create_buffer(name, size, storage(), MemoryLocation::GpuOnly)
+        let buffer = self.create_buffer(name, size, storage(), MemoryLocation::GpuOnly)?;
+        if let Some(word) = self.shared.emulation.undefined_word() {
+            let mut recorder = self.record(name)?;
+            recorder.fill(&buffer, word);
+            recorder.submit()?;
+        }
+        Ok(buffer)
     }
 
     pub fn buffer_from<T: Pod>(&self, name: &str, data: &[T]) -> Result<Buffer, GpuError> {

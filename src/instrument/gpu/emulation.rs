@@ -12,14 +12,19 @@ use crate::base::glsl::specialization;
 const VARIABLE: &str = "SPLITSUM_TEST_LIMITS";
 
 /// The limits by name, each a bit of the specialization constant `emulated_limits`.
-pub const LIMITS: [(&str, u32); 6] = [
+pub const LIMITS: [(&str, u32); 9] = [
     ("texel-weights", code::EMULATE_TEXEL_WEIGHTS),
+    ("texel-weights-down", code::EMULATE_TEXEL_WEIGHTS_DOWN),
     ("level-fractions", code::EMULATE_LEVEL_FRACTIONS),
     ("cube-seams", code::EMULATE_CUBE_SEAMS),
+    ("cube-corners", code::EMULATE_CUBE_CORNERS),
     ("half-lookups", code::EMULATE_HALF_LOOKUPS),
     ("elementary", code::EMULATE_ELEMENTARY),
     ("vertex-grid", code::EMULATE_VERTEX_GRID),
+    ("undefined-memory", code::EMULATE_UNDEFINED_MEMORY),
 ];
+/// What `undefined-memory` writes: a NaN as f32 and as half.
+const UNDEFINED_WORD: u32 = u32::MAX;
 
 /// The limits that a device emulates, as bits; 0 emulates none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -52,12 +57,18 @@ impl Emulation {
         if names.is_empty() {
             return info;
         }
-        let has_coarse_weights = self.0 & code::EMULATE_TEXEL_WEIGHTS != 0;
+        let coarse = code::EMULATE_TEXEL_WEIGHTS | code::EMULATE_TEXEL_WEIGHTS_DOWN;
+        let has_coarse_weights = self.0 & coarse != 0;
         DeviceInfo {
             has_exact_filter: info.has_exact_filter && !has_coarse_weights,
             driver: format!("{}, emulating {}", info.driver, names.join(" ")),
             ..info
         }
+    }
+
+    /// Returns the word that new images and buffers hold; none if their memory stays as it comes.
+    pub(super) fn undefined_word(self) -> Option<u32> {
+        (self.0 & code::EMULATE_UNDEFINED_MEMORY != 0).then_some(UNDEFINED_WORD)
     }
 
     /// Returns the specialization constants of a pipeline, 0, 1, ..., with the limits of this

@@ -217,9 +217,26 @@ impl Gpu {
             device: device.clone(),
         };
         inner.memory = Some(self.bind_image_memory(raw, name)?);
-        Ok(Image {
+        let image = Image {
             inner: Arc::new(inner),
-        })
+        };
+        if let Some(word) = self.shared.emulation.undefined_word() {
+            self.spoil_image(&image, word)?;
+        }
+        Ok(image)
+    }
+
+    /// Fills every level of a new floating-point image, so that a shader that reads a texel which
+    /// nobody wrote is noticed. Only the host of a driver for tests does it.
+    fn spoil_image(&self, image: &Image, word: u32) -> Result<(), GpuError> {
+        let is_float = [Format::Rgba32Float, Format::Rgba16Float].contains(&image.inner.format);
+        for mip in (0..image.mip_count()).filter(|_| is_float) {
+            let [width, height] = image.mip_size(mip);
+            let texel_count = width * height * image.face_count();
+            let texels = vec![[f32::from_bits(word); 4]; texel_count as usize];
+            self.write_image(image, mip, &texels)?;
+        }
+        Ok(())
     }
 
     /// Wraps an image of a swapchain, which must outlive it.
