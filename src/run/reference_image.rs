@@ -6,8 +6,8 @@ use super::store::{Exact, ReferenceStop, Scores, Store, StoreError};
 use crate::base::files::content_hash;
 use crate::base::pixels::{GrayImage, PixelsError, Rgb8Image, RgbImage, exr, png};
 use crate::instrument::metrics::{
-    Comparison, Displayed, Epsilon, METRICS, MetricsError, NoiseEffect, Pooling, ReferenceNoise,
-    linear_metrics, noise_floor,
+    Comparison, DEVIATION_MAX, Displayed, Epsilon, METRICS, MetricsError, NoiseEffect, Pooling,
+    ReferenceNoise, linear_metrics, noise_floor,
 };
 use crate::instrument::pipeline::{Frame, RenderRequest};
 use crate::instrument::tonemap::ToneCurve;
@@ -193,10 +193,13 @@ impl ReferenceImage {
         self.bin_floors.get_or_init(compute).clone()
     }
 
-    /// The largest noise floor over the error of an image without noise, both as mean squares, of
-    /// the metrics whose scores have the noise as a sum
-    /// ([`crate::instrument::metrics::Metric::noise_share`]).
-    pub fn noise_beside(&self, radiance: &RgbImage) -> Result<f64, CellFault> {
+    /// How many times the noise of the reference is too much for the scores of an image; at most 1
+    /// if it is exact enough. The variance of the noise divides by this number.
+    ///
+    /// The floor may be `share` of each mean square error without noise
+    /// ([`Metric::noise_share`](crate::instrument::metrics::Metric::noise_share)), and the noise may
+    /// move that error by [`DEVIATION_MAX`] of it.
+    pub fn excess_noise(&self, radiance: &RgbImage, share: f64) -> Result<f64, CellFault> {
         let curve = ToneCurve::default();
         let comparison =
             Comparison::new(radiance, &self.radiance, &self.mask, curve, self.epsilon)?;
@@ -206,7 +209,11 @@ impl ReferenceImage {
         let mut largest: f64 = 0.0;
         for (metric, (name, score)) in metrics.iter().zip(comparison.evaluate(&metrics)) {
             let floor = floors.get(name).map_or(0.0, |floor| floor.0);
-            largest = largest.max(metric.noise_share(score, floor));
+            largest = largest.max(metric.noise_share(score, floor) / share);
+            if let Some(standard_error) = &self.standard_error {
+                let deviation = metric.noise_deviation(&comparison, standard_error);
+                largest = largest.max((deviation / DEVIATION_MAX).powi(2));
+            }
         }
         Ok(largest)
     }

@@ -27,7 +27,7 @@ pub use bins::{ALL_VIEWS, BinRow, N_DOT_V_BIN_EDGES, VIEWS};
 pub use comparison::{Comparison, Displayed, MetricsError};
 pub use epsilon::Epsilon;
 pub use flip::PIXELS_PER_DEGREE;
-pub use noise::{NOISE_SHARE, NoiseUse, ReferenceNoise, Verdict, noise_floor, verdict};
+pub use noise::{DEVIATION_MAX, NOISE_SHARE, NoiseUse, ReferenceNoise, Verdict, noise_floor, verdict};
 pub use tone_mapped::{TONE_MAPPED, curve as tone_mapped_curve};
 pub use weight::{Part, Pooling, Weight};
 
@@ -86,6 +86,9 @@ pub struct Metric {
     /// Expected score of an exact test, caused by the reference's standard error; `None` for
     /// display metrics.
     noise_floor: fn(&ReferenceNoise) -> Option<f64>,
+    /// Derivative of the square of a pixel and channel by the reference there, given the difference
+    /// `t - r` and r, where single pixels can decide the score.
+    noise_slope: Option<fn(Epsilon, f64, f64) -> f64>,
 }
 
 impl Metric {
@@ -108,6 +111,7 @@ impl Metric {
             error: f64::abs,
             evaluate,
             noise_floor: |_| None,
+            noise_slope: None,
         }
     }
 

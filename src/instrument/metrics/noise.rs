@@ -8,7 +8,7 @@
 //! distribution: the three deviations are a point on a sphere, and one coordinate of a uniform
 //! point on a sphere is uniform (the unbiased estimate of \[Kolmogorov50\]).
 
-use super::comparison::{check_size, check_values, masked_pixels};
+use super::comparison::{Comparison, check_size, check_values, masked_pixels};
 use super::{Epsilon, METRICS, Metric, MetricsError, NoiseEffect};
 use crate::base::glsl::constants::SCRAMBLE_COUNT;
 use crate::base::names::listed;
@@ -88,6 +88,10 @@ pub fn noise_floor(
 /// error without noise.
 pub const NOISE_SHARE: f64 = 0.1;
 
+/// Largest standard deviation of a mean square error by the noise of such a reference, besides the
+/// floor, as a share of that error.
+pub const DEVIATION_MAX: f64 = 0.02;
+
 /// What answers do with the noise floor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum NoiseUse {
@@ -153,6 +157,36 @@ impl Metric {
             noise / rest
         } else {
             f64::INFINITY
+        }
+    }
+}
+
+impl Metric {
+    /// Returns the standard deviation of the score by the noise of the reference, to first order,
+    /// as a share of the score, both as mean squares; 0 for metrics that bound each pixel.
+    ///
+    /// The floor is the mean of what the noise adds. A score that few pixels decide moves further:
+    /// with the square q(t, r) of a pixel, independent noise of standard error `se` moves the mean
+    /// of N squares by `sqrt(sum (dq/dr se)²) / N`.
+    pub fn noise_deviation(&self, comparison: &Comparison, standard_error: &RgbImage) -> f64 {
+        let Some(slope) = self.noise_slope else {
+            return 0.0;
+        };
+        let pixels = comparison.pixels();
+        let variance = |&pixel: &usize| {
+            let [t, r] = comparison.radiance(pixel);
+            let moved = |c: usize| {
+                slope(comparison.epsilon(), t[c] - r[c], r[c])
+                    * f64::from(standard_error.data[pixel][c])
+            };
+            (0..3).map(|c| moved(c).powi(2)).sum::<f64>()
+        };
+        let deviation = pixels.iter().map(variance).sum::<f64>().sqrt() / (3 * pixels.len()) as f64;
+        let square = self.squared(self.evaluate(comparison, pixels));
+        if deviation == 0.0 {
+            0.0
+        } else {
+            deviation / square
         }
     }
 }

@@ -14,6 +14,10 @@ pub static RELMSE: Metric = Metric {
     pooling: Pooling::Mean,
     noise: NoiseEffect::Adds,
     noise_floor: |noise| Some(noise.mean(|r, se| noise.epsilon().relative(se * se, r))),
+    noise_slope: Some(|epsilon, difference, r| {
+        let square = epsilon.relative(difference * difference, r);
+        -2.0 * epsilon.relative(difference + r * square, r)
+    }),
     ..Metric::linear(
         "relmse",
         "mean d^2 / (r^2 + 0.01 m^2), m the mean luminance of the environment as it lights the \

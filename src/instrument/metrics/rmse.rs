@@ -8,6 +8,7 @@ pub static RMSE: Metric = Metric {
     pooling: Pooling::RootMean,
     noise: NoiseEffect::Adds,
     noise_floor: |noise| Some(noise.mean(|_, se| se * se).sqrt()),
+    noise_slope: Some(|_, difference, _| -2.0 * difference),
     ..Metric::linear(
         "rmse",
         "sqrt(mean d^2), in units of radiance",

@@ -185,10 +185,9 @@ impl<'p> Run<'p> {
         while count < rounds.last() {
             let reference = self.round(rounds, count, renderer)?;
             // An image without scores fails later.
-            let Ok(noise) = reference.noise_beside(&frame.radiance) else {
+            let Ok(excess) = reference.excess_noise(&frame.radiance, rounds.share) else {
                 break;
             };
-            let excess = noise / rounds.share;
             if excess <= 1.0 {
                 break;
             }
