@@ -4,7 +4,6 @@
 //! So every method and the reference serve a layer, squared errors add, and a reference of the base
 //! serves all layers. A coat lies over emission, emission over sheen, sheen over the base.
 
-use super::lights::AddedLights;
 use super::picture::DeviceRadiance;
 use super::request::Frame;
 use super::{Pipeline, PipelineError, RenderRequest};
@@ -93,10 +92,8 @@ impl RenderRequest {
     }
 
     pub(super) fn composition(&self) -> Composition {
-        if let Some(lit) = self.under_lights() {
-            let unlit = self.unlit();
-            let parts = [unlit.composition(), lit.composition()];
-            return Composition::mixed(AddedLights(unlit), parts);
+        if let Some(lit) = self.lit() {
+            return lit;
         }
         if let Some(layers) = self.coat_layers() {
             return self.coated(layers);

@@ -5,7 +5,7 @@
 //! reference get the same light. Layers divide it as they divide the environment's. Occlusion maps
 //! are about the surroundings, so they do not dim it.
 
-use super::layers::Mixture;
+use super::layers::{Composition, Mixture};
 use super::passes::{clear_radiance, passes, read_radiance};
 use super::picture::{DeviceMixture, DeviceRadiance};
 use super::request::{Frame, FrameTimings, Illumination};
@@ -35,7 +35,7 @@ impl RenderRequest {
     }
 
     /// Returns the request of the image under the scene's lights alone; `None` without any.
-    pub(super) fn under_lights(&self) -> Option<Self> {
+    fn under_lights(&self) -> Option<Self> {
         if !self.scene.has_lights() {
             return None;
         }
@@ -58,6 +58,14 @@ impl RenderRequest {
             given: Given::default(),
             ..request
         })
+    }
+
+    /// Returns the composition with direct lights; `None` without any.
+    pub(super) fn lit(&self) -> Option<Composition> {
+        let under_lights = self.under_lights()?;
+        let unlit = self.unlit();
+        let parts = [unlit.composition(), under_lights.composition()];
+        Some(Composition::mixed(AddedLights(unlit), parts))
     }
 }
 
@@ -120,7 +128,7 @@ impl Pipeline {
 }
 
 /// Adds the image under lights to the one under the environment, whose request it holds.
-pub(super) struct AddedLights(pub(super) RenderRequest);
+struct AddedLights(RenderRequest);
 
 impl Mixture for AddedLights {
     fn on_host(&self, _: &mut Pipeline, frames: &[Frame]) -> Result<Frame, PipelineError> {
