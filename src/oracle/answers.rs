@@ -14,7 +14,7 @@ use crate::instrument::precompute::prefilter::reference::prefilter;
 use crate::instrument::precompute::sh9::reference::project_bilinear_bounded;
 use crate::instrument::precompute::{PrecomputeSettings, exact_quadrature};
 use crate::instrument::shade::Method;
-use crate::instrument::shade::coat::{self, COAT_RENDERERS};
+use crate::instrument::shade::coat::{COAT_RENDERERS, CoatLaw};
 use crate::instrument::shade::reference::{Surface, integrate, specular};
 use crate::instrument::shade::sheen;
 use crate::instrument::shade::twin::Twin;
@@ -228,13 +228,8 @@ fn over_coat(
     let n_dot_v = surface.n.dot(surface.v);
     let pair = dfg(surface.model, surface.masking, n_dot_v, coat.alpha);
     let pair = DVec2::new(pair.f0_scale, pair.f90_scale);
-    let shares = coat::shares(
-        coat.layering,
-        &COAT_RENDERERS[0],
-        coat.weight,
-        n_dot_v,
-        pair,
-    );
+    let law = CoatLaw::new(coat.layering, &COAT_RENDERERS[0]);
+    let shares = law.shares(coat.weight, n_dot_v, pair);
     let f0 = DVec3::splat(coat.layering.f0());
     let directions = [surface.n, surface.v];
     let lobe = Surface::new(surface.model, surface.masking, coat.alpha, f0, directions);

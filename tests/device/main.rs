@@ -41,6 +41,7 @@ mod methods;
 mod mips_twin;
 mod occlusion;
 mod own_method;
+mod pictures;
 mod placement;
 mod prefilter;
 mod probe;

@@ -4,12 +4,13 @@
 use crate::gltf_files::{load, mesh, png, textured};
 use crate::harness::{request, with_pipeline};
 use crate::symmetry::smooth_environment;
+use glam::DVec3;
 use serde_json::json;
 use splitsum::base::glsl::constants::COSINE_MIN;
 use splitsum::base::names::Listed;
 use splitsum::base::pixels::RgbImage;
 use splitsum::instrument::pipeline::{Pipeline, RenderRequest};
-use splitsum::instrument::scene::{CameraKind, Scene};
+use splitsum::instrument::scene::{CameraKind, Light, Scene};
 use splitsum::instrument::shade::occlusion::SpecularOcclusion;
 use splitsum::instrument::shade::{Diffuse, Method};
 
@@ -157,6 +158,32 @@ fn emission_and_black_maps() {
                 r > 0.4 && (r / g - 2.0).abs() < 1e-5 && b == 0.0,
                 "{r} {g} {b}"
             );
+        }
+    });
+}
+
+/// A map is about the surroundings: direct lights keep their light, of all layers.
+#[test]
+fn maps_do_not_dim_direct_lights() {
+    let sun = Light::directional(DVec3::new(-0.3, -0.4, -1.0).normalize(), [3.0, 2.0, 1.0]);
+    let terms = ["split-sum", "sh9"];
+    with_pipeline(|pipeline| {
+        for kind in SpecularOcclusion::all() {
+            let [open, occluded] = [None, Some(51)].map(|map| {
+                let [dark, lit] = [vec![], vec![sun]].map(|lights| {
+                    let scene = square(map, true).lit_by(lights);
+                    radiance(pipeline, &view(scene, *kind, terms))
+                });
+                lit.data
+                    .iter()
+                    .zip(&dark.data)
+                    .map(|(lit, dark)| lit[1] - dark[1])
+                    .collect::<Vec<f32>>()
+            });
+            assert!(open.iter().any(|light| *light > 0.1));
+            for (open, occluded) in open.iter().zip(occluded) {
+                assert!((open - occluded).abs() < 1e-5, "{open} and {occluded}");
+            }
         }
     });
 }

@@ -180,6 +180,48 @@ constants! {
     SHEEN_TOWARD_MOMENT: u32 = 2;
     SHEEN_LEVEL_ALPHA: u32 = 0;
     SHEEN_LEVEL_ROUGHEST: u32 = 1;
+    /// What scales a sheen's lookup, or its base's loss (`shade::sheen::SheenAlbedo`): nothing.
+    SHEEN_ALBEDO_ONE: u32 = 0;
+    /// The exact albedo.
+    SHEEN_ALBEDO_EXACT: u32 = 1;
+    /// Fits of renderers.
+    SHEEN_ALBEDO_THREE: u32 = 2;
+    SHEEN_ALBEDO_PLAYCANVAS: u32 = 3;
+    SHEEN_ALBEDO_MATERIALX: u32 = 4;
+    /// The constant `SHEEN_LOSS`.
+    SHEEN_ALBEDO_CONSTANT: u32 = 5;
+    /// What the base loses to a sheen in PlayCanvas.
+    SHEEN_LOSS: f32 = 0.157;
+    /// What scales a coat, or its base's loss (`shade::coat::CoatWeight`): nothing.
+    COAT_WEIGHT_ONE: u32 = 0;
+    /// Fresnel's reflectance.
+    COAT_WEIGHT_FRESNEL: u32 = 1;
+    /// The albedo.
+    COAT_WEIGHT_ALBEDO: u32 = 2;
+    /// Both.
+    COAT_WEIGHT_FRESNEL_TIMES_ALBEDO: u32 = 3;
+    /// Factor of an occluded specular term (`shade::occlusion::SpecularOcclusion`): the map's value.
+    SPECULAR_OCCLUSION_AO: u32 = 0;
+    /// 1.
+    SPECULAR_OCCLUSION_NONE: u32 = 1;
+    /// Lagarde's.
+    SPECULAR_OCCLUSION_LAGARDE: u32 = 2;
+    /// The common part of two cones.
+    SPECULAR_OCCLUSION_CONE: u32 = 3;
+    /// Terms of an image that is occluded: those that take the factor of the diffuse term.
+    OCCLUDED_REST: u32 = 0;
+    /// The specular term.
+    OCCLUDED_SPECULAR: u32 = 1;
+    /// Both, of which a second image has the specular one alone.
+    OCCLUDED_BOTH: u32 = 2;
+    /// Nodes of a lobe's directional albedo by √(n·v).
+    ALBEDO_NODES: u32 = 65;
+    /// √(n·v) of the first node.
+    ALBEDO_ROOT_MIN: f32 = 0.01;
+    /// Levels of perceptual roughness above 0 of a layer with a map, which has 8 bits.
+    LAYER_LEVELS: u32 = 255;
+    /// In place of the first level of a layer's albedos: they have a row for each material.
+    ALBEDOS_BY_MATERIAL: u32 = 0xffff_ffff;
     /// Of the strips of `split-sum-strips-*`: length and breadth over their share of the widths,
     /// and how far the outermost reach.
     STRIP_LENGTH: f32 = 0.5;

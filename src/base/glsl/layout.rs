@@ -223,6 +223,29 @@ shared_structs! {
         first_row: uint,
         environment_scale: float,
     }
+    /// Push constants of the passes that put images of layers together.
+    LayerParams {
+        /// Eye position (w = 1) or direction to the viewer (w = 0).
+        eye: vec4,
+        width: uint,
+        height: uint,
+        /// Level of perceptual roughness of the first row of albedos;
+        /// `constants::ALBEDOS_BY_MATERIAL` if rows are by material.
+        first_level: uint,
+        /// What scales the layer: one of `constants::COAT_WEIGHT_*` or `SHEEN_ALBEDO_*`.
+        scale: uint,
+        /// What the base loses to it, of the same list.
+        loss: uint,
+        /// 1 if a coat's image is a lookup times its albedo for F = 1, by which it is divided.
+        is_lookup: uint,
+        /// Powers of what a coat leaves of the terms of its base.
+        specular_power: uint,
+        diffuse_power: uint,
+        /// One of `constants::SPECULAR_OCCLUSION_*`.
+        specular_occlusion: uint,
+        /// One of `constants::OCCLUDED_*`.
+        occluded: uint,
+    }
     /// Push constants of the probes, the shaders that tests run.
     ProbeParams {
         count: uint,

@@ -97,21 +97,44 @@ impl<T> From<[Pixels<[T; 4]>; 4]> for Gbuffer<T> {
 impl<T: Copy + Into<f64>> Gbuffer<T> {
     /// Returns 1 for pixels that hit a surface, else 0.
     pub fn mask(&self) -> GrayImage {
-        self.position_mask.map(|texel| texel[3].into() as f32)
+        mask(&self.position_mask)
     }
 
     /// Returns the cosine between normal and view, not clamped; 0 if nothing is hit.
     pub fn n_dot_v(&self, camera: &Camera) -> GrayImage {
-        let xyz = |texel: [T; 4]| DVec3::new(texel[0].into(), texel[1].into(), texel[2].into());
-        let [width, height] = [self.position_mask.width, self.position_mask.height];
-        Pixels::from_fn(width, height, |x, y| {
-            let position = self.position_mask.get(x, y);
-            if position[3].into() == 0.0 {
-                return 0.0;
-            }
-            xyz(self.normal_alpha.get(x, y)).dot(camera.v_at(xyz(position))) as f32
-        })
+        n_dot_v(&self.position_mask, &self.normal_alpha, camera)
     }
+}
+
+impl Surfaces {
+    /// As [`Gbuffer::mask`].
+    pub fn mask(&self) -> GrayImage {
+        mask(&self.position_mask)
+    }
+
+    /// As [`Gbuffer::n_dot_v`].
+    pub fn n_dot_v(&self, camera: &Camera) -> GrayImage {
+        n_dot_v(&self.position_mask, &self.normal_alpha, camera)
+    }
+}
+
+fn mask<T: Copy + Into<f64>>(positions: &Pixels<[T; 4]>) -> GrayImage {
+    positions.map(|texel| texel[3].into() as f32)
+}
+
+fn n_dot_v<T: Copy + Into<f64>>(
+    positions: &Pixels<[T; 4]>,
+    normals: &Pixels<[T; 4]>,
+    camera: &Camera,
+) -> GrayImage {
+    let xyz = |texel: [T; 4]| DVec3::new(texel[0].into(), texel[1].into(), texel[2].into());
+    Pixels::from_fn(positions.width, positions.height, |x, y| {
+        let position = positions.get(x, y);
+        if position[3].into() == 0.0 {
+            return 0.0;
+        }
+        xyz(normals.get(x, y)).dot(camera.v_at(xyz(position))) as f32
+    })
 }
 
 /// Returns the push constants for an image of `size` pixels; `material` is the mesh's (unused by

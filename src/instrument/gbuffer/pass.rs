@@ -63,20 +63,18 @@ pub struct Attachments<'a> {
     size: [u32; 2],
 }
 
+/// The first attachments of a view, in the order of [`ATTACHMENT_NAMES`], and its depth.
 #[derive(Clone)]
-pub struct GbufferImages {
-    /// In the order of [`ATTACHMENT_NAMES`].
-    pub attachments: [Image; 4],
+pub struct ViewImages<const COUNT: usize> {
+    pub attachments: [Image; COUNT],
     depth: Image,
     pub size: [u32; 2],
 }
 
+pub type GbufferImages = ViewImages<4>;
+
 /// Positions and normals of a view without its materials: half the memory of [`GbufferImages`].
-pub struct SurfaceImages {
-    attachments: [Image; 2],
-    depth: Image,
-    size: [u32; 2],
-}
+pub type SurfaceImages = ViewImages<2>;
 
 pub fn record(
     recorder: &mut Recorder,
@@ -229,12 +227,11 @@ fn texture(gpu: &Gpu, texture: &Texture) -> Result<(Image, Wrap), GpuError> {
     Ok((image, texture.wrap))
 }
 
-impl GbufferImages {
-    pub fn new(gpu: &Gpu, size: [u32; 2]) -> Result<Self, GpuError> {
-        let image = |index| attachment(gpu, index, size);
+impl<const COUNT: usize> ViewImages<COUNT> {
+    fn with(gpu: &Gpu, attachments: [Image; COUNT], size: [u32; 2]) -> Result<Self, GpuError> {
         Ok(Self {
-            attachments: [image(0)?, image(1)?, image(2)?, image(3)?],
-            depth: depth(gpu, size)?,
+            attachments,
+            depth: gpu.image("depth", size, 1, Format::Depth32Float)?,
             size,
         })
     }
@@ -245,6 +242,33 @@ impl GbufferImages {
             depth: &self.depth,
             size: self.size,
         }
+    }
+
+    /// Reads positions and normals.
+    pub fn read_surfaces(&self, gpu: &Gpu) -> Result<Surfaces, GpuError> {
+        self.read_surface_rows(gpu, 0..self.size[1])
+    }
+
+    /// Reads some rows of positions and normals.
+    pub fn read_surface_rows(&self, gpu: &Gpu, rows: Range<u32>) -> Result<Surfaces, GpuError> {
+        Ok(Surfaces {
+            position_mask: read_rows(gpu, &self.attachments[0], rows.clone())?,
+            normal_alpha: read_rows(gpu, &self.attachments[1], rows)?,
+        })
+    }
+}
+
+impl SurfaceImages {
+    pub fn new(gpu: &Gpu, size: [u32; 2]) -> Result<Self, GpuError> {
+        let image = |index| attachment(gpu, index, size);
+        Self::with(gpu, [image(0)?, image(1)?], size)
+    }
+}
+
+impl GbufferImages {
+    pub fn new(gpu: &Gpu, size: [u32; 2]) -> Result<Self, GpuError> {
+        let image = |index| attachment(gpu, index, size);
+        Self::with(gpu, [image(0)?, image(1)?, image(2)?, image(3)?], size)
     }
 
     pub fn write(&self, gpu: &Gpu, texels: &Gbuffer<f32>) -> Result<(), GpuError> {
@@ -266,55 +290,11 @@ impl GbufferImages {
         let [a, b, c, d] = &self.attachments;
         Ok([read(a)?, read(b)?, read(c)?, read(d)?].into())
     }
-
-    /// [`GbufferImages::read`] without the materials.
-    pub fn read_surfaces(&self, gpu: &Gpu) -> Result<Surfaces, GpuError> {
-        let [positions, normals, ..] = &self.attachments;
-        read_surfaces(gpu, [positions, normals], 0..self.size[1])
-    }
-}
-
-impl SurfaceImages {
-    pub fn new(gpu: &Gpu, size: [u32; 2]) -> Result<Self, GpuError> {
-        Ok(Self {
-            attachments: [attachment(gpu, 0, size)?, attachment(gpu, 1, size)?],
-            depth: depth(gpu, size)?,
-            size,
-        })
-    }
-
-    pub fn all(&self) -> Attachments<'_> {
-        Attachments {
-            colors: &self.attachments,
-            depth: &self.depth,
-            size: self.size,
-        }
-    }
-
-    /// Reads some rows of the view.
-    pub fn read_rows(&self, gpu: &Gpu, rows: Range<u32>) -> Result<Surfaces, GpuError> {
-        read_surfaces(gpu, self.attachments.each_ref(), rows)
-    }
 }
 
 /// Makes the attachment of an index of [`ATTACHMENT_NAMES`].
 fn attachment(gpu: &Gpu, index: usize, size: [u32; 2]) -> Result<Image, GpuError> {
     gpu.image(ATTACHMENT_NAMES[index], size, 1, Format::Rgba32Float)
-}
-
-fn depth(gpu: &Gpu, size: [u32; 2]) -> Result<Image, GpuError> {
-    gpu.image("depth", size, 1, Format::Depth32Float)
-}
-
-fn read_surfaces(
-    gpu: &Gpu,
-    [positions, normals]: [&Image; 2],
-    rows: Range<u32>,
-) -> Result<Surfaces, GpuError> {
-    Ok(Surfaces {
-        position_mask: read_rows(gpu, positions, rows.clone())?,
-        normal_alpha: read_rows(gpu, normals, rows)?,
-    })
 }
 
 fn read_rows(gpu: &Gpu, image: &Image, rows: Range<u32>) -> Result<Pixels<[f32; 4]>, GpuError> {

@@ -1,6 +1,7 @@
 //! Buffers on the device and in host-visible memory.
 
 use super::device::{Memory, Shared};
+use super::inject::Site;
 use super::sync::State;
 use super::{Gpu, GpuError};
 use ash::vk;
@@ -105,6 +106,16 @@ impl Gpu {
         recorder.submit().map(|_| ())
     }
 
+    /// Returns a copy of a buffer, made on the device.
+    pub fn copied(&self, buffer: &Buffer) -> Result<Buffer, GpuError> {
+        let name = &buffer.inner.name;
+        let copy = self.buffer(name, buffer.size())?;
+        let mut recorder = self.record(name)?;
+        recorder.copy_buffer(buffer, &copy)?;
+        recorder.submit()?;
+        Ok(copy)
+    }
+
     /// Reads the contents of `buffer`, whose size must be a multiple of `T`'s.
     pub fn read_buffer<T: Pod>(&self, buffer: &Buffer) -> Result<Vec<T>, GpuError> {
         let staging = self.readback(&buffer.inner.name, buffer.size())?;
@@ -134,8 +145,14 @@ impl Gpu {
         Ok(buffer)
     }
 
+    /// Counts how often the host read from the device, for tests.
+    pub fn read_count(&self) -> u64 {
+        self.shared.injector.count(Site::Read)
+    }
+
     /// Makes a host-visible buffer to copy to.
     pub(super) fn readback(&self, name: &str, size: u64) -> Result<Buffer, GpuError> {
+        let _counted = self.shared.injector.reach(Site::Read);
         self.create_buffer(
             name,
             size,

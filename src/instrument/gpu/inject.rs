@@ -25,6 +25,8 @@ pub(super) enum Site {
     Allocate,
     Surface,
     Present,
+    /// Memory that the host reads; never fails.
+    Read,
 }
 
 #[derive(Debug)]
@@ -40,7 +42,7 @@ struct Fault {
 #[derive(Debug, Default)]
 pub(super) struct Injector {
     faults: Vec<Fault>,
-    calls: [AtomicU64; 4],
+    calls: [AtomicU64; 5],
 }
 
 impl Injector {
@@ -57,6 +59,11 @@ impl Injector {
             faults: faults.collect::<Result<_, _>>()?,
             calls: Default::default(),
         })
+    }
+
+    /// Returns how often a site was reached.
+    pub(super) fn count(&self, site: Site) -> u64 {
+        self.calls[site as usize].load(Ordering::Relaxed)
     }
 
     /// Counts a call and fails it if a fault is due.

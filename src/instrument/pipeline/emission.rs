@@ -1,7 +1,10 @@
 //! Emission, added to the image-based terms of every method and of the reference.
 
+use super::layers::{Composition, Mixture};
+use super::picture::{DeviceMixture, DeviceRadiance, Weights};
 use super::request::Frame;
 use super::{Pipeline, PipelineError, RenderRequest};
+use crate::base::glsl::layout::LayerParams;
 use std::sync::Arc;
 
 impl RenderRequest {
@@ -15,24 +18,29 @@ impl RenderRequest {
             ..self.clone()
         }
     }
+
+    /// Adds the emission of the scene to a composition without it.
+    pub(super) fn emitting(&self, image: Composition) -> Composition {
+        if self.scene.has_emission() {
+            Composition::mixed(Emission(self.clone()), [image])
+        } else {
+            image
+        }
+    }
 }
 
-impl Pipeline {
-    /// Adds the emission of the request's scene to a frame without it.
-    pub(super) fn with_emission(
-        &mut self,
-        request: &RenderRequest,
-        mut frame: Frame,
-    ) -> Result<Frame, PipelineError> {
-        if !request.scene.has_emission() {
-            return Ok(frame);
-        }
+/// Adds the emission of a request's scene to its image.
+struct Emission(RenderRequest);
+
+impl Mixture for Emission {
+    fn on_host(&self, pipeline: &mut Pipeline, frames: &[Frame]) -> Result<Frame, PipelineError> {
+        let mut frame = frames[0].clone();
         let emitting = RenderRequest {
-            scene: Arc::new(request.scene.emission()),
-            ..request.clone()
+            scene: Arc::new(self.0.scene.emission()),
+            ..self.0.clone()
         };
-        let (_, target) = self.resources.view(&self.gpu, &emitting)?;
-        let emission = target.gbuffer.read(&self.gpu)?.albedo_metallic;
+        let (_, target) = pipeline.resources.view(&pipeline.gpu, &emitting)?;
+        let emission = target.gbuffer.read(&pipeline.gpu)?.albedo_metallic;
         let pixels = frame.radiance.data.iter_mut().zip(&frame.mask.data);
         for ((radiance, mask), emission) in pixels.zip(&emission.data) {
             if *mask == 1.0 {
@@ -40,5 +48,20 @@ impl Pipeline {
             }
         }
         Ok(frame)
+    }
+
+    fn on_device(
+        &self,
+        pipeline: &mut Pipeline,
+        images: &[DeviceRadiance],
+    ) -> Result<DeviceRadiance, PipelineError> {
+        pipeline.mixed_on_device(&DeviceMixture {
+            shader: "shade/layers/emission.comp",
+            images: &[&images[0]],
+            layer: &self.0.dark(),
+            weights: Some(Weights::albedo(self.0.scene.emission())),
+            lobe: None,
+            params: LayerParams::default(),
+        })
     }
 }

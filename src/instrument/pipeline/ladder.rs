@@ -75,8 +75,9 @@ impl Pipeline {
             panic!("one term of the reference")
         };
         let pairs = pair_count(request.reference_samples)?;
-        let scrambles =
-            reference_run(request, &prepared, reference).scrambles(&self.gpu, lobe, pairs)?;
+        let mask = prepared.target.coverage(&self.gpu)?.mask;
+        let scrambles = reference_run(request, &prepared, reference, &mask)
+            .scrambles(&self.gpu, lobe, pairs)?;
         let radiance = |image: Vec<[f32; 4]>| {
             image
                 .into_iter()

@@ -5,10 +5,15 @@
 //! reference get the same light. Layers divide it as they divide the environment's. Occlusion maps
 //! are about the surroundings, so they do not dim it.
 
+use super::layers::{Composition, Mixture};
 use super::passes::{clear_radiance, passes, read_radiance};
+use super::picture::{DeviceMixture, DeviceRadiance};
 use super::request::{Frame, FrameTimings, Illumination};
+use super::resources::{Coverage, Prepared};
 use super::{Pipeline, PipelineError, RenderRequest};
+use crate::base::glsl::layout::LayerParams;
 use crate::base::names::Listed;
+use crate::instrument::gpu::Report;
 use crate::instrument::precompute::PrecomputeSettings;
 use crate::instrument::precompute::given::Given;
 use crate::instrument::scene::Light;
@@ -54,26 +59,17 @@ impl RenderRequest {
             ..request
         })
     }
+
+    /// Returns the composition with direct lights; `None` without any.
+    pub(super) fn lit(&self) -> Option<Composition> {
+        let under_lights = self.under_lights()?;
+        let unlit = self.unlit();
+        let parts = [unlit.composition(), under_lights.composition()];
+        Some(Composition::mixed(AddedLights(unlit), parts))
+    }
 }
 
 impl Pipeline {
-    /// Adds the light of the request's lights to a frame without it.
-    pub(super) fn with_lights(
-        &mut self,
-        request: &RenderRequest,
-        mut frame: Frame,
-    ) -> Result<Frame, PipelineError> {
-        let Some(under_lights) = request.under_lights() else {
-            return Ok(frame);
-        };
-        let lit = self.render_layers(&under_lights)?;
-        let pixels = frame.radiance.data.iter_mut().zip(&lit.radiance.data);
-        for (radiance, light) in pixels {
-            (0..3).for_each(|c| radiance[c] += light[c]);
-        }
-        Ok(frame.after(lit))
-    }
-
     /// Renders the terms of one layer under direct lights.
     pub(super) fn render_under_lights(
         &mut self,
@@ -89,9 +85,34 @@ impl Pipeline {
         lights: &[Light],
     ) -> Result<Frame, PipelineError> {
         let prepared = self.prepare(request)?;
+        let report = self.shade_lights(request, &prepared, lights)?;
+        let images = read_radiance(&self.gpu, &prepared, request)?;
+        let Coverage { mask, n_dot_v } = prepared.target.coverage(&self.gpu)?;
+        Ok(Frame {
+            radiance: images.radiance,
+            standard_error: None,
+            convergences: Vec::new(),
+            mask,
+            n_dot_v,
+            steadiness: None,
+            timings: FrameTimings {
+                precompute: prepared.precompute.passes,
+                frame: report.passes,
+                wall_ms: report.wall_ms,
+            },
+        })
+    }
+
+    /// Runs the passes of direct lights; the radiance stays in the target.
+    pub(super) fn shade_lights(
+        &self,
+        request: &RenderRequest,
+        prepared: &Prepared,
+        lights: &[Light],
+    ) -> Result<Report, PipelineError> {
         let gpu = &self.gpu;
-        let passes = passes(request, &prepared);
-        let mut report = clear_radiance(gpu, &prepared)?;
+        let passes = passes(request, prepared);
+        let mut report = clear_radiance(gpu, prepared)?;
         let lights = LightBuffer::new(gpu, lights)?;
         for lobe in &prepared.lobes {
             let shader = lobe.lights_shader(request.shading.brdf);
@@ -102,19 +123,35 @@ impl Pipeline {
                 })?);
             }
         }
-        let images = read_radiance(gpu, &prepared, request)?;
-        Ok(Frame {
-            radiance: images.radiance,
-            standard_error: None,
-            convergences: Vec::new(),
-            mask: prepared.target.mask.clone(),
-            n_dot_v: prepared.target.n_dot_v.clone(),
-            steadiness: None,
-            timings: FrameTimings {
-                precompute: prepared.precompute.passes,
-                frame: report.passes,
-                wall_ms: report.wall_ms,
-            },
+        Ok(report)
+    }
+}
+
+/// Adds the image under lights to the one under the environment, whose request it holds.
+struct AddedLights(RenderRequest);
+
+impl Mixture for AddedLights {
+    fn on_host(&self, _: &mut Pipeline, frames: &[Frame]) -> Result<Frame, PipelineError> {
+        let mut frame = frames[0].clone();
+        let pixels = frame.radiance.data.iter_mut().zip(&frames[1].radiance.data);
+        for (radiance, light) in pixels {
+            (0..3).for_each(|c| radiance[c] += light[c]);
+        }
+        Ok(frame)
+    }
+
+    fn on_device(
+        &self,
+        pipeline: &mut Pipeline,
+        images: &[DeviceRadiance],
+    ) -> Result<DeviceRadiance, PipelineError> {
+        pipeline.mixed_on_device(&DeviceMixture {
+            shader: "shade/layers/lights.comp",
+            images: &[&images[0], &images[1]],
+            layer: &self.0,
+            weights: None,
+            lobe: None,
+            params: LayerParams::default(),
         })
     }
 }

@@ -40,7 +40,7 @@ pub use error::PipelineError;
 pub use fit::{BUFFER_BYTES_EVERYWHERE, BUFFER_BYTES_MAX, image_buffer_bytes};
 pub use intermediate::{Encoding, Extent, Intermediate, IntermediateImage, Selection};
 pub use light_tables::LightTables;
-pub use picture::DevicePicture;
+pub use picture::{DevicePicture, DeviceRadiance};
 pub use request::{Frame, FrameTimings, Illumination, RenderRequest, Steadiness, TimingSamples};
 pub use shared_work::SharedWork;
 
@@ -50,7 +50,7 @@ use crate::instrument::shade::reference_pass::Drawn;
 use crate::instrument::tonemap::{self, ToneCurve};
 use kept_reference::Reference;
 use passes::{RadianceImages, Shaded, read_radiance};
-use resources::{Prepared, Resources};
+use resources::{Coverage, Prepared, Resources};
 use shared_work::Kept;
 use std::collections::BTreeSet;
 use std::sync::Arc;
@@ -185,7 +185,7 @@ impl Pipeline {
         if request.is_sequence() {
             return self.render_frames(request);
         }
-        let frame = self.render_layers(request)?;
+        let frame = self.composed(&request.composition())?;
         if !request.is_antialiased() {
             return Ok(frame);
         }
@@ -214,12 +214,13 @@ impl Pipeline {
         }) = kept
         {
             let (_, target) = self.resources.view(&self.gpu, request)?;
+            let Coverage { mask, n_dot_v } = target.coverage(&self.gpu)?;
             return Ok(Frame {
                 radiance,
                 standard_error,
                 convergences,
-                mask: target.mask.clone(),
-                n_dot_v: target.n_dot_v.clone(),
+                mask,
+                n_dot_v,
                 steadiness: None,
                 timings: FrameTimings::default(),
             });
@@ -260,12 +261,13 @@ impl Pipeline {
             radiance,
             standard_error,
         } = read_radiance(&self.gpu, &prepared, request)?;
+        let Coverage { mask, n_dot_v } = prepared.target.coverage(&self.gpu)?;
         let frame = Frame {
             radiance,
             standard_error,
             convergences,
-            mask: prepared.target.mask.clone(),
-            n_dot_v: prepared.target.n_dot_v.clone(),
+            mask,
+            n_dot_v,
             steadiness: None,
             timings: FrameTimings {
                 precompute: prepared.precompute.passes,

@@ -1,10 +1,12 @@
 //! Ambient occlusion of the image-based terms (`crate::instrument::shade::occlusion`): factors of
 //! the specular term and of the rest, for every method and the reference.
 
-use super::layers::combined;
+use super::layers::{Composition, Mixture, combined};
+use super::picture::{DeviceMixture, DeviceRadiance, Weights};
 use super::request::Frame;
 use super::{Pipeline, PipelineError, RenderRequest};
-use crate::base::glsl::constants::COSINE_MIN;
+use crate::base::glsl::constants::{COSINE_MIN, OCCLUDED_BOTH, OCCLUDED_REST, OCCLUDED_SPECULAR};
+use crate::base::glsl::layout::LayerParams;
 use crate::base::names::Listed;
 use crate::instrument::shade::occlusion::SpecularOcclusion;
 use crate::instrument::shade::{Diffuse, NONE, Shading};
@@ -25,10 +27,7 @@ impl RenderRequest {
         if !self.scene.has_occlusion() {
             return None;
         }
-        let whole = Self {
-            scene: Arc::new(self.scene.unoccluded()),
-            ..self.clone()
-        };
+        let whole = self.unoccluded();
         let Shading {
             method,
             diffuse,
@@ -42,46 +41,77 @@ impl RenderRequest {
         Some(OcclusionLayers { whole, specular })
     }
 
-    /// Returns the requests of the images that the occluded image is made of.
-    pub(super) fn occluded_layers(&self) -> Vec<Self> {
-        match self.occlusion_layers() {
-            Some(OcclusionLayers { whole, specular }) => {
-                std::iter::once(whole).chain(specular).collect()
-            }
-            None => vec![self.clone()],
+    fn unoccluded(&self) -> Self {
+        Self {
+            scene: Arc::new(self.scene.unoccluded()),
+            ..self.clone()
         }
+    }
+
+    /// Returns the composition of a surface's terms, occluded.
+    pub(super) fn occluded(&self) -> Composition {
+        let Some(OcclusionLayers { whole, specular }) = self.occlusion_layers() else {
+            return Composition::Points(Box::new(self.clone()));
+        };
+        let parts = std::iter::once(whole).chain(specular);
+        let parts: Vec<_> = parts
+            .map(|request| Composition::Points(Box::new(request)))
+            .collect();
+        Composition::mixed(Occlusion(self.clone()), parts)
     }
 }
 
-impl Pipeline {
-    /// Renders the terms of a surface, occluded.
-    pub(super) fn render_occluded(
-        &mut self,
-        request: &RenderRequest,
-    ) -> Result<Frame, PipelineError> {
-        let Some(OcclusionLayers { whole, specular }) = request.occlusion_layers() else {
-            return self.render_points(request);
-        };
-        let whole = self.render_points(&whole)?;
-        let factors = self.occlusion_factors(request, &whole)?;
-        let Some(specular) = specular else {
-            let is_specular = request.shading.diffuse.is_none();
+/// Occludes the terms of a request's image. A second image has the specular term alone.
+struct Occlusion(RenderRequest);
+
+impl Mixture for Occlusion {
+    fn on_host(&self, pipeline: &mut Pipeline, frames: &[Frame]) -> Result<Frame, PipelineError> {
+        let factors = pipeline.occlusion_factors(&self.0, &frames[0])?;
+        let [whole, specular] = frames else {
+            let is_specular = self.0.shading.diffuse.is_none();
             let share = |Factors { specular, rest }| if is_specular { specular } else { rest };
             let shares: Vec<[DVec3; 1]> = factors
                 .into_iter()
                 .map(|factors| [DVec3::splat(share(factors))])
                 .collect();
-            return Ok(combined([&whole], &shares));
+            return Ok(combined([&frames[0]], &shares));
         };
-        let specular = self.render_points(&specular)?;
         // The rest is what `whole` has beyond `specular`.
         let shares: Vec<[DVec3; 2]> = factors
             .into_iter()
             .map(|Factors { specular, rest }| [rest, specular - rest].map(DVec3::splat))
             .collect();
-        Ok(combined([&whole, &specular], &shares).after(specular))
+        Ok(combined([whole, specular], &shares))
     }
 
+    fn on_device(
+        &self,
+        pipeline: &mut Pipeline,
+        images: &[DeviceRadiance],
+    ) -> Result<DeviceRadiance, PipelineError> {
+        let shading = &self.0.shading;
+        let occluded = match images {
+            [_, _] => OCCLUDED_BOTH,
+            _ if shading.diffuse.is_none() => OCCLUDED_SPECULAR,
+            _ => OCCLUDED_REST,
+        };
+        let images: Vec<&DeviceRadiance> = images.iter().collect();
+        pipeline.mixed_on_device(&DeviceMixture {
+            shader: "shade/layers/occlusion.comp",
+            images: &images,
+            layer: &self.0.unoccluded(),
+            weights: Some(Weights::albedo(self.0.scene.occlusions())),
+            lobe: None,
+            params: LayerParams {
+                specular_occlusion: shading.specular_occlusion as u32,
+                occluded,
+                ..LayerParams::default()
+            },
+        })
+    }
+}
+
+impl Pipeline {
     /// Reads the factors at each pixel; 1 off the surfaces, whose background stays.
     fn occlusion_factors(
         &mut self,

@@ -3,7 +3,7 @@
 use super::resources::{Prepared, ReferenceData};
 use super::{Pipeline, PipelineError, RenderRequest};
 use crate::base::glsl::constants::POINTS_PER_DISPATCH;
-use crate::base::pixels::{Pixels, RgbImage};
+use crate::base::pixels::{GrayImage, Pixels, RgbImage};
 use crate::instrument::gpu::{Buffer, Gpu, Report};
 use crate::instrument::shade::pass::{DIFFUSE_PASS, Passes, SPECULAR_PASS};
 use crate::instrument::shade::reference_pass::{Convergence, Drawn, ReferenceRun, TermRun};
@@ -51,7 +51,8 @@ impl Pipeline {
             let mut recorder = gpu.record("reference")?;
             recorder.fill(&reference.squared_error, 0);
             report.add(recorder.submit()?);
-            let run = reference_run(request, prepared, reference);
+            let mask = prepared.target.coverage(gpu)?.mask;
+            let run = reference_run(request, prepared, reference, &mask);
             for (index, lobe) in prepared.lobes.iter().enumerate() {
                 let TermRun {
                     report: times,
@@ -110,6 +111,7 @@ pub(super) fn reference_run<'a>(
     request: &'a RenderRequest,
     prepared: &'a Prepared,
     reference: &'a ReferenceData,
+    mask: &'a GrayImage,
 ) -> ReferenceRun<'a> {
     let ReferenceData {
         distribution,
@@ -121,7 +123,7 @@ pub(super) fn reference_run<'a>(
         stop: request.reference_stop(),
         epsilon: request.epsilon(),
         seed: request.seed,
-        mask: &prepared.target.mask,
+        mask,
         distribution,
         sums,
         squared_error,

@@ -15,13 +15,14 @@ use crate::instrument::gbuffer::pass::{
 use crate::instrument::gpu::{Buffer, Gpu, GpuError, Image, Report};
 use crate::instrument::precompute::points::Points;
 use crate::instrument::scene::Material;
+use crate::instrument::shade::layer_pass::vec4_bytes;
 use crate::instrument::shade::metallic::MetallicMix;
 use crate::instrument::shade::pass::Tables;
 use crate::instrument::shade::reference_pass::{DistributionBuffers, Sums, pair_count};
 use crate::instrument::shade::{PointTable, Shading};
 use std::collections::BTreeSet;
 use std::convert::Infallible;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 impl Resources {
     /// Makes all inputs of the shading passes, or takes them from the caches.
@@ -263,7 +264,7 @@ impl Resources {
         gbuffer_pass::record(&mut recorder, &scene, &request.camera, points.all())?;
         recorder.submit()?;
         let pixels = target.gbuffer.read_surfaces(gpu)?;
-        let read = |rows| points.read_rows(gpu, rows);
+        let read = |rows| points.read_surface_rows(gpu, rows);
         let edges = Arc::new(Edges::find(&pixels, &request.camera, read)?);
         self.edges.get_or_make(key, || Ok(edges))
     }
@@ -272,20 +273,18 @@ impl Resources {
 /// Makes the targets of a view and draws its g-buffer.
 fn target(gpu: &Gpu, request: &RenderRequest, scene: &SceneData) -> Result<Arc<Target>, GpuError> {
     let gbuffer = GbufferImages::new(gpu, request.size)?;
-    let (texels, shaders) = if request.scene.is_design {
-        let texels = design::gbuffer(&request.scene, request.size);
-        gbuffer.write(gpu, &texels)?;
-        (texels, BTreeSet::new())
+    let shaders = if request.scene.is_design {
+        gbuffer.write(gpu, &design::gbuffer(&request.scene, request.size))?;
+        BTreeSet::new()
     } else {
-        let report = draw_gbuffer(gpu, request, scene, &gbuffer)?;
-        (gbuffer.read(gpu)?, report.shaders)
+        draw_gbuffer(gpu, request, scene, &gbuffer)?.shaders
     };
     Ok(Arc::new(Target {
         gbuffer,
         shaders,
         radiance: gpu.buffer("radiance", vec4_bytes(request.size))?,
-        mask: Arc::new(texels.mask()),
-        n_dot_v: Arc::new(texels.n_dot_v(&request.camera)),
+        camera: request.camera,
+        coverage: OnceLock::new(),
     }))
 }
 
@@ -301,11 +300,6 @@ pub(super) fn draw_gbuffer(
         gbuffer_pass::record(recorder, scene, &request.camera, images.all())
     })?;
     recorder.submit()
-}
-
-/// Bytes of a vec4 of f32 for each pixel.
-fn vec4_bytes([width, height]: [u32; 2]) -> u64 {
-    16 * u64::from(width) * u64::from(height)
 }
 
 fn validate(request: &RenderRequest) -> Result<(), PipelineError> {

@@ -17,11 +17,12 @@ use crate::instrument::precompute::dfg::Albedos;
 use crate::instrument::precompute::points::Points;
 use crate::instrument::precompute::prefilter::{Kernel, harmonic};
 use crate::instrument::scene::{Camera, Scene};
+use crate::instrument::shade::layer_pass::LayerAlbedos;
 use crate::instrument::shade::pass::Tables;
 use crate::instrument::shade::reference_pass::{DistributionBuffers, Lobe, Sums};
 use std::collections::BTreeSet;
 use std::convert::Infallible;
-use std::sync::Arc;
+use std::sync::{Arc, OnceLock};
 
 pub(super) struct Shelves {
     /// Radiance with its mips.
@@ -92,6 +93,7 @@ pub(super) struct Resources {
     pub(super) steps: Recent<String, Arc<Radiance>>,
     /// Independent of the light.
     pub(super) albedos: Recent<String, Arc<Albedos>>,
+    pub(super) layer_albedos: Recent<String, LayerAlbedos>,
     pub(super) scenes: Recent<String, Arc<SceneData>>,
     /// [`Scene::tangents`] by the scene.
     pub(super) tangents: Recent<String, Arc<Scene>>,
@@ -117,11 +119,31 @@ pub(super) struct Target {
     pub(super) shaders: BTreeSet<String>,
     /// A vec4 per pixel.
     pub(super) radiance: Buffer,
+    pub(super) camera: Camera,
+    /// Read when it is first asked for: pictures that stay on the device need none.
+    pub(super) coverage: OnceLock<Coverage>,
+}
+
+/// Where the surfaces of a view are.
+#[derive(Clone)]
+pub(super) struct Coverage {
     pub(super) mask: Arc<GrayImage>,
     pub(super) n_dot_v: Arc<GrayImage>,
 }
 
 impl Target {
+    pub(super) fn coverage(&self, gpu: &Gpu) -> Result<Coverage, GpuError> {
+        if let Some(known) = self.coverage.get() {
+            return Ok(known.clone());
+        }
+        let surfaces = self.gbuffer.read_surfaces(gpu)?;
+        let read = Coverage {
+            mask: Arc::new(surfaces.mask()),
+            n_dot_v: Arc::new(surfaces.n_dot_v(&self.camera)),
+        };
+        Ok(self.coverage.get_or_init(|| read).clone())
+    }
+
     fn bytes(&self) -> u64 {
         // Four attachments, depth and radiance; mask and n·v on the host.
         image_buffer_bytes(self.gbuffer.size) * 6
@@ -152,6 +174,7 @@ impl Resources {
             points: Recent::new(16),
             steps: Recent::new(6),
             albedos: Recent::new(32),
+            layer_albedos: Recent::new(8),
             scenes: Recent::new(4),
             tangents: Recent::new(2),
             targets: Recent::weighed(4, |target: &Arc<Target>| target.bytes()),
@@ -185,6 +208,7 @@ impl Resources {
         self.distributions.clear();
         self.points.clear();
         self.steps.clear();
+        self.layer_albedos.clear();
         self.scenes.clear();
         self.targets.clear();
         self.edges.clear();

@@ -1,8 +1,10 @@
 //! Sheen: the base and the sheen, added with the shares of [`crate::instrument::shade::sheen`].
 
-use super::layers::combined;
+use super::layers::{Composition, Mixture, combined};
+use super::picture::{DeviceMixture, DeviceRadiance, LayerLobe, Weights};
 use super::request::Frame;
 use super::{Pipeline, PipelineError, RenderRequest};
+use crate::base::glsl::layout::LayerParams;
 use crate::base::names::Listed;
 use crate::instrument::brdf::{
     Compensation, Fresnel, MaskingShadowing, SHEEN_ALPHA_MIN, SheenVisibility,
@@ -11,7 +13,7 @@ use crate::instrument::precompute::PrefilterBy;
 use crate::instrument::precompute::given::Given;
 use crate::instrument::precompute::prefilter::WEIGHTS;
 use crate::instrument::shade::occlusion::SpecularOcclusion;
-use crate::instrument::shade::sheen::{SheenMap, shares};
+use crate::instrument::shade::sheen::{SheenLookup, SheenMap, albedos_of, shares};
 use crate::instrument::shade::{Diffuse, Method, NONE, Shading};
 use glam::DVec3;
 use std::sync::Arc;
@@ -82,31 +84,50 @@ fn listed_visibility(visibility: SheenVisibility) -> &'static SheenVisibility {
     SheenVisibility::listed(Listed::name(&visibility))
 }
 
-impl Pipeline {
-    /// Renders the base and the sheen of `request`, and adds them.
-    pub(super) fn render_sheened(
-        &mut self,
-        request: &RenderRequest,
-        [base, sheen]: &[RenderRequest; 2],
-    ) -> Result<Frame, PipelineError> {
-        let Shading {
-            sheen_visibility,
-            sheen_lookup,
-            method,
-            ..
-        } = request.shading;
-        let under = self.render_layers(base)?;
-        let over = self.render_occluded(sheen)?;
-        let mut pixels = self.layer_pixels(sheen, &over, request.scene.sheen_colors())?;
+/// A sheen over its base: the base and the sheen.
+struct SheenMixture {
+    request: RenderRequest,
+    sheen: RenderRequest,
+}
+
+impl RenderRequest {
+    /// Returns the composition of the base and the sheen.
+    pub(super) fn sheened(&self, [base, sheen]: [Self; 2]) -> Composition {
+        let parts = [base.composition(), sheen.occluded()];
+        let mixture = SheenMixture {
+            request: self.clone(),
+            sheen,
+        };
+        Composition::mixed(mixture, parts)
+    }
+}
+
+impl SheenMixture {
+    fn lookup(&self) -> Option<&'static SheenLookup> {
+        let shading = &self.request.shading;
+        shading.method.has_pass().then_some(shading.sheen_lookup)
+    }
+
+    fn lobe(&self) -> LayerLobe {
+        LayerLobe {
+            model: listed_visibility(self.request.shading.sheen_visibility),
+            masking: MaskingShadowing::Correlated,
+            alpha_min: SHEEN_ALPHA_MIN,
+        }
+    }
+}
+
+impl Mixture for SheenMixture {
+    fn on_host(&self, pipeline: &mut Pipeline, frames: &[Frame]) -> Result<Frame, PipelineError> {
+        let [under, over] = [&frames[0], &frames[1]];
+        let lobe = self.lobe();
+        let colors = self.request.scene.sheen_colors();
+        let mut pixels = pipeline.layer_pixels(&self.sheen, over, colors)?;
         pixels
             .iter_mut()
-            .for_each(|pixel| pixel.alpha = pixel.alpha.max(SHEEN_ALPHA_MIN));
-        let lookup = method.has_pass().then_some(sheen_lookup);
-        let pairs = self.layer_albedos(
-            listed_visibility(sheen_visibility),
-            MaskingShadowing::Correlated,
-            &pixels,
-        );
+            .for_each(|pixel| pixel.alpha = pixel.alpha.max(lobe.alpha_min));
+        let lookup = self.lookup();
+        let pairs = pipeline.layer_albedos(lobe.model, lobe.masking, &pixels);
         let shares = pixels.iter().zip(pairs).map(|(pixel, pair)| {
             let shares = shares(
                 lookup,
@@ -118,6 +139,26 @@ impl Pipeline {
             [shares.base, shares.sheen]
         });
         let shares: Vec<[DVec3; 2]> = shares.collect();
-        Ok(combined([&under, &over], &shares).after(over))
+        Ok(combined([under, over], &shares))
+    }
+
+    fn on_device(
+        &self,
+        pipeline: &mut Pipeline,
+        images: &[DeviceRadiance],
+    ) -> Result<DeviceRadiance, PipelineError> {
+        let [scale, loss] = albedos_of(self.lookup()).map(|albedo| albedo as u32);
+        pipeline.mixed_on_device(&DeviceMixture {
+            shader: "shade/layers/sheen.comp",
+            images: &[&images[0], &images[1]],
+            layer: &self.sheen,
+            weights: Some(Weights::albedo(self.request.scene.sheen_colors())),
+            lobe: Some(self.lobe()),
+            params: LayerParams {
+                scale,
+                loss,
+                ..LayerParams::default()
+            },
+        })
     }
 }

@@ -2,9 +2,11 @@
 //! image with the whole interface, and 1 - w times the image without a specular term. Fresnel's term
 //! is linear in both, so this is the model itself, for every method and the reference.
 
-use super::layers::combined;
+use super::layers::{Composition, Mixture, combined};
+use super::picture::{DeviceMixture, DeviceRadiance, Weights};
 use super::request::Frame;
 use super::{Pipeline, PipelineError, RenderRequest};
+use crate::base::glsl::layout::LayerParams;
 use crate::base::names::Listed;
 use crate::instrument::brdf::Compensation;
 use crate::instrument::scene::Scene;
@@ -30,29 +32,56 @@ impl RenderRequest {
         });
         Some([self.clone(), without])
     }
+
+    /// Returns the composition of the base.
+    pub(super) fn base(&self) -> Composition {
+        match self.specular_layers() {
+            Some(layers) => {
+                let parts = layers.map(|layer| layer.occluded());
+                Composition::mixed(Interface(self.clone()), parts)
+            }
+            None => self.occluded(),
+        }
+    }
 }
 
-impl Pipeline {
-    /// Renders the layers of the base.
-    pub(super) fn render_base(&mut self, request: &RenderRequest) -> Result<Frame, PipelineError> {
-        let Some([whole, without]) = request.specular_layers() else {
-            return self.render_occluded(request);
-        };
-        let whole = self.render_occluded(&whole)?;
-        let mut without = self.render_occluded(&without)?;
+/// Mixes the images with the whole interface and without one.
+struct Interface(RenderRequest);
+
+impl Mixture for Interface {
+    fn on_host(&self, pipeline: &mut Pipeline, frames: &[Frame]) -> Result<Frame, PipelineError> {
+        let whole = &frames[0];
+        let mut without = frames[1].clone();
         if without.standard_error.is_none() {
             // No term of it is a reference: it is exact.
             let errors = whole.standard_error.as_ref();
             without.standard_error = errors.map(|errors| errors.map(|_| [0.0; 3]));
         }
-        let weights = self.interface_weights(request, request.scene.specular_weights())?;
+        let weights = pipeline.interface_weights(&self.0, self.0.scene.specular_weights())?;
         let shares: Vec<[DVec3; 2]> = weights
             .into_iter()
             .map(|weight| [weight, 1.0 - weight].map(DVec3::splat))
             .collect();
-        Ok(combined([&whole, &without], &shares).after(without))
+        Ok(combined([whole, &without], &shares))
     }
 
+    fn on_device(
+        &self,
+        pipeline: &mut Pipeline,
+        images: &[DeviceRadiance],
+    ) -> Result<DeviceRadiance, PipelineError> {
+        pipeline.mixed_on_device(&DeviceMixture {
+            shader: "shade/layers/interface.comp",
+            images: &[&images[0], &images[1]],
+            layer: &self.0,
+            weights: Some(Weights::f0(self.0.scene.specular_weights())),
+            lobe: None,
+            params: LayerParams::default(),
+        })
+    }
+}
+
+impl Pipeline {
     /// Reads the share of the interface at each pixel; 1 off the surfaces, whose background stays.
     fn interface_weights(
         &mut self,

@@ -13,13 +13,14 @@
 //! The base loses light once, diffuse term included. Refraction, absorption and light between the
 //! layers are left out.
 
+use crate::base::glsl::constants as code;
 use crate::base::names::listed;
 use crate::instrument::brdf::{RoughnessUnderCoat, UnderCoatLaw, f_schlick};
 use glam::{DVec2, DVec3};
 
 /// F0 of every coat: index of refraction 1.5.
 pub const COAT_F0: f64 = 0.04;
-const _: () = assert!(COAT_F0 as f32 == crate::base::glsl::constants::COAT_F0);
+const _: () = assert!(COAT_F0 as f32 == code::COAT_F0);
 
 /// The exact radiance of a coated surface.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
@@ -51,13 +52,16 @@ impl CoatLayering {
 
 /// The reflectance that scales a coat's lookup, or that the base loses.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
 pub enum CoatWeight {
+    /// 1: the coat's integral has its F0.
+    One = code::COAT_WEIGHT_ONE,
     /// Schlick's F at n_c·v.
-    Fresnel,
+    Fresnel = code::COAT_WEIGHT_FRESNEL,
     /// `0.04 A + B`, of the DFG table.
-    Albedo,
+    Albedo = code::COAT_WEIGHT_ALBEDO,
     /// The product of both.
-    FresnelTimesAlbedo,
+    FresnelTimesAlbedo = code::COAT_WEIGHT_FRESNEL_TIMES_ALBEDO,
 }
 
 impl CoatWeight {
@@ -66,6 +70,7 @@ impl CoatWeight {
         let fresnel = f_schlick(DVec3::splat(COAT_F0), n_dot_v).x;
         let albedo = COAT_F0 * pair.x + pair.y;
         match self {
+            Self::One => 1.0,
             Self::Fresnel => fresnel,
             Self::Albedo => albedo,
             Self::FresnelTimesAlbedo => fresnel * albedo,
@@ -89,9 +94,9 @@ pub struct CoatRenderer {
     /// The reflectance w that the base loses: a term of the base is scaled by `(1 - c w)^power`.
     pub loss: CoatWeight,
     /// Power for the specular term.
-    pub specular_power: i32,
+    pub specular_power: u32,
     /// Power for the diffuse term.
-    pub diffuse_power: i32,
+    pub diffuse_power: u32,
     /// What it does to F0 and roughness of the base.
     pub base: UnderCoatLaw,
 }
@@ -147,7 +152,7 @@ pub static COAT_RENDERERS: &[CoatRenderer] = &[
         about: "EvaluateBSDF_Env of HDRP's Lit: a mirror over a base of less F0, widened by \
                 refraction, its specular term attenuated twice and its diffuse term never",
         lookup: Some("split-sum"),
-        alpha: |_| crate::base::glsl::constants::ALPHA_MIN,
+        alpha: |_| code::ALPHA_MIN,
         specular_power: 2,
         diffuse_power: 0,
         base: UnderCoatLaw {
@@ -205,29 +210,50 @@ pub struct CoatShares {
     pub coat: f64,
 }
 
-/// Returns the shares for a coat of weight `weight` at μ = n_c·v; `pair` is its (A, B).
-pub fn shares(
-    layering: CoatLayering,
-    renderer: &CoatRenderer,
-    weight: f64,
-    n_dot_v: f64,
-    pair: DVec2,
-) -> CoatShares {
-    let is_exact = renderer.lookup.is_none();
-    let loss = if is_exact {
-        layering.loss()
-    } else {
-        renderer.loss
-    };
-    let coat = match layering {
-        _ if !is_exact => renderer.scale.reflectance(n_dot_v, pair) / (pair.x + pair.y),
-        CoatLayering::Khr => loss.reflectance(n_dot_v, pair),
-        CoatLayering::Albedo => 1.0,
-    };
-    let left = 1.0 - weight * loss.reflectance(n_dot_v, pair);
-    CoatShares {
-        base_specular: left.powi(renderer.specular_power),
-        base_diffuse: left.powi(renderer.diffuse_power),
-        coat: weight * coat,
+/// How coat and base add up: by an exact layering or as a renderer does it.
+#[derive(Clone, Copy, Debug)]
+pub struct CoatLaw {
+    /// Scales the coat's image.
+    pub scale: CoatWeight,
+    /// The reflectance w that the base loses: a term of it is scaled by `(1 - c w)^power`.
+    pub loss: CoatWeight,
+    /// Whether the coat's image is a lookup `P (A + B)`, of which only P counts.
+    pub is_lookup: bool,
+    pub specular_power: u32,
+    pub diffuse_power: u32,
+}
+
+impl CoatLaw {
+    pub fn new(layering: CoatLayering, renderer: &CoatRenderer) -> Self {
+        let is_lookup = renderer.lookup.is_some();
+        let [scale, loss] = match layering {
+            _ if is_lookup => [renderer.scale, renderer.loss],
+            CoatLayering::Khr => [CoatWeight::Fresnel, layering.loss()],
+            CoatLayering::Albedo => [CoatWeight::One, layering.loss()],
+        };
+        Self {
+            scale,
+            loss,
+            is_lookup,
+            specular_power: renderer.specular_power,
+            diffuse_power: renderer.diffuse_power,
+        }
+    }
+
+    /// Whether the shares depend on the coat's (A, B).
+    pub fn needs_pair(&self) -> bool {
+        self.is_lookup || self.loss == CoatWeight::Albedo
+    }
+
+    /// Returns the shares for a coat of weight `weight` at μ = n_c·v; `pair` is its (A, B).
+    pub fn shares(&self, weight: f64, n_dot_v: f64, pair: DVec2) -> CoatShares {
+        let whole = if self.is_lookup { pair.x + pair.y } else { 1.0 };
+        let coat = self.scale.reflectance(n_dot_v, pair) / whole;
+        let left = 1.0 - weight * self.loss.reflectance(n_dot_v, pair);
+        CoatShares {
+            base_specular: left.powi(self.specular_power as i32),
+            base_diffuse: left.powi(self.diffuse_power as i32),
+            coat: weight * coat,
+        }
     }
 }

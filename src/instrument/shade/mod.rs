@@ -5,6 +5,8 @@ pub mod coat;
 pub mod diffuse;
 pub mod frames;
 #[cfg(feature = "gpu")]
+pub mod layer_pass;
+#[cfg(feature = "gpu")]
 pub mod lights;
 pub mod metallic;
 pub mod method;

@@ -6,21 +6,23 @@
 //! reference's alike, so they add no error of their own. A map says nothing about directions, so
 //! none of them is exact.
 
+use crate::base::glsl::constants as code;
 use crate::base::names::listed;
 
 /// How the specular term of a surface is occluded; 1 without occlusion.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[repr(u32)]
 pub enum SpecularOcclusion {
     /// By the map's value, as source document 1 prints it.
     #[default]
-    Ao,
+    Ao = code::SPECULAR_OCCLUSION_AO,
     /// Not at all, as in renderers that occlude the diffuse term alone.
-    None,
+    None = code::SPECULAR_OCCLUSION_NONE,
     /// `saturate((n·v + ao)^(2^(-16 alpha - 1)) - 1 + ao)` [Lagarde14, listing 26].
-    Lagarde,
+    Lagarde = code::SPECULAR_OCCLUSION_LAGARDE,
     /// The part of a cone about the mirror direction that a cone about the normal lets through
     /// \[Jimenez16\]. See [`cone`].
-    Cone,
+    Cone = code::SPECULAR_OCCLUSION_CONE,
 }
 
 listed!(SpecularOcclusion, "specular occlusion", {

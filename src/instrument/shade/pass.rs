@@ -49,7 +49,7 @@ pub struct Passes<'a> {
 }
 
 /// Eye position (w = 1), or direction to the viewer (w = 0).
-fn eye(camera: &Camera) -> [f32; 4] {
+pub(super) fn eye(camera: &Camera) -> [f32; 4] {
     match camera.projection {
         Projection::Perspective { .. } => camera.eye.extend(1.0).as_vec4().to_array(),
         Projection::Ortho { .. } => (-camera.forward).extend(0.0).as_vec4().to_array(),

@@ -45,21 +45,40 @@ pub enum SheenLevel {
     Roughest = code::SHEEN_LEVEL_ROUGHEST,
 }
 
-/// The albedo that scales a lookup, or the base's loss.
-#[derive(Clone, Copy, Debug)]
+/// What the base loses to a sheen in PlayCanvas.
+const PLAYCANVAS_LOSS: f64 = 0.157;
+const _: () = assert!(PLAYCANVAS_LOSS as f32 == code::SHEEN_LOSS);
+
+/// The albedo that scales a lookup, or the base's loss. Fits are of E for `ashikhmin`.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[repr(u32)]
 pub enum SheenAlbedo {
+    /// 1: the sheen's image has its albedo.
+    One = code::SHEEN_ALBEDO_ONE,
     /// E of the axis `sheen_visibility`.
-    Exact,
-    /// A renderer's fit of E for `ashikhmin`, by n·v and perceptual roughness.
-    Fit(fn(f64, f64) -> f64),
+    Exact = code::SHEEN_ALBEDO_EXACT,
+    /// The fit of three.js.
+    Three = code::SHEEN_ALBEDO_THREE,
+    /// An older fit of three.js at 1 - roughness.
+    PlayCanvas = code::SHEEN_ALBEDO_PLAYCANVAS,
+    /// The rational fit of MaterialX.
+    MaterialX = code::SHEEN_ALBEDO_MATERIALX,
+    /// The loss in PlayCanvas.
+    Constant = code::SHEEN_ALBEDO_CONSTANT,
 }
 
 impl SheenAlbedo {
     fn value(self, exact: f64, n_dot_v: f64, alpha: f64) -> f64 {
-        match self {
-            Self::Exact => exact,
-            Self::Fit(fit) => fit(n_dot_v, perceptual_roughness_from_alpha(alpha)).clamp(0.0, 1.0),
-        }
+        let pr = perceptual_roughness_from_alpha(alpha);
+        let fit = match self {
+            Self::One => return 1.0,
+            Self::Exact => return exact,
+            Self::Three => three_albedo(n_dot_v, pr),
+            Self::PlayCanvas => three_albedo_before(n_dot_v, 1.0 - pr),
+            Self::MaterialX => materialx_albedo(n_dot_v, pr),
+            Self::Constant => PLAYCANVAS_LOSS,
+        };
+        fit.clamp(0.0, 1.0)
     }
 }
 
@@ -132,8 +151,8 @@ pub static SHEEN_LOOKUPS: &[SheenLookup] = &[
         name: "three",
         about: "IBLSheenBRDF of three.js since November 2025: irradiance at n, a fit of the albedo",
         map: SheenMap::Irradiance,
-        factor: SheenAlbedo::Fit(three_albedo),
-        loss: SheenAlbedo::Fit(three_albedo),
+        factor: SheenAlbedo::Three,
+        loss: SheenAlbedo::Three,
         ..MOMENT
     },
     SheenLookup {
@@ -141,16 +160,16 @@ pub static SHEEN_LOOKUPS: &[SheenLookup] = &[
         about: "addReflectionSheen of PlayCanvas: the roughest level along n, an older fit at 1 - \
                 roughness; the base loses 0.157 C",
         toward: SheenToward::Normal,
-        factor: SheenAlbedo::Fit(|n_dot_v, pr| three_albedo_before(n_dot_v, 1.0 - pr)),
-        loss: SheenAlbedo::Fit(|_, _| 0.157),
+        factor: SheenAlbedo::PlayCanvas,
+        loss: SheenAlbedo::Constant,
         ..MOMENT
     },
     SheenLookup {
         name: "materialx",
         about: "mx_sheen_bsdf of MaterialX: irradiance at n, a rational fit of the albedo",
         map: SheenMap::Irradiance,
-        factor: SheenAlbedo::Fit(materialx_albedo),
-        loss: SheenAlbedo::Fit(materialx_albedo),
+        factor: SheenAlbedo::MaterialX,
+        loss: SheenAlbedo::MaterialX,
         ..MOMENT
     },
 ];
@@ -239,6 +258,14 @@ pub struct SheenTap {
     pub alpha: f64,
 }
 
+/// What scales the image of a sheen, and what its base loses. Without a lookup the image is I.
+pub fn albedos_of(lookup: Option<&SheenLookup>) -> [SheenAlbedo; 2] {
+    match lookup {
+        Some(lookup) => [lookup.factor, lookup.loss],
+        None => [SheenAlbedo::One, SheenAlbedo::Exact],
+    }
+}
+
 /// What the images of a surface with sheen count.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct SheenShares {
@@ -254,8 +281,7 @@ pub fn shares(
     n_dot_v: f64,
     albedo: f64,
 ) -> SheenShares {
-    let factor = lookup.map_or(1.0, |lookup| lookup.factor.value(albedo, n_dot_v, alpha));
-    let loss = lookup.map_or(albedo, |lookup| lookup.loss.value(albedo, n_dot_v, alpha));
+    let [factor, loss] = albedos_of(lookup).map(|of| of.value(albedo, n_dot_v, alpha));
     SheenShares {
         base: DVec3::splat((1.0 - color.max_element() * loss).max(0.0)),
         sheen: factor * color,

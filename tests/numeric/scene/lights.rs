@@ -6,6 +6,7 @@ use glam::DVec3;
 use serde_json::{Value, json};
 use splitsum::instrument::scene::light::{Cone, Emitter, LightUnit};
 use splitsum::instrument::scene::{Light, LightChange};
+use std::collections::BTreeSet;
 use std::f64::consts::{FRAC_1_SQRT_2, PI};
 
 const F64: f64 = 1e-12;
@@ -93,6 +94,82 @@ fn settings_scale_and_turn_lights() {
     assert!((direction - DVec3::NEG_X).length() < F64);
     let absolute = Light::directional(DVec3::NEG_Z, [1.0; 3]).changed(&change);
     assert_eq!(absolute.color, [3.0; 3]);
+    // +z turns to +x: places turn as well as axes.
+    let spot = Light {
+        emitter: Emitter::Spot {
+            position: DVec3::Z,
+            direction: DVec3::NEG_Z,
+            cone: Cone::default(),
+        },
+        ..absolute
+    };
+    let point = Light {
+        emitter: Emitter::Point { position: DVec3::Z },
+        ..absolute
+    };
+    for light in [spot, point] {
+        match light.changed(&change).emitter {
+            Emitter::Spot {
+                position,
+                direction,
+                ..
+            } => {
+                assert!((position - DVec3::X).length() < F64, "{position}");
+                assert!((direction - DVec3::NEG_X).length() < F64, "{direction}");
+            }
+            Emitter::Point { position } => {
+                assert!((position - DVec3::X).length() < F64, "{position}");
+            }
+            other @ Emitter::Directional { .. } => panic!("{other:?}"),
+        }
+    }
+}
+
+/// Caches know scenes by their hash, so it depends on every number of a light.
+#[test]
+fn each_number_of_a_light_changes_the_scene() {
+    let scene = loaded(&quad());
+    let aimed = |position, direction, inner, outer| Light {
+        emitter: Emitter::Spot {
+            position,
+            direction,
+            cone: Cone { inner, outer },
+        },
+        ..spot(0.3, 0.6)
+    };
+    let plain = aimed(DVec3::Y, DVec3::NEG_Y, 0.3, 0.6);
+    let point = |position| Light {
+        emitter: Emitter::Point { position },
+        ..plain
+    };
+    let lights = [
+        plain,
+        aimed(DVec3::Z, DVec3::NEG_Y, 0.3, 0.6),
+        aimed(DVec3::Y, DVec3::NEG_Z, 0.3, 0.6),
+        aimed(DVec3::Y, DVec3::NEG_Y, 0.2, 0.6),
+        aimed(DVec3::Y, DVec3::NEG_Y, 0.3, 0.7),
+        point(DVec3::Y),
+        point(DVec3::X),
+        Light::directional(DVec3::NEG_Y, plain.color),
+        Light::directional(DVec3::NEG_X, plain.color),
+        Light {
+            color: [8.0, 4.0, 3.0],
+            ..plain
+        },
+        Light {
+            range: Some(3.0),
+            ..plain
+        },
+        Light {
+            unit: LightUnit::Map,
+            ..plain
+        },
+    ];
+    let hashes: BTreeSet<String> = lights
+        .iter()
+        .map(|light| scene.lit_by(vec![*light]).hash)
+        .collect();
+    assert_eq!(hashes.len(), lights.len());
 }
 
 /// A square, these lights and nodes besides it.
@@ -115,7 +192,7 @@ fn with_light(mut node: Value, light: usize) -> Value {
 #[test]
 fn nodes_place_and_turn_the_lights_of_a_file() {
     let lights = json!([
-        { "type": "directional", "intensity": 3.0, "color": [1.0, 0.5, 0.25], "name": "sun" },
+        { "type": "directional", "intensity": 3.0, "color": [1.0, 0.5, 0.25], "range": 9.0, "name": "sun" },
         { "type": "point", "intensity": 20.0, "range": 7.5 },
         { "type": "spot", "spot": { "innerConeAngle": 0.25, "outerConeAngle": 0.5 } },
     ]);
@@ -164,7 +241,8 @@ fn nodes_place_and_turn_the_lights_of_a_file() {
         Emitter::Directional { direction } => close(direction, [0.0, 0.0, -1.0]),
         other => panic!("{other:?}"),
     }
-    assert_eq!(sun.color, [3.0, 1.5, 0.75]);
+    // A directional light has no range.
+    assert_eq!((sun.color, sun.range), ([3.0, 1.5, 0.75], None));
     // Lights change the scene; without them it is the one of the bare file.
     assert_ne!(scene.hash, loaded(&quad()).hash);
     assert_eq!(scene.lit_by(Vec::new()).hash, loaded(&quad()).hash);

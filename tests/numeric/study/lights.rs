@@ -1,6 +1,6 @@
 //! Errors by view, tone curve and light, for runs with known numbers.
 
-use super::paper::{F64, Paper, bins, column, numbers, only};
+use super::paper::{F64, Made, Paper, bins, column, finding, finished_of, numbers, only};
 use splitsum::draw::figure::Shape;
 use splitsum::run::tables::HEADLINE;
 use splitsum::study::finished::MetricValues;
@@ -170,4 +170,42 @@ fn formulas_count_in_no_part_of_enough_maps() {
     }
     let digest = paper.finding("error").digest.unwrap();
     assert_eq!(column(&digest, "6 environments"), ["0.040 (20 % rms)"; 3]);
+}
+
+/// An error that a stronger light shows again is hidden from the intensity after it on, and the
+/// least tried light need not be none.
+#[test]
+fn a_key_light_hides_from_where_every_stronger_one_does() {
+    let text = "name = \"made\"\nsize = [16, 16]\nreference = { samples = 32, noise_share = 0 \
+                }\n[[lights]]\nkind = \"directional\"\ndirection = [0, -1, -1]\n[axes]\nenvironment \
+                = [\"builtin:sky\"]\ndiffuse = [\"none\"]\nalpha = [0.1, 0.5, 1]\nmethod = \
+                [\"split-sum\"]\nlight_intensity = [1, 4, 16]\n";
+    let run = finished_of(text, |point| {
+        let alpha = point.get("alpha").number();
+        let flips = if alpha < 0.2 {
+            [0.01, 0.2, 0.02]
+        } else if alpha < 0.7 {
+            [0.01, 0.02, 0.03]
+        } else {
+            [0.4, 0.3, 0.2]
+        };
+        let intensity = point.get("light_intensity").number();
+        let flip = flips[(intensity.log2() / 2.0) as usize];
+        Some(Made {
+            flip,
+            ..Made::error(0.1)
+        })
+    });
+    let found = finding(&run, "key-light");
+    let hidden = |alpha| column(&only(&found.table, &[("alpha", alpha)]), "hidden_from");
+    assert_eq!(hidden("0.1"), ["16"; 3]);
+    assert_eq!(hidden("0.5"), ["1"; 3]);
+    assert_eq!(hidden("1"), [""; 3]);
+    let text = found.sentences.markdown();
+    for part in [
+        "In 1 of 3 settings no tried key light, up to 16 times the light, hides",
+        "In 1 it is invisible at 1 times the light and at all above.",
+    ] {
+        assert!(text.contains(part), "{text}: no {part}");
+    }
 }

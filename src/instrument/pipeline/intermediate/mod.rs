@@ -319,7 +319,7 @@ impl Pipeline {
         let gbuffer = target.gbuffer.read(&self.gpu)?;
         Ok(IntermediateImage::of_gbuffer(
             &gbuffer,
-            target.mask.clone(),
+            target.coverage(&self.gpu)?.mask,
             attachment,
         ))
     }

@@ -1,6 +1,7 @@
 //! The directional albedo of one lobe by n·v, for lookups at many views.
 
 use super::reference::{dfg_within, weight_means};
+use crate::base::glsl::constants::{ALBEDO_NODES, ALBEDO_ROOT_MIN};
 use crate::instrument::brdf::MaskingShadowing;
 use crate::instrument::precompute::prefilter::Kernel;
 use glam::{DVec2, DVec4, Vec4Swizzles};
@@ -15,9 +16,10 @@ pub struct Albedos {
 }
 
 impl Albedos {
-    const COUNT: usize = 65;
+    const COUNT: usize = ALBEDO_NODES as usize;
     /// Smaller values of √(n·v) are clamped to this.
     const S_MIN: f64 = 0.01;
+    const _AS_IN_SHADERS: () = assert!(Self::S_MIN as f32 == ALBEDO_ROOT_MIN);
     /// Relative error of a node: a tenth of the interpolation error.
     const WITHIN: f64 = 5e-6;
 
@@ -56,6 +58,12 @@ impl Albedos {
     /// Returns (A, B).
     pub fn exact(&self, n_dot_v: f64) -> DVec2 {
         self.interpolated(n_dot_v).xy()
+    }
+
+    /// Returns (A, B) at the nodes, as shaders read them.
+    #[cfg(feature = "gpu")]
+    pub fn exact_nodes(&self) -> impl Iterator<Item = [f32; 2]> {
+        self.nodes.iter().map(|node| node.xy().as_vec2().to_array())
     }
 
     /// Returns `∫ K (1 - Fc)` and `∫ K Fc`.
