@@ -8,8 +8,8 @@ use splitsum::base::names::Listed;
 use splitsum::base::pixels::{GrayImage, RgbImage};
 use splitsum::instrument::metrics::Metric;
 use splitsum::instrument::metrics::{
-    Comparison, Epsilon, METRICS, MetricsError, N_DOT_V_BIN_EDGES, NoiseEffect, NoiseUse,
-    ReferenceNoise, Space, Verdict, linear_metrics, noise_floor, verdict,
+    Comparison, DEVIATION_MAX, Epsilon, METRICS, MetricsError, N_DOT_V_BIN_EDGES, NoiseEffect,
+    NoiseUse, ReferenceNoise, Space, Verdict, linear_metrics, noise_floor, verdict,
 };
 use splitsum::instrument::tonemap::ToneCurve;
 
@@ -464,6 +464,53 @@ fn a_score_without_noise_has_no_bias() {
             }
         }
     }
+}
+
+/// The stated deviation of a mean square error is the one over many references: for an image that
+/// errs alike everywhere, and for one whose error is nearly all in one pixel.
+#[test]
+fn noise_moves_a_score_by_the_stated_deviation() {
+    let size = 16;
+    let mut random = Rng::with_seed(12);
+    let exact = RgbImage::from_fn(size, size, |_, _| {
+        std::array::from_fn(|_| (0.5 + random.f64()) as f32)
+    });
+    let noise = exact.map(|pixel| pixel.map(|value| 0.02 * value));
+    let mask = whole(&exact);
+    let even = exact.map(|pixel| pixel.map(|value| 1.2 * value));
+    let mut firefly = even.clone();
+    firefly.data[3] = [50.0; 3];
+    let mut deviations = Vec::new();
+    for test in [&even, &firefly] {
+        for name in ["rmse", "relmse"] {
+            let metric = Metric::listed(name);
+            let squared = |reference: &RgbImage| {
+                score(test, reference, &mask, name).powf(2.0 / metric.power)
+            };
+            let rounds = 1000;
+            let mut sums = [0.0; 2];
+            for _ in 0..rounds {
+                let noisy = RgbImage::from_fn(size, size, |x, y| {
+                    std::array::from_fn(|c| {
+                        exact.get(x, y)[c] + normal(&mut random) as f32 * noise.get(x, y)[c]
+                    })
+                });
+                let square = squared(&noisy);
+                sums[0] += square;
+                sums[1] += square * square;
+            }
+            let [mean, mean_of_squares] = sums.map(|sum| sum / f64::from(rounds));
+            let found = (mean_of_squares - mean * mean).sqrt() / squared(&exact);
+            let comparison =
+                Comparison::new(test, &exact, &mask, LINEAR_CURVE, Epsilon::ABSOLUTE).unwrap();
+            let stated = metric.noise_deviation(&comparison, &noise);
+            // The deviation of 1,000 values is known to 2 %.
+            assert_relative(stated, found, 0.08, name);
+            deviations.push(stated);
+        }
+    }
+    // One pixel with noise of 2 % moves `relmse` by 4 %.
+    assert!(deviations[3] > DEVIATION_MAX && deviations[1] < DEVIATION_MAX);
 }
 
 /// Noise is taken off metrics to which it adds: not bias, which is signed, nor display scores, which
