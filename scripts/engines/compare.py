@@ -1,7 +1,7 @@
 """Compares the pictures of run.sh with `reference` and with our model of each engine; writes results/engines.
 
 Arguments: FOLDER of run.sh, --splitsum PROGRAM, --out DIR. Pictures of splitsum are kept in FOLDER/ours and reused.
-With --keep, rows of DIR stay whose engine and material have no picture in FOLDER.
+With --keep, rows of DIR stay whose engine and material have no picture in FOLDER. With --picture, DIR/spheres.png alone is written.
 With --check PERCENT in place of --out it fails if the mean of a picture is further from its model, or a pixel in the mean
 by eight times as much.
 """
@@ -339,9 +339,10 @@ def table(rows):
     return "\n".join(lines)
 
 
-def picture(folder, ours, out):
+def picture(folder, program, out):
     """A metal under the studio: a row an engine, a column a roughness, the reference last."""
     listed = json.loads((folder / "spheres.json").read_text())
+    ours = Ours(program, folder, listed["size"])
     spheres = [sphere for sphere in listed["spheres"] if sphere["map"] == "studio" and sphere["material"] == "metal"]
     names = [name for name in ENGINES if (folder / name).exists()]
     # Columns that most engines have.
@@ -376,7 +377,11 @@ def main():
     wanted.add_argument("--check", type=float, metavar="PERCENT")
     parser.add_argument("--engine", action="append", choices=ENGINES, help="these alone")
     parser.add_argument("--keep", action="store_true", help="keep the rows in --out that are not compared")
+    parser.add_argument("--picture", action="store_true", help="write spheres.png alone")
     arguments = parser.parse_args()
+    if arguments.picture:
+        picture(arguments.folder, arguments.splitsum, arguments.out / "spheres.png")
+        return
     rows = compare(arguments.folder, arguments.splitsum, arguments.engine or list(ENGINES), arguments.check is None)
     if not rows:
         parser.error(f"{arguments.folder} has no pictures: run scripts/engines/run.sh first")
@@ -393,13 +398,12 @@ def main():
         writer = csv.DictWriter(file, ["engine", "version", *ANSWER], lineterminator="\n")
         writer.writeheader()
         writer.writerows(answer(rows))
-    listed = json.loads((arguments.folder / "spheres.json").read_text())
     kept = {name: arguments.out / f"{name}.md" for name in ("remark", "bakes")}
     texts = {name: path.read_text() if path.exists() else "" for name, path in kept.items()}
     page = PAGE.format(**texts, answer=answer_table(rows), table=table(rows), error=f"{100 * REFERENCE_ERROR:g}")
     (arguments.out / "README.md").write_text(page)
     if not arguments.keep:
-        picture(arguments.folder, Ours(arguments.splitsum, arguments.folder, listed["size"]), arguments.out / "spheres.png")
+        picture(arguments.folder, arguments.splitsum, arguments.out / "spheres.png")
 
 
 if __name__ == "__main__":
