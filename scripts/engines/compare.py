@@ -361,7 +361,7 @@ def picture(folder, program, out):
             if name is None or path.exists():
                 image = reference(ours, sphere, shown) if name is None else read(path)
                 axis.imshow((image / (1 + image)).clip(0, 1) ** (1 / 2.2))
-        line[0].set_ylabel("reference" if name is None else ENGINES[name]["title"].replace(" (", "\n("), fontsize=8)
+        line[0].set_ylabel("reference" if name is None else ENGINES[name]["title"].replace(" (", "\n(").replace(", ", ",\n"), fontsize=8)
     for axis, sphere in zip(axes[0], spheres):
         axis.set_title(f"roughness {sphere['roughness']:g}", fontsize=8)
     figure.subplots_adjust(wspace=0.02, hspace=0.02)
