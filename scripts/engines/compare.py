@@ -1,7 +1,7 @@
 """Compares the pictures of run.sh with `reference` and with our model of each engine; writes results/engines.
 
 Arguments: FOLDER of run.sh, --splitsum PROGRAM, --out DIR. Pictures of splitsum are kept in FOLDER/ours and reused.
-With --keep, rows of DIR stay whose engine and material have no picture in FOLDER.
+With --keep, rows of DIR stay whose engine and material have no picture in FOLDER. With --picture, DIR/spheres.png alone is written.
 With --check PERCENT in place of --out it fails if the mean of a picture is further from its model, or a pixel in the mean
 by eight times as much.
 """
@@ -28,11 +28,12 @@ REFERENCE_ERROR = 0.01
 EDGE = 1.25
 
 # For each engine: its package; the flags that its BRDF shares with the reference; the flags of our model of it, and with exact maps
-# if its levels are for other widths than it reads; flags of a material's model; and the materials for which we have no model. TABLE
-# is in FOLDER.
+# if its levels are for other widths than it reads; flags of a material's model; its weight of irradiance over pi, if that is not the
+# light that the specular term leaves; and the materials for which we have no model. TABLE is in FOLDER.
 TABLE = "sapien-table.exr"
 # A lobe of two widths has no masking by Schlick's fit, but a table may.
 SCHLICK = "schlick-table/dfg.exr"
+HERE = pathlib.Path(__file__).parent
 CUBE = "--prefilter-size 256x256 --prefilter-level-count 6 --diffuse irradiance-map"
 ENGINES = {
     "mitsuba": {"title": "Mitsuba 3.9.1", "brdf": "--masking separable", "widths": "disney"},
@@ -45,12 +46,12 @@ ENGINES = {
     "babylon": {
         "title": "Babylon.js 9.35.0", "brdf": "--masking correlated --compensation turquin", "widths": "gltf",
         "model": f"--method split-sum-babylon {CUBE.replace('irradiance-map', 'sh9')}",
-        "coat": "--coat-renderer babylon", "lacks": ["anisotropic"],
+        "coat": "--coat-renderer babylon", "lacks": ["anisotropic"], "irradiance_weight": f"file:{HERE}/babylon/irradiance.glsl",
     },
     "openpbr": {
         "title": "Babylon.js 9.35.0, OpenPBR", "brdf": "--masking correlated --compensation turquin", "widths": "openpbr",
         "model": f"--method split-sum-babylon {CUBE.replace('irradiance-map', 'sh9')}",
-        "anisotropic": f"file:{pathlib.Path(__file__).parent}/openpbr/anisotropic.glsl", "coat": "--coat-renderer openpbr",
+        "anisotropic": f"file:{HERE}/openpbr/anisotropic.glsl", "coat": "--coat-renderer openpbr",
         "under_coat": lambda base, coat: min(base**4 + 2 * coat**4, 1) ** 0.25,
     },
     "playcanvas": {
@@ -65,21 +66,22 @@ ENGINES = {
     },
     "vtk": {
         "title": "VTK 9.7.1", "brdf": "--masking schlick --compensation fdez-aguera", "widths": "disney",
-        "model": f"--method split-sum-vtk {CUBE}", "bend": "--bend vtk", "coat": "--coat-renderer vtk",
+        "model": f"--method split-sum-vtk {CUBE.replace('irradiance-map', 'sh9')}", "coat": "--coat-renderer vtk",
+        "anisotropic": f"file:{HERE}/vtk/anisotropic.glsl", "irradiance_weight": f"file:{HERE}/vtk/irradiance.glsl",
     },
     "f3d": {
         "title": "F3D 4.0.0", "brdf": "--masking schlick --compensation fdez-aguera",
     },
     "sapien": {
         "title": "SAPIEN 3.0.3", "brdf": "--masking schlick",
-        "model": f"--method file:{pathlib.Path(__file__).parent}/sapien/model.glsl {CUBE.replace('irradiance-map', 'none').replace('count 6', 'count 5')} --dfg file:{TABLE}#sapien",
+        "model": f"--method file:{HERE}/sapien/model.glsl {CUBE.replace('irradiance-map', 'none').replace('count 6', 'count 5')} --dfg file:{TABLE}#sapien",
         "exact": f"--method split-sum {CUBE.replace('irradiance-map', 'none')} --dfg file:{TABLE}#sapien",
     },
     "materialx": {"title": "MaterialX 1.39.5", "brdf": "--masking correlated --compensation turquin", "widths": "gltf"},
     "eevee": {"title": "EEVEE (Blender 5.2.3)", "brdf": "--masking correlated --compensation cycles"},
 }
 # It shades with VTK's code.
-ENGINES["f3d"]["model"] = ENGINES["vtk"]["model"]
+ENGINES["f3d"] |= {key: ENGINES["vtk"][key] for key in ("model", "irradiance_weight")}
 EXPLAINED = ["metal", "plastic", "coated"]
 PAGE = """# Spheres in real engines
 
@@ -122,7 +124,7 @@ def read(path):
 
 
 class Ours:
-    """Pictures of `splitsum render`, kept under the hash of their flags."""
+    """Pictures of `splitsum render`, kept under the hash of their flags, of the files in them, and of the map."""
 
     def __init__(self, program, folder, size):
         self.program, self.folder, self.size = program, folder / "ours", size
@@ -130,7 +132,7 @@ class Ours:
         self.folder.mkdir(exist_ok=True)
         self.table = self.folder.parent / TABLE
         if not self.table.exists():
-            subprocess.run([sys.executable, pathlib.Path(__file__).parent / "sapien" / "table.py", self.table], check=True)
+            subprocess.run([sys.executable, HERE / "sapien" / "table.py", self.table], check=True)
         table = self.folder.parent / SCHLICK
         if not table.exists():
             settings = ["masking=schlick", "prefilter_size=8x8", "prefilter_level_count=2", "dfg_size=128"]
@@ -142,7 +144,9 @@ class Ours:
             flags = flags.replace(f"file:{name}", f"file:{self.folder.parent / name}")
         flags = f"{flags} --size {self.size}x{self.size} --perceptual-roughness {sphere['roughness']}".split()
         light = self.maps / f"{sphere['map']}.exr"
-        key = hashlib.sha256(json.dumps(flags).encode() + light.read_bytes()).hexdigest()[:24]
+        named = [flag.removeprefix("file:").split("#")[0] for flag in flags if flag.startswith("file:")]
+        files = [path.read_bytes() for path in map(pathlib.Path, named) if path.is_file()]
+        key = hashlib.sha256(b"".join([json.dumps(flags).encode(), light.read_bytes(), *files])).hexdigest()[:24]
         path = self.folder / f"{key}.exr"
         if not path.exists():
             command = [self.program, "render", *flags, "--environment", str(light), "--out", str(path)]
@@ -180,17 +184,32 @@ def model(ours, sphere, engine):
 
 def lookup(ours, sphere, engine, flags):
     """Our picture by these flags of a method and its maps."""
+    table = ""
     if "anisotropy" in sphere:
         method = flags.split()[1]
         bent = engine.get("anisotropic", "split-sum-bent")
         flags = f"{flags.replace(method, bent)} {engine.get('bend', '')}"
         if "schlick" in engine["brdf"]:
-            flags += f" --dfg file:{SCHLICK}#vtk"
+            table = f" --dfg file:{SCHLICK}#vtk"
     if "coat" in sphere:
         flags += f" {engine['coat']}"
         if "under_coat" in engine:
             sphere = {**sphere, "roughness": engine["under_coat"](sphere["roughness"], sphere["coat_roughness"])}
-    return ours.picture(sphere, f"{flags} {surface(sphere, engine)}")
+    elif "irradiance_weight" in engine:
+        return specular_and_irradiance(ours, sphere, engine, flags + table)
+    return ours.picture(sphere, f"{flags}{table} {surface(sphere, engine)}")
+
+
+def specular_and_irradiance(ours, sphere, engine, flags):
+    """The sum of two terms: the lookup alone, and irradiance over pi times the engine's own weight of it."""
+    flags = flags.replace("--diffuse sh9", "--diffuse none")
+    # This compensation adds irradiance, which is in the weight.
+    lobe = ours.picture(sphere, f"{flags} {surface(sphere, engine).replace('--compensation fdez-aguera', '')}")
+    table = flags[flags.index("--dfg"):] if "--dfg file" in flags else ""
+    plain = {**engine, "brdf": engine["brdf"].split("--compensation")[0]}
+    weight = ours.picture(sphere, f"--method {engine['irradiance_weight']} --diffuse none {table} {surface(sphere, plain)}")
+    irradiance = ours.picture(sphere, "--method none --diffuse sh9 --albedo 1 --metallic 0")
+    return lobe + weight * irradiance
 
 
 def mean_luminance(path):
@@ -320,9 +339,10 @@ def table(rows):
     return "\n".join(lines)
 
 
-def picture(folder, ours, out):
+def picture(folder, program, out):
     """A metal under the studio: a row an engine, a column a roughness, the reference last."""
     listed = json.loads((folder / "spheres.json").read_text())
+    ours = Ours(program, folder, listed["size"])
     spheres = [sphere for sphere in listed["spheres"] if sphere["map"] == "studio" and sphere["material"] == "metal"]
     names = [name for name in ENGINES if (folder / name).exists()]
     # Columns that most engines have.
@@ -341,7 +361,7 @@ def picture(folder, ours, out):
             if name is None or path.exists():
                 image = reference(ours, sphere, shown) if name is None else read(path)
                 axis.imshow((image / (1 + image)).clip(0, 1) ** (1 / 2.2))
-        line[0].set_ylabel("reference" if name is None else ENGINES[name]["title"].replace(" (", "\n("), fontsize=8)
+        line[0].set_ylabel("reference" if name is None else ENGINES[name]["title"].replace(" (", "\n(").replace(", ", ",\n"), fontsize=8)
     for axis, sphere in zip(axes[0], spheres):
         axis.set_title(f"roughness {sphere['roughness']:g}", fontsize=8)
     figure.subplots_adjust(wspace=0.02, hspace=0.02)
@@ -357,7 +377,11 @@ def main():
     wanted.add_argument("--check", type=float, metavar="PERCENT")
     parser.add_argument("--engine", action="append", choices=ENGINES, help="these alone")
     parser.add_argument("--keep", action="store_true", help="keep the rows in --out that are not compared")
+    parser.add_argument("--picture", action="store_true", help="write spheres.png alone")
     arguments = parser.parse_args()
+    if arguments.picture:
+        picture(arguments.folder, arguments.splitsum, arguments.out / "spheres.png")
+        return
     rows = compare(arguments.folder, arguments.splitsum, arguments.engine or list(ENGINES), arguments.check is None)
     if not rows:
         parser.error(f"{arguments.folder} has no pictures: run scripts/engines/run.sh first")
@@ -374,13 +398,12 @@ def main():
         writer = csv.DictWriter(file, ["engine", "version", *ANSWER], lineterminator="\n")
         writer.writeheader()
         writer.writerows(answer(rows))
-    listed = json.loads((arguments.folder / "spheres.json").read_text())
     kept = {name: arguments.out / f"{name}.md" for name in ("remark", "bakes")}
     texts = {name: path.read_text() if path.exists() else "" for name, path in kept.items()}
     page = PAGE.format(**texts, answer=answer_table(rows), table=table(rows), error=f"{100 * REFERENCE_ERROR:g}")
     (arguments.out / "README.md").write_text(page)
     if not arguments.keep:
-        picture(arguments.folder, Ours(arguments.splitsum, arguments.folder, listed["size"]), arguments.out / "spheres.png")
+        picture(arguments.folder, arguments.splitsum, arguments.out / "spheres.png")
 
 
 if __name__ == "__main__":

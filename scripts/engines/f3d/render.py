@@ -24,7 +24,7 @@ LEFT_OUT = {
 }
 # Its picture has 8 bits of color^(1/2.2) and ends at 1. The option dims lights and map alike, so a pixel is the mean of the
 # exposures that show it neither cut nor dark.
-EXPOSURES = [2.0**-k for k in range(-5, 7)]
+EXPOSURES = [2.0**-k for k in range(-5, 11)]
 DARK, CUT = 100, 254
 
 

@@ -170,6 +170,8 @@ pub enum Integral {
     SchlickAlphaSquared,
     /// Schlick's masking with k = alpha.
     SchlickAlpha,
+    /// Schlick's masking with k = alpha/4, as in SAPIEN.
+    SchlickQuarter,
     /// Schlick's masking with k = r/2.
     SchlickRoughness,
     MaskingByRoughness,
@@ -183,10 +185,11 @@ pub enum Integral {
 }
 
 impl Integral {
-    pub const ALL: [Self; 10] = [
+    pub const ALL: [Self; 11] = [
         Self::SchlickDirect,
         Self::SchlickAlphaSquared,
         Self::SchlickAlpha,
+        Self::SchlickQuarter,
         Self::SchlickRoughness,
         Self::MaskingByRoughness,
         Self::MaskingByAlphaSquared,
@@ -203,6 +206,7 @@ impl Integral {
             Self::SchlickDirect
                 | Self::SchlickAlphaSquared
                 | Self::SchlickAlpha
+                | Self::SchlickQuarter
                 | Self::SchlickRoughness
         )
         .then_some(MaskingShadowing::Schlick)
@@ -215,6 +219,7 @@ impl Integral {
             Self::SchlickDirect => (r + 1.0).powi(2) / 4.0,
             Self::SchlickAlphaSquared | Self::MaskingByAlphaSquared => r.powi(4),
             Self::SchlickAlpha => 2.0 * r * r,
+            Self::SchlickQuarter => r * r / 2.0,
             Self::SchlickRoughness | Self::MaskingByRoughness => r,
             _ => shaded_alpha(r),
         }

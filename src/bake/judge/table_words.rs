@@ -137,6 +137,10 @@ fn integral_clauses(integral: Integral) -> Vec<Clause> {
             &["Schlick's masking of k = alpha^2/2", "expected k = alpha/2"]
         }
         Integral::SchlickAlpha => &["Schlick's masking of k = alpha", "expected k = alpha/2"],
+        Integral::SchlickQuarter => &[
+            "Schlick's masking of k = alpha/4, as in SAPIEN",
+            "expected k = alpha/2",
+        ],
         Integral::SchlickRoughness => &["Schlick's masking of k = r/2", "expected k = alpha/2"],
         Integral::MaskingByRoughness => &["masking by roughness", "expected alpha"],
         Integral::MaskingByAlphaSquared => &["masking by alpha squared", "expected alpha"],

@@ -688,9 +688,10 @@ fn conventions_of_a_table_are_found() {
             .verdict
             .to_string()
     };
-    let integrals: [(&str, MaskingShadowing, Width, Facet); 4] = [
+    let integrals: [(&str, MaskingShadowing, Width, Facet); 5] = [
         ("of direct light", schlick, |r| (r + 1.0).powi(2) / 4.0, own),
         ("k = alpha^2/2", schlick, |r| r.powi(4), own),
+        ("k = alpha/4", schlick, |r| r * r / 2.0, own),
         (
             "Fresnel of n·h",
             correlated,

@@ -1,0 +1,7 @@
+// Babylon.js' weight of irradiance over pi: 1 - F0 of the dielectric, at every roughness and view
+// (LEGACY_SPECULAR_ENERGY_CONSERVATION of pbrBlockReflectivity, on by default, 9.35.0).
+#include "lib/surface.glsl"
+
+vec3 specular_radiance(Surface s) {
+    return (1.0 - s.metallic) * (1.0 - s.f0) * s.albedo;
+}
