@@ -8,8 +8,8 @@ use splitsum::base::names::Listed;
 use splitsum::base::pixels::{GrayImage, RgbImage};
 use splitsum::instrument::metrics::Metric;
 use splitsum::instrument::metrics::{
-    Comparison, DEVIATION_MAX, Epsilon, METRICS, MetricsError, N_DOT_V_BIN_EDGES, NoiseEffect,
-    NoiseUse, ReferenceNoise, Space, Verdict, linear_metrics, noise_floor, verdict,
+    Comparison, Epsilon, METRICS, MetricsError, N_DOT_V_BIN_EDGES, NoiseEffect, NoiseUse,
+    ReferenceNoise, Space, Verdict, linear_metrics, noise_floor, verdict,
 };
 use splitsum::instrument::tonemap::ToneCurve;
 
@@ -484,9 +484,8 @@ fn noise_moves_a_score_by_the_stated_deviation() {
     for test in [&even, &firefly] {
         for name in ["rmse", "relmse"] {
             let metric = Metric::listed(name);
-            let squared = |reference: &RgbImage| {
-                score(test, reference, &mask, name).powf(2.0 / metric.power)
-            };
+            let squared =
+                |reference: &RgbImage| score(test, reference, &mask, name).powf(2.0 / metric.power);
             let rounds = 1000;
             let mut sums = [0.0; 2];
             for _ in 0..rounds {
@@ -509,8 +508,8 @@ fn noise_moves_a_score_by_the_stated_deviation() {
             deviations.push(stated);
         }
     }
-    // One pixel with noise of 2 % moves `relmse` by 4 %.
-    assert!(deviations[3] > DEVIATION_MAX && deviations[1] < DEVIATION_MAX);
+    // Where one pixel decides `relmse`, its noise does not average out.
+    assert!(deviations[3] > 2.0 * deviations[1], "{deviations:?}");
 }
 
 /// Noise is taken off metrics to which it adds: not bias, which is signed, nor display scores, which

@@ -27,7 +27,9 @@ pub use bins::{ALL_VIEWS, BinRow, N_DOT_V_BIN_EDGES, VIEWS};
 pub use comparison::{Comparison, Displayed, MetricsError};
 pub use epsilon::Epsilon;
 pub use flip::PIXELS_PER_DEGREE;
-pub use noise::{DEVIATION_MAX, NOISE_SHARE, NoiseUse, ReferenceNoise, Verdict, noise_floor, verdict};
+pub use noise::{
+    DEVIATION_MAX, NOISE_SHARE, NoiseUse, ReferenceNoise, Verdict, noise_floor, verdict,
+};
 pub use tone_mapped::{TONE_MAPPED, curve as tone_mapped_curve};
 pub use weight::{Part, Pooling, Weight};
 

@@ -310,7 +310,10 @@ pub fn varying(rows: &[&Row], axes: impl IntoIterator<Item = AxisId>) -> Vec<Axi
         return Vec::new();
     };
     axes.into_iter()
-        .filter(|axis| rest.iter().any(|row| row.point[*axis] != first.point[*axis]))
+        .filter(|axis| {
+            rest.iter()
+                .any(|row| row.point[*axis] != first.point[*axis])
+        })
         .collect()
 }
 
