@@ -71,6 +71,15 @@ impl Composition {
         }
     }
 
+    /// Whether it is the image of a view, which the next image of that view overwrites.
+    fn is_of_view(&self) -> bool {
+        match self {
+            Self::Points(_) => true,
+            Self::Again(image) => image.is_of_view(),
+            Self::Mixed { .. } => false,
+        }
+    }
+
     /// Adds the requests of the images under the environment, each once.
     fn add_layers(self, layers: &mut Vec<RenderRequest>) {
         match self {
@@ -136,6 +145,15 @@ impl Pipeline {
         }
     }
 
+    /// [`Pipeline::composed_on_device`], of an image that is held while others are rendered.
+    fn part_on_device(&mut self, part: &Composition) -> Result<DeviceRadiance, PipelineError> {
+        let mut image = self.composed_on_device(part)?;
+        if part.is_of_view() {
+            image.radiance = self.gpu.copied(&image.radiance)?;
+        }
+        Ok(image)
+    }
+
     /// [`Pipeline::composed`] on the device; reads nothing back.
     pub(super) fn composed_on_device(
         &mut self,
@@ -145,7 +163,7 @@ impl Pipeline {
             Composition::Points(request) => self.points_on_device(request),
             Composition::Again(image) => self.composed_on_device(image),
             Composition::Mixed { parts, mixture } => {
-                let images = parts.iter().map(|part| self.composed_on_device(part));
+                let images = parts.iter().map(|part| self.part_on_device(part));
                 let images = images.collect::<Result<Vec<_>, _>>()?;
                 mixture.on_device(self, &images)
             }

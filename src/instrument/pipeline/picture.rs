@@ -100,7 +100,7 @@ impl Pipeline {
     }
 
     /// Renders the radiance of a picture as [`Pipeline::render`] does, within the rounding of f32;
-    /// `None` if the host finishes it.
+    /// `None` if the host finishes it. The next image of the same view may overwrite it.
     pub fn radiance_on_device(
         &mut self,
         request: &RenderRequest,
@@ -113,7 +113,7 @@ impl Pipeline {
             .map(Some)
     }
 
-    /// Runs the shading passes of one image.
+    /// Runs the shading passes of one image. The next image of its view overwrites it.
     pub(super) fn points_on_device(
         &mut self,
         request: &RenderRequest,
@@ -124,8 +124,7 @@ impl Pipeline {
             Illumination::Environment => drop(self.shade(request, &prepared, &[])?),
         }
         Ok(DeviceRadiance {
-            // The next image of this view overwrites the target.
-            radiance: self.gpu.copied(&prepared.target.radiance)?,
+            radiance: prepared.target.radiance.clone(),
             has_made_table: !prepared.precompute.passes.is_empty(),
         })
     }
