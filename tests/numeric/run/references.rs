@@ -102,6 +102,22 @@ fn a_reference_has_the_first_count_that_is_exact_enough_for_each_of_its_images()
     }
 }
 
+/// The floor of the same errors is the same share of scores of fewer pixels, but the noise averages
+/// out over fewer, and moves them further.
+#[test]
+fn a_score_of_few_pixels_needs_a_more_exact_reference() {
+    let first_round_suffices = |side: u32| {
+        let text = adaptive(4096)
+            .replace("[\"sampled\", \"split-sum\"]", "[\"sampled\"]")
+            .replace("[1, 4, 16]", "[1]")
+            .replace("size = [24, 24]", &format!("size = [{side}, {side}]"));
+        let (dir, log) = (tempfile::tempdir().unwrap(), noisy());
+        invoke(&plan(&text), dir.path(), &log, usize::MAX).unwrap();
+        reference_counts(&log).iter().all(|count| *count == 64)
+    };
+    assert_eq!([24, 8].map(first_round_suffices), [true, false]);
+}
+
 /// Score, floor and images equal a run whose references have this count.
 #[test]
 fn a_reference_that_stops_is_one_of_that_many_samples() {
