@@ -4,12 +4,12 @@
 // A = integral of D G / (4 n.v) (1 - Fc) dl, B the same with Fc the weight of f90. With dl = 4 (v.h) dh
 // and h written by
 //     r = alpha cos / sqrt(sin^2 + alpha^2 cos^2), for which D_ggx (n.h) dh = 2 r dr dphi / 2 pi,
-// the weight of a node is G (v.h) / ((n.v) (n.h)) D / D_ggx: bounded for all three models, whose
-// tails are at most as long as GGX's. l is above the horizon for every azimuth up to the polar
-// angle pi/4 - theta_v/2 of h, for none from pi/4 + theta_v/2 on, and in between up to cos phi =
-// c0. Each range is integrated on its own by midpoints of x - sin(2 pi x) / 2 pi, which makes every
-// integrand periodic and the midpoint rule converge fast; sampled points would have to resolve the
-// horizon (1e-3 at 1024 points).
+// the weight of a node is G (v.h) / ((n.v) (n.h)) D / D_ggx: bounded if the tail of D is at most as
+// long as GGX's. For a longer one r times the weight must be bounded, since dh has the factor r. l is
+// above the horizon for every azimuth up to the polar angle pi/4 - theta_v/2 of h, for none from
+// pi/4 + theta_v/2 on, and in between up to cos phi = c0. Each range is integrated on its own by
+// midpoints of x - sin(2 pi x) / 2 pi, which makes every integrand periodic and the midpoint rule
+// converge fast; sampled points would have to resolve the horizon (1e-3 at 1024 points).
 
 #include "lib/elementary.glsl"
 #include "lib/microfacet.glsl"

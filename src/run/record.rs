@@ -98,12 +98,8 @@ pub struct CellRecord {
     pub scores: Scores,
     /// Expected scores of an exact image, if the reference's standard error is known.
     pub noise_floors: Scores,
-    /// Of a sequence of frames.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub steadiness: Option<SteadinessScores>,
-    #[serde(default)]
-    pub reference: Option<ReferenceStop>,
-    pub verdict: String,
+    #[serde(flatten)]
+    pub judgement: Judgement,
     pub bins: Vec<BinRecord>,
     /// Empty without `[ladder]`.
     #[serde(default)]
@@ -115,6 +111,18 @@ pub struct CellRecord {
     pub target: Option<String>,
     /// Content hash by file of `images/`.
     pub files: BTreeMap<String, String>,
+}
+
+/// What a comparison finds besides scores ([`super::columns::ErrorColumns`]). Fields in the order of
+/// the record's keys; those that older programs did not write have a default.
+#[derive(Clone, Debug, Default, Deserialize, PartialEq, Serialize)]
+pub struct Judgement {
+    /// Of a sequence of frames.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub steadiness: Option<SteadinessScores>,
+    #[serde(default)]
+    pub reference: Option<ReferenceStop>,
+    pub verdict: String,
 }
 
 /// How steady a sequence of frames is ([`super::columns::SteadinessColumns`]). Fields in the order
@@ -211,9 +219,7 @@ pub struct KeptCell {
     pub scores: Box<[Option<f64>]>,
     /// In the order of [`linear_metrics`].
     pub noise_floors: Box<[Option<f64>]>,
-    pub steadiness: Option<SteadinessScores>,
-    pub reference: Option<ReferenceStop>,
-    pub verdict: Box<str>,
+    pub judgement: Judgement,
 }
 
 impl KeptCell {
@@ -227,9 +233,7 @@ impl KeptCell {
         Self {
             scores: all(&record.scores, METRICS),
             noise_floors: all(&record.noise_floors, &linear_metrics()),
-            steadiness: record.steadiness,
-            reference: record.reference.clone(),
-            verdict: record.verdict.as_str().into(),
+            judgement: record.judgement.clone(),
         }
     }
 

@@ -5,7 +5,7 @@ use super::columns::UNSCORED;
 use super::images;
 use super::reference_image::{Kept, ReferenceImage, by_name, keep};
 use super::store::{
-    BinRecord, CellRecord, Exact, ReferenceStop, Scores, SteadinessScores, StepRecord, Store,
+    BinRecord, CellRecord, Exact, Judgement, Scores, SteadinessScores, StepRecord, Store,
 };
 use super::tables::HEADLINE;
 use crate::base::names::Listed;
@@ -55,9 +55,7 @@ pub struct Linear {
 struct CellResults {
     scores: Scores,
     noise_floors: Scores,
-    steadiness: Option<SteadinessScores>,
-    reference: Option<ReferenceStop>,
-    verdict: String,
+    judgement: Judgement,
     bins: Vec<BinRecord>,
     files: BTreeMap<String, String>,
 }
@@ -86,11 +84,9 @@ impl Rendered<'_> {
                 .iter()
                 .map(|(name, value)| (name.to_string(), value.to_string()))
                 .collect(),
-            verdict: results.verdict,
-            noise_floors: results.noise_floors,
-            steadiness: results.steadiness,
-            reference: results.reference,
             scores: results.scores,
+            noise_floors: results.noise_floors,
+            judgement: results.judgement,
             bins: results.bins,
             steps: self.steps.to_vec(),
             device: device.name.clone(),
@@ -114,7 +110,10 @@ impl Rendered<'_> {
         }
         let files = file.iter().flat_map(|linear| linear.files.clone());
         Ok(CellResults {
-            verdict: UNSCORED.to_owned(),
+            judgement: Judgement {
+                verdict: UNSCORED.to_owned(),
+                ..Judgement::default()
+            },
             files: files.collect(),
             ..CellResults::default()
         })
@@ -152,11 +151,13 @@ impl Rendered<'_> {
         let noise_use = plan.config.reference.noise_use();
         files.extend(self.write_pictures(judge, plan, store, &comparison)?);
         Ok(CellResults {
-            verdict: verdict_name(&scores, &noise_floors, noise_use),
-            noise_floors,
-            steadiness: self.steadiness(reference, curve)?,
-            reference: reference.stop.clone(),
+            judgement: Judgement {
+                steadiness: self.steadiness(reference, curve)?,
+                reference: reference.stop.clone(),
+                verdict: verdict_name(&scores, &noise_floors, noise_use),
+            },
             scores,
+            noise_floors,
             bins,
             files,
         })

@@ -123,17 +123,20 @@ fn score_and_floor_fields(kept: Option<&KeptCell>) -> Vec<Field> {
 }
 
 fn error_columns(kept: Option<&KeptCell>) -> ErrorColumns {
-    let stop = kept.and_then(|kept| kept.reference.as_ref());
+    let judgement = kept.map(|kept| &kept.judgement);
+    let stop = judgement.and_then(|judgement| judgement.reference.as_ref());
     ErrorColumns {
         reference_samples: stop.map(|stop| stop.samples),
         reference_relative_error: stop.map(|stop| stop.relative_error.0),
         reference_stopped_by: stop.map(|stop| stop.stopped_by.name()),
-        verdict: kept.map_or(FAILED, |kept| &kept.verdict).to_owned(),
+        verdict: judgement
+            .map_or(FAILED, |judgement| &judgement.verdict)
+            .to_owned(),
     }
 }
 
 fn steadiness_columns(kept: Option<&KeptCell>) -> SteadinessColumns {
-    let steadiness = kept.and_then(|kept| kept.steadiness);
+    let steadiness = kept.and_then(|kept| kept.judgement.steadiness);
     SteadinessColumns {
         lag_bias: steadiness.map(|scores| scores.lag_bias.0),
         flicker: steadiness.map(|scores| scores.flicker.0),

@@ -219,7 +219,7 @@ impl<'p> Run<'p> {
     ) -> Result<(), StoreError> {
         let is_stale = |cell: &&Cell| match self.results.get(&cell.id) {
             Some(CellResult::Done(kept)) => {
-                let stop = kept.reference.as_ref();
+                let stop = kept.judgement.reference.as_ref();
                 stop.is_some_and(|stop| stop.samples != u64::from(samples))
             }
             _ => false,

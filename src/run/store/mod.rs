@@ -6,8 +6,8 @@ mod identity;
 mod lock;
 
 pub use super::record::{
-    BinRecord, CellRecord, Exact, FailureRecord, KeptCell, ReferenceRecord, ReferenceStop, Scores,
-    SteadinessScores, StepRecord, StopReason,
+    BinRecord, CellRecord, Exact, FailureRecord, Judgement, KeptCell, ReferenceRecord,
+    ReferenceStop, Scores, SteadinessScores, StepRecord, StopReason,
 };
 pub use fault::StoreError;
 
