@@ -199,7 +199,7 @@ pub struct Reference {
 }
 
 /// The factor of the samples from one round of a reference to the next.
-const ROUND_FACTOR: u32 = 4;
+const ROUND_FACTOR: u32 = 2;
 
 /// Terms of a cell's reference.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -230,8 +230,8 @@ impl Reference {
         NoiseUse::of_share(self.noise_share())
     }
 
-    /// Lists the sample counts of a reference that is as exact as its images need: 64, 256,
-    /// 1024 ..., at last all its samples.
+    /// Lists the sample counts of a reference that is as exact as its images need: 64, 128,
+    /// 256 ..., at last all its samples.
     pub fn rounds(&self) -> Vec<u32> {
         let mut rounds: Vec<u32> =
             std::iter::successors(Some(PILOT_SAMPLES), |count| count.checked_mul(ROUND_FACTOR))

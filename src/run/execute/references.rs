@@ -1,7 +1,7 @@
 //! References that are as exact as the images that they judge need.
 //!
 //! The images of a group come first, each by itself. A reference of 64 samples judges an image; if
-//! its noise is too large beside the image's error, one of 256 does, then one of 1024, and so on.
+//! its noise is too large beside the image's error, one of 128 does, then one of 256, and so on.
 //! The first count that suffices is the *need* of the image. The reference of the group has the
 //! largest need of its images.
 //!
