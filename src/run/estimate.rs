@@ -5,7 +5,7 @@
 //! run corrects them.
 
 use super::recovery;
-use super::timing::{FRAME, TimingJob};
+use super::timing::{FRAME, LONG_MS, TimingJob};
 use crate::experiment::axis::{AXES, Point, PrecomputedTable};
 use crate::experiment::plan::{Cell, Plan};
 use crate::experiment::value::Value;
@@ -249,13 +249,6 @@ impl<'p> Steps<'p> {
         let Some(timing) = plan.config.timing else {
             return 0.0;
         };
-        // A frame that does not count follows each change of configuration.
-        let frames_per_round = if self.compared.contains(&job.block) {
-            2
-        } else {
-            1
-        };
-        let counted = timing.rounds * frames_per_round;
         let once: f64 = if job.phase == FRAME {
             Work::image(point).seconds(amount(plan, point))
         } else {
@@ -264,7 +257,10 @@ impl<'p> Steps<'p> {
                 .map(|work| Work::Table(work.table).seconds(work.amount))
                 .sum()
         };
-        f64::from(counted + timing.warmup) * once
+        // A short frame that does not count follows each change of configuration.
+        let is_repeated = self.compared.contains(&job.block) && once < 1e-3 * LONG_MS;
+        let frames_per_round = if is_repeated { 2 } else { 1 };
+        f64::from(timing.rounds * frames_per_round + timing.warmup) * once
     }
 }
 

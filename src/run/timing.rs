@@ -50,6 +50,11 @@ pub struct RoundPosition {
     pub start_s: f64,
 }
 
+/// The first frame after another configuration fills caches of a CPU again, a few megabytes within
+/// half a millisecond. If the passes of a method take less than this, ms, one frame runs before each
+/// that counts.
+pub const LONG_MS: f64 = 25.0;
+
 /// Times of one pass, ms, one per round.
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct PassSamples {

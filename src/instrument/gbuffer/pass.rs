@@ -10,6 +10,9 @@ use crate::instrument::gpu::{
 use crate::instrument::scene::{Camera, MaterialMaps, Mesh, Scene, Texture};
 use std::ops::Range;
 
+/// The timed pass that draws the g-buffer.
+pub const GBUFFER_PASS: &str = "gbuffer";
+
 /// A strip of four vertices, one instance per sphere.
 const SPHERES: GraphicsDescription = GraphicsDescription {
     shaders: ["gbuffer/sphere.vert", "gbuffer/sphere.frag"],

@@ -10,7 +10,7 @@ use crate::instrument::environment::distribution::EnvironmentDistribution;
 use crate::instrument::environment::layout::MapLayout;
 use crate::instrument::gbuffer::design;
 use crate::instrument::gbuffer::pass::{
-    self as gbuffer_pass, GbufferImages, SceneData, SurfaceImages,
+    self as gbuffer_pass, GBUFFER_PASS, GbufferImages, SceneData, SurfaceImages,
 };
 use crate::instrument::gpu::{Buffer, Gpu, GpuError, Image, Report};
 use crate::instrument::precompute::points::Points;
@@ -295,8 +295,8 @@ pub(super) fn draw_gbuffer(
     scene: &SceneData,
     images: &GbufferImages,
 ) -> Result<Report, GpuError> {
-    let mut recorder = gpu.record("gbuffer")?;
-    recorder.pass("gbuffer", |recorder| {
+    let mut recorder = gpu.record(GBUFFER_PASS)?;
+    recorder.pass(GBUFFER_PASS, |recorder| {
         gbuffer_pass::record(recorder, scene, &request.camera, images.all())
     })?;
     recorder.submit()

@@ -4,6 +4,7 @@ use crate::base::glsl::constants::FRESNEL_SCHLICK;
 use crate::base::pixels::{GrayImage, RgbImage};
 use crate::instrument::brdf::Fresnel;
 use crate::instrument::environment::Environment;
+use crate::instrument::gbuffer::pass::GBUFFER_PASS;
 use crate::instrument::gpu::PassTime;
 use crate::instrument::metrics::Epsilon;
 use crate::instrument::precompute::PrefilterBy;
@@ -232,6 +233,12 @@ impl TimingSamples {
             }
         }
         self.wall_ms.extend(more.wall_ms);
+    }
+
+    /// Time of the first round without the g-buffer, which all methods share, ms.
+    pub fn method_ms(&self) -> f64 {
+        let of_method = self.passes.iter().filter(|(pass, _)| *pass != GBUFFER_PASS);
+        of_method.filter_map(|(_, ms)| ms.first()).sum()
     }
 
     pub(super) fn push(&mut self, round: &[PassTime], wall_ms: f64) {

@@ -96,17 +96,19 @@ impl<'p> Run<'p> {
             })
             .collect();
         let is_cpu = renderer.device().device_type == "cpu";
-        // Frames that keep a GPU busy for [`KEEP_MS`], by configuration.
-        let mut frames = Vec::new();
+        // Frames that do not count before each that does, by configuration.
+        let mut leading = Vec::new();
         for configuration in &timed {
-            let wall_ms = configuration
-                .sample(timing.warmup - 1, 1, renderer)?
-                .wall_ms;
-            let lasting = |ms: f64| (ms / wall_ms[0].max(0.01)).ceil() as u32;
+            let sample = configuration.sample(timing.warmup - 1, 1, renderer)?;
+            let lasting = |ms: f64| (ms / sample.wall_ms[0].max(0.01)).ceil() as u32;
             if !is_cpu {
                 configuration.sample(lasting(RAMP_MS / block.len() as f64), 0, renderer)?;
             }
-            frames.push(if is_cpu { 0 } else { lasting(KEEP_MS) });
+            leading.push(if is_cpu {
+                u32::from(timed.len() > 1 && sample.method_ms() < timing::LONG_MS)
+            } else {
+                lasting(KEEP_MS)
+            });
         }
         let started = Instant::now();
         let mut random = Rng::with_seed(self.plan.config.seed.into());
@@ -116,9 +118,7 @@ impl<'p> Run<'p> {
             for (order, &index) in indices.iter().enumerate() {
                 let configuration = &mut timed[index];
                 let start_s = started.elapsed().as_secs_f64();
-                // The first frame after a change of configuration does not count.
-                let change = frames[index].max(u32::from(block.len() > 1));
-                let sample = configuration.sample(change, 1, renderer)?;
+                let sample = configuration.sample(leading[index], 1, renderer)?;
                 configuration.samples.append(sample);
                 configuration
                     .positions

@@ -16,7 +16,7 @@ fn timings_are_taken_once_a_configuration_and_kept() {
     assert_eq!(
         log.borrow().warmups,
         8 * 10,
-        "a frame after each change of configuration"
+        "a short frame after each change of configuration"
     );
     let table = Table::read(&dir.path().join("timings.csv")).unwrap();
     assert_eq!(table.rows.len(), 4 + 8 * 2);
@@ -55,6 +55,17 @@ fn timings_are_taken_once_a_configuration_and_kept() {
         assert_eq!(row[table.column("wall_check").unwrap()], check);
         assert_eq!(row[table.column("device_type").unwrap()], "cpu");
     }
+}
+
+/// A frame of many samples fills the caches in a small part of its time.
+#[test]
+fn long_frames_follow_a_change_of_configuration_at_once() {
+    let (dir, log) = (tempfile::tempdir().unwrap(), log());
+    let samples = EXPERIMENT.replace("[1, 4, 16]", "[1, 64, 256]");
+    let plan = plan(&format!("{samples}[timing]\nwarmup = 1\nrounds = 10\n"));
+    invoke(&plan, dir.path(), &log, usize::MAX).unwrap();
+    // Of each of two models, one sample and split-sum.
+    assert_eq!(log.borrow().warmups, 4 * 10);
 }
 
 #[test]
