@@ -133,6 +133,22 @@ fn a_run_leaves_the_documented_files_and_a_second_run_changes_nothing() {
     );
 }
 
+/// Whether a run is done depends on its folder's place, which summary and provenance name.
+#[test]
+fn a_run_that_was_moved_names_its_new_folder() {
+    let Some(dir) = folder() else { return };
+    ok(dir.path(), &["run", "tiny.toml"]);
+    let [old, new] = ["runs/tiny", "runs/moved"].map(|name| dir.path().join(name));
+    std::fs::rename(old, &new).unwrap();
+    let again = splitsum(dir.path(), &["run", "tiny.toml", "--out", "runs/moved"]);
+    assert!(again.status.success(), "{}", stderr(&again));
+    let text = stdout(&again);
+    assert!(
+        text.contains("Written to runs/moved") && !text.contains("runs/tiny"),
+        "{text}"
+    );
+}
+
 #[test]
 fn a_finished_run_is_answered_and_published_when_nobody_uses_its_folder() {
     let Some(dir) = folder() else { return };

@@ -49,7 +49,10 @@ impl Store {
             &config.file_dir,
             &config.set_dir,
         );
-        hasher.update(format!("{} {file:?} {:?}", plan.hash, plan.inputs.warnings()).as_bytes());
+        // Provenance and printed summary name the folder.
+        let dir = std::path::absolute(self.dir()).unwrap_or_default();
+        let facts = (&plan.hash, file, plan.inputs.warnings(), dir);
+        hasher.update(format!("{facts:?}").as_bytes());
         let mut add = |path: &Path| {
             let metadata = std::fs::metadata(path).ok();
             let changed = metadata
