@@ -84,7 +84,7 @@ impl Cases {
     }
 
     /// Compares the answer to every command with the kept one; each failure begins with the names
-    /// of file and case. With `INSTA_UPDATE=always` it writes the answers instead.
+    /// of file and case. With `INSTA_UPDATE=always` it writes these answers instead.
     pub fn check(
         mut self,
         mut answer: impl FnMut(&str) -> String,
@@ -96,9 +96,12 @@ impl Cases {
         for case in &mut self.cases {
             for run in &mut case.runs {
                 let found = answer(&run.command).trim_end().to_owned();
+                let Some(difference) = difference(&found, &run.answer) else {
+                    continue;
+                };
                 if is_update {
                     run.answer = found;
-                } else if let Some(difference) = difference(&found, &run.answer) {
+                } else {
                     failures.push(format!(
                         "{file}/{}: {}\n{difference}",
                         case.name, run.command

@@ -78,9 +78,10 @@ fn dfg_has_its_exact_values_and_keeps_its_error() {
         let pair = dfg(&Ggx, masking, 1.0, 1.0);
         assert!((pair.albedo() - (1.0 - 2f64.ln())).abs() < 1e-8, "{pair:?}");
     }
-    // A mirror: albedo G1 -> 1, all of it Schlick's weight at the mirror angle.
+    // A mirror: albedo G1 -> 1, all of it Schlick's weight at the mirror angle. A tail longer than
+    // GGX's loses alpha of it.
     for model in MODELS {
-        let pair = dfg(*model, MaskingShadowing::Correlated, 0.5, 1e-3);
+        let pair = dfg(*model, MaskingShadowing::Correlated, 0.5, 1e-4);
         assert!(
             (pair.albedo() - 1.0).abs() < 1e-4 && (pair.f90_scale - 1.0 / 32.0).abs() < 1e-4,
             "{} {pair:?}",

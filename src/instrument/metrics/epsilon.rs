@@ -10,8 +10,8 @@ pub struct Epsilon {
 }
 
 impl Epsilon {
-    /// Share of the mean luminance that is added to a value, and of its square that is added to a
-    /// square.
+    /// ε of squares is this share of the squared mean luminance; ε of values, if a metric has one,
+    /// this share of the mean.
     pub const SHARE: f64 = 1e-2;
     /// ε of light with mean luminance 1.
     pub const ABSOLUTE: Self = Self { mean: 1.0 };
