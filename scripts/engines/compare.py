@@ -1,7 +1,7 @@
 """Compares the pictures of run.sh with `reference` and with our model of each engine; writes results/engines.
 
 Arguments: FOLDER of run.sh, --splitsum PROGRAM, --out DIR. Pictures of splitsum are kept in FOLDER/ours and reused.
-With --keep, rows of DIR stay whose engine and material have no picture in FOLDER. With --picture, DIR/spheres.png alone is written.
+With --keep, rows of DIR stay whose engine, material and map have no picture in FOLDER. With --picture, DIR/spheres.png alone is written.
 With --check PERCENT in place of --out it fails if the mean of a picture is further from its model, or a pixel in the mean
 by eight times as much.
 """
@@ -263,10 +263,11 @@ def compare(folder, program, names, with_reference):
 
 
 def with_kept(rows, path):
-    """Adds the rows of the file that are of other engines or materials; sorts by ENGINES."""
-    drawn = {(row["engine"], row["material"]) for row in rows}
+    """Adds the rows of the file that are of other engines, materials or maps; sorts by ENGINES."""
+    keys = ("engine", "material", "map")
+    drawn = {tuple(row[key] for key in keys) for row in rows}
     with open(path, newline="") as file:
-        kept = [row for row in csv.DictReader(file) if (row["engine"], row["material"]) not in drawn]
+        kept = [row for row in csv.DictReader(file) if tuple(row[key] for key in keys) not in drawn]
     names = ("engine", "version", "material", "map")
     kept = [{key: value if key in names else float(value) if value else None for key, value in row.items()} for row in kept]
     return sorted([*kept, *rows], key=lambda row: list(ENGINES).index(row["engine"]))
