@@ -62,6 +62,7 @@ ENGINES = {
         "title": "PlayCanvas 2.23.3", "brdf": "--masking correlated", "widths": "gltf",
         "model": f"--method split-sum-playcanvas {CUBE}",
         "bend": "--bend playcanvas", "coat": "--coat-renderer khronos", "lacks": ["anisotropic"],
+        "irradiance_weight": f"file:{HERE}/babylon/irradiance.glsl",
     },
     "filament": {
         "title": "Filament (Open3D 0.20.0)", "brdf": "--masking correlated --compensation turquin", "widths": "kulla",
@@ -207,13 +208,14 @@ def lookup(ours, sphere, engine, flags):
 
 def specular_and_irradiance(ours, sphere, engine, flags):
     """The sum of two terms: the lookup alone, and irradiance over pi times the engine's own weight of it."""
-    flags = flags.replace("--diffuse sh9", "--diffuse none")
+    diffuse = flags.split("--diffuse ")[1].split()[0]
+    flags = flags.replace(f"--diffuse {diffuse}", "--diffuse none")
     # This compensation adds irradiance, which is in the weight.
     lobe = ours.picture(sphere, f"{flags} {surface(sphere, engine).replace('--compensation fdez-aguera', '')}")
     table = flags[flags.index("--dfg"):] if "weight_reads_table" in engine and "--dfg file" in flags else ""
     plain = {**engine, "brdf": engine["brdf"].split("--compensation")[0]}
     weight = ours.picture(sphere, f"--method {engine['irradiance_weight']} --diffuse none {table} {surface(sphere, plain)}")
-    irradiance = ours.picture(sphere, "--method none --diffuse sh9 --albedo 1 --metallic 0")
+    irradiance = ours.picture(sphere, f"--method none --diffuse {diffuse} --albedo 1 --metallic 0")
     return lobe + weight * irradiance
 
 
