@@ -50,8 +50,8 @@ python_of_engine() { # engine
     install_python "$1" "$here/$1/requirements.txt" "$python"
 }
 
-maps() {
-    for map in "$out"/maps/*.exr; do basename "$map" .exr; done
+maps() { # that were asked for; DIR may hold more
+    "$tools" -c 'import json, sys; print(*json.load(open(sys.argv[1]))["maps"], sep="\n")' "$out/spheres.json"
 }
 
 assets_of() { # engine

@@ -1,7 +1,7 @@
 """Compares the pictures of run.sh with `reference` and with our model of each engine; writes results/engines.
 
 Arguments: FOLDER of run.sh, --splitsum PROGRAM, --out DIR. Pictures of splitsum are kept in FOLDER/ours and reused.
-With --keep, rows of DIR stay whose engine and material have no picture in FOLDER. With --picture, DIR/spheres.png alone is written.
+With --keep, rows of DIR stay whose engine, material and map have no picture in FOLDER. With --picture, DIR/spheres.png alone is written.
 With --check PERCENT in place of --out it fails if the mean of a picture is further from its model, or a pixel in the mean
 by eight times as much.
 """
@@ -29,10 +29,14 @@ EDGE = 1.25
 
 # For each engine: its package; the flags that its BRDF shares with the reference; the flags of our model of it, and with exact maps
 # if its levels are for other widths than it reads; flags of a material's model; its weight of irradiance over pi, if that is not the
-# light that the specular term leaves; and the materials for which we have no model. TABLE is in FOLDER.
-TABLE = "sapien-table.exr"
+# light that the specular term leaves, and whether that weight reads the table of A and B; and the materials for which we have no
+# model. Tables of A and B are in FOLDER. SAPIEN's and Filament's are computed as they compute them.
+COMPUTED = {name: f"{name}-table.exr" for name in ("sapien", "filament")}
 # A lobe of two widths has no masking by Schlick's fit, but a table may.
 SCHLICK = "schlick-table/dfg.exr"
+# Babylon.js' own, of 8 bits; run.sh decodes them from the package that it draws with.
+BABYLON, OPENPBR = "babylon-tables/dfg.exr", "babylon-tables/openpbr.exr"
+TABLES = [*COMPUTED.values(), SCHLICK, BABYLON, OPENPBR]
 HERE = pathlib.Path(__file__).parent
 CUBE = "--prefilter-size 256x256 --prefilter-level-count 6 --diffuse irradiance-map"
 ENGINES = {
@@ -45,12 +49,12 @@ ENGINES = {
     },
     "babylon": {
         "title": "Babylon.js 9.35.0", "brdf": "--masking correlated --compensation turquin", "widths": "gltf",
-        "model": f"--method split-sum-babylon {CUBE.replace('irradiance-map', 'sh9')}",
+        "model": f"--method split-sum-babylon {CUBE.replace('irradiance-map', 'sh9')} --dfg file:{BABYLON}#{HERE}/babylon/table.toml",
         "coat": "--coat-renderer babylon", "lacks": ["anisotropic"], "irradiance_weight": f"file:{HERE}/babylon/irradiance.glsl",
     },
     "openpbr": {
         "title": "Babylon.js 9.35.0, OpenPBR", "brdf": "--masking correlated --compensation turquin", "widths": "openpbr",
-        "model": f"--method split-sum-babylon {CUBE.replace('irradiance-map', 'sh9')}",
+        "model": f"--method file:{HERE}/openpbr/model.glsl {CUBE.replace('irradiance-map', 'sh9')} --dfg file:{OPENPBR}#{HERE}/babylon/table.toml",
         "anisotropic": f"file:{HERE}/openpbr/anisotropic.glsl", "coat": "--coat-renderer openpbr",
         "under_coat": lambda base, coat: min(base**4 + 2 * coat**4, 1) ** 0.25,
     },
@@ -58,30 +62,32 @@ ENGINES = {
         "title": "PlayCanvas 2.23.3", "brdf": "--masking correlated", "widths": "gltf",
         "model": f"--method split-sum-playcanvas {CUBE}",
         "bend": "--bend playcanvas", "coat": "--coat-renderer khronos", "lacks": ["anisotropic"],
+        "irradiance_weight": f"file:{HERE}/babylon/irradiance.glsl",
     },
     "filament": {
         "title": "Filament (Open3D 0.20.0)", "brdf": "--masking correlated --compensation turquin", "widths": "kulla",
-        "model": f"--method split-sum-filament {CUBE.replace('irradiance-map', 'sh9').replace('count 6', 'count 5')} --level-mapping quadratic --dfg centres --dfg-size 128",
+        "model": f"--method split-sum-filament {CUBE.replace('irradiance-map', 'sh9').replace('count 6', 'count 5')} --level-mapping quadratic --dfg file:{COMPUTED['filament']}#cmgen",
         "coat": "--coat-renderer filament",
     },
     "vtk": {
         "title": "VTK 9.7.1", "brdf": "--masking schlick --compensation fdez-aguera", "widths": "disney",
         "model": f"--method split-sum-vtk {CUBE.replace('irradiance-map', 'sh9')}", "coat": "--coat-renderer vtk",
         "anisotropic": f"file:{HERE}/vtk/anisotropic.glsl", "irradiance_weight": f"file:{HERE}/vtk/irradiance.glsl",
+        "weight_reads_table": True,
     },
     "f3d": {
         "title": "F3D 4.0.0", "brdf": "--masking schlick --compensation fdez-aguera",
     },
     "sapien": {
         "title": "SAPIEN 3.0.3", "brdf": "--masking schlick",
-        "model": f"--method file:{HERE}/sapien/model.glsl {CUBE.replace('irradiance-map', 'none').replace('count 6', 'count 5')} --dfg file:{TABLE}#sapien",
-        "exact": f"--method split-sum {CUBE.replace('irradiance-map', 'none')} --dfg file:{TABLE}#sapien",
+        "model": f"--method file:{HERE}/sapien/model.glsl {CUBE.replace('irradiance-map', 'none').replace('count 6', 'count 5')} --dfg file:{COMPUTED['sapien']}#sapien",
+        "exact": f"--method split-sum {CUBE.replace('irradiance-map', 'none')} --dfg file:{COMPUTED['sapien']}#sapien",
     },
     "materialx": {"title": "MaterialX 1.39.5", "brdf": "--masking correlated --compensation turquin", "widths": "gltf"},
     "eevee": {"title": "EEVEE (Blender 5.2.3)", "brdf": "--masking correlated --compensation cycles"},
 }
 # It shades with VTK's code.
-ENGINES["f3d"] |= {key: ENGINES["vtk"][key] for key in ("model", "irradiance_weight")}
+ENGINES["f3d"] |= {key: ENGINES["vtk"][key] for key in ("model", "irradiance_weight", "weight_reads_table")}
 EXPLAINED = ["metal", "plastic", "coated"]
 PAGE = """# Spheres in real engines
 
@@ -130,9 +136,9 @@ class Ours:
         self.program, self.folder, self.size = program, folder / "ours", size
         self.maps = folder / "maps"
         self.folder.mkdir(exist_ok=True)
-        self.table = self.folder.parent / TABLE
-        if not self.table.exists():
-            subprocess.run([sys.executable, HERE / "sapien" / "table.py", self.table], check=True)
+        for name, file in COMPUTED.items():
+            if not (folder / file).exists():
+                subprocess.run([sys.executable, HERE / name / "table.py", folder / file], check=True)
         table = self.folder.parent / SCHLICK
         if not table.exists():
             settings = ["masking=schlick", "prefilter_size=8x8", "prefilter_level_count=2", "dfg_size=128"]
@@ -140,7 +146,7 @@ class Ours:
             subprocess.run(command + [part for setting in settings for part in ("--set", setting)], check=True, stdout=subprocess.DEVNULL)
 
     def picture(self, sphere, flags):
-        for name in (TABLE, SCHLICK):
+        for name in TABLES:
             flags = flags.replace(f"file:{name}", f"file:{self.folder.parent / name}")
         flags = f"{flags} --size {self.size}x{self.size} --perceptual-roughness {sphere['roughness']}".split()
         light = self.maps / f"{sphere['map']}.exr"
@@ -202,13 +208,14 @@ def lookup(ours, sphere, engine, flags):
 
 def specular_and_irradiance(ours, sphere, engine, flags):
     """The sum of two terms: the lookup alone, and irradiance over pi times the engine's own weight of it."""
-    flags = flags.replace("--diffuse sh9", "--diffuse none")
+    diffuse = flags.split("--diffuse ")[1].split()[0]
+    flags = flags.replace(f"--diffuse {diffuse}", "--diffuse none")
     # This compensation adds irradiance, which is in the weight.
     lobe = ours.picture(sphere, f"{flags} {surface(sphere, engine).replace('--compensation fdez-aguera', '')}")
-    table = flags[flags.index("--dfg"):] if "--dfg file" in flags else ""
+    table = flags[flags.index("--dfg"):] if "weight_reads_table" in engine and "--dfg file" in flags else ""
     plain = {**engine, "brdf": engine["brdf"].split("--compensation")[0]}
     weight = ours.picture(sphere, f"--method {engine['irradiance_weight']} --diffuse none {table} {surface(sphere, plain)}")
-    irradiance = ours.picture(sphere, "--method none --diffuse sh9 --albedo 1 --metallic 0")
+    irradiance = ours.picture(sphere, f"--method none --diffuse {diffuse} --albedo 1 --metallic 0")
     return lobe + weight * irradiance
 
 
@@ -258,10 +265,11 @@ def compare(folder, program, names, with_reference):
 
 
 def with_kept(rows, path):
-    """Adds the rows of the file that are of other engines or materials; sorts by ENGINES."""
-    drawn = {(row["engine"], row["material"]) for row in rows}
+    """Adds the rows of the file that are of other engines, materials or maps; sorts by ENGINES."""
+    keys = ("engine", "material", "map")
+    drawn = {tuple(row[key] for key in keys) for row in rows}
     with open(path, newline="") as file:
-        kept = [row for row in csv.DictReader(file) if (row["engine"], row["material"]) not in drawn]
+        kept = [row for row in csv.DictReader(file) if tuple(row[key] for key in keys) not in drawn]
     names = ("engine", "version", "material", "map")
     kept = [{key: value if key in names else float(value) if value else None for key, value in row.items()} for row in kept]
     return sorted([*kept, *rows], key=lambda row: list(ENGINES).index(row["engine"]))

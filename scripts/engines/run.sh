@@ -46,7 +46,14 @@ render() { # engine: fails with 77 if it cannot run here
     fi
     if [ -f "$here/$1/render.js" ]; then
         # shellcheck disable=SC2086 # a word or nothing
-        sh "$here/browser.sh" "$1" "$out" "$installed" $ours
+        sh "$here/browser.sh" "$1" "$out" "$installed" $ours || return
+        case $1 in
+            babylon | openpbr)
+                # For compare.py, whose model of the engine reads them.
+                mkdir -p "$out/babylon-tables"
+                "$installed/tools/bin/python" "$here/babylon/tables.py" \
+                    "$installed/$1/node_modules/@babylonjs/core/Misc/brdfTextureTools.js" "$out/babylon-tables" ;;
+        esac
         return
     fi
     # Comments in its requirements.txt may name a version of Python, and the engine whose environment it shares.

@@ -15,8 +15,9 @@ from open3d.visualization import rendering
 
 # At this intensity radiance 1 is drawn as 1.
 INTENSITY = 38400
-# The picture has 8 bits and ends at 1: steps of two stops, of which each pixel takes the brightest that is not cut.
-EXPOSURES = [4.0**-k for k in range(-1, 7)]
+# The picture has 8 bits and ends at 1: steps of a stop, of which each pixel takes the brightest that is not cut. So a value of 1/64 or
+# more has a step of 0.8 % of itself at most. Radiance 1 is the code 240 of one of them, not between two.
+EXPOSURES = [240 / 255 * 2.0**-k for k in range(-6, 13)]
 LEFT_OUT = {"anisotropic": "Open3D gives meshes tangents of its own, not along the east"}
 
 

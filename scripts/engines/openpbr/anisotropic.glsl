@@ -1,5 +1,5 @@
 // Babylon.js' OpenPBRMaterial on a lobe of two widths: 16 lookups along r of normals that lean to the tangent, at the narrow width;
-// mixed with irradiance by alpha^2 (sampleRadianceAnisotropic in openpbrIblFunctions, openpbrEnvironmentLighting, 9.35.0).
+// mixed with irradiance by alpha^2; a metal's compensation as in model.glsl (sampleRadianceAnisotropic in openpbrIblFunctions, openpbrEnvironmentLighting, 9.35.0).
 #include "lib/split_sum.glsl"
 
 const int LOOKUPS = 16;
@@ -26,5 +26,9 @@ vec3 specular_radiance(Surface s) {
     }
     vec3 irradiance = prefiltered_radiance(s.n, 1.0);
     float share = s.alpha * s.alpha * max(1.0 - anisotropy, 0.3);
-    return mix(sum / total, irradiance, share) * reflectance(s);
+    vec2 a_b = albedo_pair(s);
+    float lost = 1.0 / (a_b.x + a_b.y) - 1.0;
+    vec3 average = mix(s.f0, s.f0 + (1.0 - s.f0) / 21.0, s.metallic);
+    vec3 gain = (1.0 + average * lost) / (1.0 + s.f0 * lost);
+    return mix(sum / total, irradiance, share) * reflectance(s) * gain;
 }
