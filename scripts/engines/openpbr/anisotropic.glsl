@@ -1,5 +1,6 @@
 // Babylon.js' OpenPBRMaterial on a lobe of two widths: 16 lookups along r of normals that lean to the tangent, at the narrow width;
-// mixed with irradiance by alpha^2; a metal's compensation as in model.glsl (sampleRadianceAnisotropic in openpbrIblFunctions, openpbrEnvironmentLighting, 9.35.0).
+// mixed with irradiance by alpha^2; a metal's compensation as in model.glsl, since #include finds files of shaders/ only
+// (sampleRadianceAnisotropic in openpbrIblFunctions, openpbrEnvironmentLighting, 9.35.0).
 #include "lib/split_sum.glsl"
 
 const int LOOKUPS = 16;
