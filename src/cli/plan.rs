@@ -6,6 +6,7 @@ use super::subject::Subject;
 use super::{Failure, log, print, print_data, progress};
 use clap::Args;
 use serde_json::json;
+use splitsum::experiment::Id;
 use splitsum::experiment::axis::AxisId;
 use splitsum::experiment::axis::named::{columns, fields};
 use splitsum::experiment::fault::Lines;
@@ -41,8 +42,8 @@ pub struct Arguments {
 const DONE: &str = "done";
 
 fn state(store: &Store, cell: &Cell) -> Result<&'static str, StoreError> {
-    let failure = store.failure(&cell.id)?;
-    Ok(match (store.cell(&cell.id)?, failure) {
+    let failure = store.failure(cell.id)?;
+    Ok(match (store.cell(cell.id)?, failure) {
         (Some(_), _) => DONE,
         (None, Some(_)) => "failed",
         (None, None) => "open",
@@ -75,7 +76,7 @@ pub fn execute(arguments: &Arguments) -> Result<(), Failure> {
     // A block with a missing record is timed again as a whole.
     let blocks = jobs.chunk_by(|a, b| a.block == b.block);
     let left: Vec<_> = blocks
-        .filter(|block| !block.iter().all(|job| store.has_timing(&job.id)))
+        .filter(|block| !block.iter().all(|job| store.has_timing(job.id)))
         .flatten()
         .cloned()
         .collect();
@@ -120,14 +121,14 @@ fn forecast(
         let known = cache.as_ref().zip(request);
         known.is_some_and(|(cache, request)| is_kept(cache, &request))
     };
-    let first_of_each: BTreeMap<&str, &Cell> = open
+    let first_of_each: BTreeMap<Id, &Cell> = open
         .iter()
-        .filter_map(|cell| Some((cell.reference.as_deref()?, *cell)))
+        .filter_map(|cell| Some((cell.reference?, *cell)))
         .collect();
     let kept = first_of_each
         .iter()
         .filter(|(_, cell)| is_kept(cell))
-        .map(|(id, _)| id.to_string());
+        .map(|(id, _)| *id);
     Ok(Forecast::new(plan, open, jobs, kept))
 }
 

@@ -4,6 +4,7 @@ pub mod axis;
 mod checks;
 pub mod config;
 pub mod fault;
+pub mod id;
 pub mod inputs;
 pub mod lights;
 mod number;
@@ -17,4 +18,5 @@ pub mod value;
 
 pub use config::Config;
 pub use fault::{ConfigError, Fault};
+pub use id::Id;
 pub use plan::{Cell, Plan};

@@ -9,6 +9,7 @@ use super::axis::{
 use super::checks;
 use super::config::{Config, UNSCORED};
 use super::fault::{ConfigError, Faults, Location};
+use super::id::Id;
 use super::inputs::Inputs;
 use super::sweeps::COMBINATIONS_MAX;
 use super::value::Value;
@@ -23,8 +24,6 @@ use std::path::{Path, PathBuf};
 pub const SCHEMA_VERSION: u32 = 1;
 /// Largest product of combinations and excluded values: a few seconds.
 const COMPARISONS_MAX: u64 = 200_000_000;
-/// Hex digits of an id: 64 bits, so a million cells collide with probability 3e-8.
-const ID_LENGTH: usize = 16;
 /// Gives a reference under test other points than the reference that judges it.
 const UNDER_TEST: u32 = 0x5eed_7e57;
 
@@ -32,13 +31,13 @@ const UNDER_TEST: u32 = 0x5eed_7e57;
 #[derive(Clone, Debug)]
 pub struct Cell {
     /// Hash of everything that determines the cell's scores.
-    pub id: String,
+    pub id: Id,
     /// Collapsed ([`Point::collapsed`]).
     pub point: Point,
     /// Id of the radiance image, which cells that differ only in the tone curve share.
-    pub radiance: String,
+    pub radiance: Id,
     /// Id of the reference's radiance image; `None` if the experiment has no references.
-    pub reference: Option<String>,
+    pub reference: Option<Id>,
 }
 
 #[derive(Debug)]
@@ -63,14 +62,14 @@ pub struct Plan {
 #[derive(Debug)]
 pub struct ReferenceGroup<'p> {
     /// Id of the reference's radiance image.
-    pub reference: Option<&'p str>,
+    pub reference: Option<Id>,
     pub radiances: Vec<RadianceGroup<'p>>,
 }
 
 /// Cells that share an image before its tone curve.
 #[derive(Debug)]
 pub struct RadianceGroup<'p> {
-    pub id: &'p str,
+    pub id: Id,
     pub cells: Vec<&'p Cell>,
 }
 
@@ -172,11 +171,11 @@ impl Plan {
     /// in memory.
     pub fn groups(&self) -> Vec<ReferenceGroup<'_>> {
         let mut groups: Vec<ReferenceGroup> = Vec::new();
-        let mut group_of: BTreeMap<&str, usize> = BTreeMap::new();
-        let mut radiance_of: BTreeMap<(usize, &str), usize> = BTreeMap::new();
+        let mut group_of: BTreeMap<Id, usize> = BTreeMap::new();
+        let mut radiance_of: BTreeMap<(usize, Id), usize> = BTreeMap::new();
         for cell in &self.cells {
-            let reference = cell.reference.as_deref();
-            let shared = reference.unwrap_or(&cell.radiance);
+            let reference = cell.reference;
+            let shared = reference.unwrap_or(cell.radiance);
             let group = *group_of.entry(shared).or_insert_with(|| {
                 groups.push(ReferenceGroup {
                     reference,
@@ -186,15 +185,18 @@ impl Plan {
             });
             let radiances = &mut groups[group].radiances;
             let radiance = *radiance_of
-                .entry((group, &cell.radiance))
+                .entry((group, cell.radiance))
                 .or_insert_with(|| {
                     radiances.push(RadianceGroup {
-                        id: &cell.radiance,
+                        id: cell.radiance,
                         cells: Vec::new(),
                     });
                     radiances.len() - 1
                 });
             radiances[radiance].cells.push(cell);
+        }
+        for radiance in groups.iter_mut().flat_map(|group| &mut group.radiances) {
+            radiance.cells.shrink_to_fit();
         }
         groups
     }
@@ -206,8 +208,7 @@ impl Plan {
 
     /// Returns the point of the reference that judges a cell; `None` without references.
     pub fn judge_of(&self, cell: &Cell) -> Option<Point> {
-        let reference = cell.reference.as_ref();
-        reference.map(|_| self.reference_point(&cell.point))
+        cell.reference.map(|_| self.reference_point(&cell.point))
     }
 
     /// Lists name and value of every axis of a cell, in column order.
@@ -440,13 +441,8 @@ impl Plan {
             let point = point.collapsed();
             let stop = plan.cell_error(&point).map(stop_at_error);
             let radiance = plan.radiance_id(&point, plan.cell_seed(&point), stop);
-            let id = cell_id(
-                &radiance,
-                reference.as_deref().unwrap_or(UNSCORED),
-                &point,
-                plan.ladder_of(&point),
-            );
-            if known.insert(id.clone()) {
+            let id = cell_id(radiance, reference, &point, plan.ladder_of(&point));
+            if known.insert(id) {
                 cells.push(Cell {
                     id,
                     point: points.shared(&point),
@@ -458,12 +454,12 @@ impl Plan {
             }
         }
         plan.cells = cells;
-        plan.hash = plan.identity();
+        plan.hash = plan.identity().to_string();
         plan
     }
 
     /// Returns the hash of what a run of the plan measures: its cells, and what is done with them.
-    fn identity(&self) -> String {
+    fn identity(&self) -> Id {
         let mut lines = vec![
             format!("name={}", self.config.name),
             format!("timing={:?}", self.config.timing),
@@ -471,8 +467,8 @@ impl Plan {
         if let Some(losses) = &self.config.recovery {
             lines.push(format!("recovery={losses:?}"));
         }
-        lines.extend(self.cells.iter().map(|cell| cell.id.clone()));
-        hash_lines(&lines)
+        lines.extend(self.cells.iter().map(|cell| cell.id.to_string()));
+        Id::of_lines(&lines)
     }
 
     /// Returns the seed of a cell. A reference under test must not share points with the reference
@@ -505,7 +501,7 @@ impl Plan {
 
     /// Hashes inputs by content, so a renamed file keeps its cells and a changed one does not. `stop`
     /// is the rule by which reference terms stop early.
-    fn radiance_id(&self, point: &Point, seed: u32, stop: Option<String>) -> String {
+    fn radiance_id(&self, point: &Point, seed: u32, stop: Option<String>) -> Id {
         let Self { config, inputs, .. } = self;
         let mut lines = vec![
             format!("schema={SCHEMA_VERSION}"),
@@ -556,7 +552,7 @@ impl Plan {
             };
             lines.push(format!("{}={content}", axis.name));
         }
-        hash_lines(&lines)
+        Id::of_lines(&lines)
     }
 }
 
@@ -565,7 +561,8 @@ fn stop_at_error(error: f64) -> String {
     format!("reference_error={error}")
 }
 
-fn cell_id(radiance: &str, reference: &str, point: &Point, ladder: Option<u32>) -> String {
+fn cell_id(radiance: Id, reference: Option<Id>, point: &Point, ladder: Option<u32>) -> Id {
+    let reference = reference.map_or_else(|| UNSCORED.to_owned(), |id| id.to_string());
     let mut lines = vec![
         format!("radiance={radiance}"),
         format!("reference={reference}"),
@@ -576,9 +573,5 @@ fn cell_id(radiance: &str, reference: &str, point: &Point, ladder: Option<u32>) 
         .zip(point.values())
         .filter(|(axis, _)| !axis.changes_radiance());
     lines.extend(display.map(|(axis, value)| format!("{}={value}", axis.name)));
-    hash_lines(&lines)
-}
-
-fn hash_lines(lines: &[String]) -> String {
-    blake3::hash(lines.join("\n").as_bytes()).to_hex()[..ID_LENGTH].to_owned()
+    Id::of_lines(&lines)
 }

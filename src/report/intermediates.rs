@@ -104,7 +104,7 @@ impl<'r> Maker<'r> {
                 None => self.set(&plan.request(&cell.point))?,
             };
             sets_by_inputs.insert(inputs, set);
-            self.record.cells.insert(cell.id.clone(), set);
+            self.record.cells.insert(cell.id.to_string(), set);
         }
         self.record.sets = self.sets.into_iter().collect();
         self.record.left_out = self.pictures.values().filter(|kept| kept.is_none()).count();

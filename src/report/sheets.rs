@@ -15,9 +15,10 @@ use crate::run::companion::ResultFiles;
 use crate::run::images::{
     error_name, flip_name, picture_name, reference_picture_name, short_text, sweeps_display,
 };
+use crate::run::results::Results;
 use crate::run::rows;
-use crate::run::store::{KeptCell, Store, StoreError};
-use crate::run::tables::{CellResult, DISPLAY_HEADLINE, HEADLINE, Results};
+use crate::run::store::{CellRecord, Store, StoreError};
+use crate::run::tables::{DISPLAY_HEADLINE, HEADLINE};
 use indexmap::IndexMap;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
@@ -287,13 +288,12 @@ impl<'p> SheetMaker<'p> {
         }
     }
 
-    fn first_done<'c>(&self, cells: &[&'c Cell]) -> Option<(&'c Cell, &KeptCell)> {
-        cells
-            .iter()
-            .find_map(|&cell| match self.results.get(&cell.id) {
-                Some(CellResult::Done(record)) => Some((cell, &**record)),
-                _ => None,
-            })
+    /// The first finished cell with its record.
+    fn first_done<'c>(&self, cells: &[&'c Cell]) -> Option<(&'c Cell, CellRecord)> {
+        let done = cells.iter().find(|cell| self.results.is_done(cell))?;
+        // Nothing is shown of a record that vanished meanwhile.
+        let record = self.store.cell(done.id).ok().flatten()?;
+        Some((done, record))
     }
 
     fn reference_tile(&self, cells: &[&Cell], kind: Kind) -> Tile {
@@ -319,10 +319,11 @@ impl<'p> SheetMaker<'p> {
             return Tile::Missing("excluded".to_owned());
         };
         let Some((cell, record)) = self.first_done(cells) else {
-            return Tile::Missing(match self.results.get(&first.id) {
-                Some(CellResult::Failed(record)) => format!("failed: {}", record.reason),
-                _ => "not done".to_owned(),
-            });
+            let failure = self.results.failure(first);
+            return Tile::Missing(failure.map_or_else(
+                || "not done".to_owned(),
+                |failure| format!("failed: {}", failure.reason),
+            ));
         };
         let score = |metric: &str| {
             record

@@ -209,7 +209,7 @@ fn failures(run: &Finished) -> String {
         ("reason", Align::Left),
     ]);
     for record in &run.failures {
-        table.row(&[&record.cell, &record.label, &record.reason]);
+        table.row(&[&record.cell.to_string(), &record.label, &record.reason]);
     }
     format!("## Failed cells\n\nRun the experiment again to retry them.\n\n{table}\n")
 }

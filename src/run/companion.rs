@@ -4,8 +4,8 @@
 //! so `run` calls them through traits.
 
 use super::renderer::{RenderFault, Renderer};
+use super::results::Results;
 use super::store::{Store, StoreError};
-use super::tables::Results;
 use crate::experiment::plan::Plan;
 use std::fmt::Debug;
 

@@ -7,6 +7,7 @@
 use super::recovery;
 use super::timing::{FRAME, LONG_MS, TimingJob};
 use crate::experiment::axis::{AXES, Point, PrecomputedTable};
+use crate::experiment::id::Id;
 use crate::experiment::plan::{Cell, Plan};
 use crate::experiment::value::Value;
 use crate::instrument::pipeline::frames::CONVERGED_SAMPLES;
@@ -116,7 +117,7 @@ pub struct Ahead {
 pub struct Forecast {
     /// Stated seconds by the id of the cell or timed configuration, sorted, so that their sum has
     /// the same digits in every run.
-    steps: BTreeMap<String, f64>,
+    steps: BTreeMap<Id, f64>,
     /// Stated seconds, of the work after the last step too.
     left: f64,
     done: f64,
@@ -129,7 +130,7 @@ impl Forecast {
         plan: &Plan,
         cells: &[&Cell],
         jobs: &[TimingJob],
-        kept: impl IntoIterator<Item = String>,
+        kept: impl IntoIterator<Item = Id>,
     ) -> Self {
         let mut stated = Steps::new(plan, jobs, kept);
         let mut left: f64 = cells
@@ -138,9 +139,9 @@ impl Forecast {
             .sum();
         let mut steps: BTreeMap<_, _> = cells
             .iter()
-            .map(|cell| (cell.id.clone(), stated.cell(cell)))
+            .map(|cell| (cell.id, stated.cell(cell)))
             .collect();
-        steps.extend(jobs.iter().map(|job| (job.id.clone(), stated.timing(job))));
+        steps.extend(jobs.iter().map(|job| (job.id, stated.timing(job))));
         left += steps.values().sum::<f64>() + recovery::seconds(plan);
         Self {
             steps,
@@ -150,8 +151,8 @@ impl Forecast {
     }
 
     /// Notes a cell or timed configuration that was tried.
-    pub fn finish(&mut self, id: &str) {
-        let seconds = self.steps.remove(id).unwrap_or(0.0);
+    pub fn finish(&mut self, id: Id) {
+        let seconds = self.steps.remove(&id).unwrap_or(0.0);
         self.done += seconds;
         self.left -= seconds;
     }
@@ -178,22 +179,25 @@ impl Forecast {
 #[derive(Debug)]
 pub struct Steps<'p> {
     plan: &'p Plan,
-    /// References, images and tables of earlier steps.
-    begun: HashSet<String>,
+    /// References and images of earlier steps.
+    rendered: HashSet<Id>,
+    /// Keys of the tables of earlier steps.
+    tables: HashSet<String>,
     /// Blocks with more than one configuration.
     compared: BTreeSet<String>,
 }
 
 impl<'p> Steps<'p> {
     /// Steps of a plan with these timed configurations. References in `kept` are cached.
-    pub fn new(plan: &'p Plan, jobs: &[TimingJob], kept: impl IntoIterator<Item = String>) -> Self {
+    pub fn new(plan: &'p Plan, jobs: &[TimingJob], kept: impl IntoIterator<Item = Id>) -> Self {
         let blocks = jobs
             .chunk_by(|a, b| a.block == b.block)
             .filter(|block| block.len() > 1);
         let compared = blocks.map(|block| block[0].block.clone()).collect();
         Self {
             plan,
-            begun: kept.into_iter().collect(),
+            rendered: kept.into_iter().collect(),
+            tables: HashSet::new(),
             compared,
         }
     }
@@ -208,14 +212,14 @@ impl<'p> Steps<'p> {
             None => Work::Picture,
         }
         .seconds(image);
-        if let Some((id, judge)) = cell.reference.as_ref().zip(judge.as_ref())
-            && self.begun.insert(id.clone())
+        if let Some((id, judge)) = cell.reference.zip(judge.as_ref())
+            && self.rendered.insert(id)
         {
             let all = amount(plan, judge);
             let samples = all.samples * usual_share(plan, judge);
             seconds += Work::reference(judge).seconds(Amount { samples, ..all });
         }
-        if self.begun.insert(cell.radiance.clone()) {
+        if self.rendered.insert(cell.radiance) {
             seconds += Work::image(point).seconds(image);
             let samples = plan.ladder_of(point).map_or(0.0, f64::from);
             seconds += Work::Ladder.seconds(Amount {
@@ -236,7 +240,7 @@ impl<'p> Steps<'p> {
             if table == PrecomputedTable::Prefilter && by == PrefilterBy::Harmonic {
                 amount.samples *= HARMONIC_HOST;
             }
-            if self.begun.insert(key) {
+            if self.tables.insert(key) {
                 seconds += Work::Table(table).seconds(amount);
             }
         }

@@ -1,9 +1,9 @@
 //! The images of a run (linear EXR, tone-mapped PNG, error maps) and their file names.
 
 use super::columns::{CELL, Columns, ImageColumns};
+use super::results::Results;
 use super::run_table::RunTable;
 use super::store::Store;
-use super::tables::{CellResult, Results};
 use crate::base::csv::Cell as Field;
 use crate::base::files::content_hash;
 use crate::base::numbers::short_number;
@@ -12,7 +12,7 @@ use crate::experiment::axis::{
     ALPHA, AXES, Axis, AxisId, BRDF, DIFFUSE_METHOD, ENVIRONMENT, METHOD, Named, Point, SAMPLES,
     SCENE,
 };
-use crate::experiment::plan::{Cell, Plan};
+use crate::experiment::{Cell, Id, Plan};
 use crate::instrument::environment::BUILTIN_PREFIX;
 use crate::instrument::pipeline::Frame;
 use blake3::Hash;
@@ -86,7 +86,7 @@ pub fn file_words(text: &str) -> String {
         .collect()
 }
 
-pub fn radiance_name(point: &Point, id: &str) -> String {
+pub fn radiance_name(point: &Point, id: Id) -> String {
     format!("{}.{id}.exr", slug(point))
 }
 
@@ -106,7 +106,7 @@ pub fn flip_name(cell: &Cell) -> String {
 /// `None` without references.
 pub fn reference_picture_name(plan: &Plan, cell: &Cell) -> Option<String> {
     let point = plan.judge_of(cell)?;
-    let id = cell.reference.as_ref()?;
+    let id = cell.reference?;
     let display = AXES
         .iter()
         .zip(point.values())
@@ -163,12 +163,12 @@ pub(super) fn files(plan: &Plan, cell: &Cell) -> Vec<String> {
 
 /// File name of the linear image of a cell.
 pub fn linear_file(cell: &Cell) -> String {
-    radiance_name(&cell.point, &cell.radiance)
+    radiance_name(&cell.point, cell.radiance)
 }
 
 /// File name of the linear image of a cell's reference; `None` without references.
 pub fn reference_file(plan: &Plan, cell: &Cell) -> Option<String> {
-    let id = cell.reference.as_ref()?;
+    let id = cell.reference?;
     Some(radiance_name(&plan.judge_of(cell)?, id))
 }
 
@@ -218,9 +218,9 @@ pub(super) fn damaged(store: &Store, recorded: Recorded) -> BTreeSet<String> {
 /// `images.csv`: the files of each finished cell.
 pub fn index(plan: &Plan, results: &Results) -> RunTable<Vec<Vec<Field>>> {
     let columns = std::iter::once(CELL.name.to_owned());
-    let is_done = |cell: &&Cell| matches!(results.get(&cell.id), Some(CellResult::Done(_)));
-    let rows = plan.cells.iter().filter(is_done).map(|cell| {
-        let mut row = vec![Field::from(cell.id.as_str())];
+    let done = plan.cells.iter().filter(|cell| results.is_done(cell));
+    let rows = done.map(|cell| {
+        let mut row = vec![Field::from(cell.id.to_string())];
         row.extend(index_names(plan, cell).fields());
         row
     });

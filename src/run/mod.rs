@@ -14,6 +14,7 @@ pub mod record;
 pub mod recovery;
 mod reference_image;
 pub mod renderer;
+pub mod results;
 pub mod rows;
 pub mod run_table;
 mod scoring;

@@ -2,8 +2,9 @@
 
 use crate::base::names::{Listed, listed};
 use crate::base::numbers::round_to_significant;
+use crate::experiment::Id;
 use crate::instrument::ladder::{Attribution, StepNumbers};
-use crate::instrument::metrics::{METRICS, Metric, NoiseUse, linear_metrics};
+use crate::instrument::metrics::{Metric, NoiseUse};
 use crate::instrument::shade::reference_pass::Convergence;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -88,12 +89,12 @@ pub struct ReferenceRecord {
     /// By the id of an image: the first sample count whose noise is small beside the image's error.
     /// Empty for exact references.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub needs: BTreeMap<String, u32>,
+    pub needs: BTreeMap<Id, u32>,
 }
 
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct CellRecord {
-    pub cell: String,
+    pub cell: Id,
     pub axes: BTreeMap<String, String>,
     pub scores: Scores,
     /// Expected scores of an exact image, if the reference's standard error is known.
@@ -212,33 +213,9 @@ impl StepRecord {
     }
 }
 
-/// The part of a record that a run keeps in memory, for tables and sheets.
-#[derive(Clone, Debug)]
-pub struct KeptCell {
-    /// In the order of [`METRICS`].
-    pub scores: Box<[Option<f64>]>,
-    /// In the order of [`linear_metrics`].
-    pub noise_floors: Box<[Option<f64>]>,
-    pub judgement: Judgement,
-}
-
-impl KeptCell {
-    pub fn new(record: &CellRecord) -> Self {
-        let all = |scores: &Scores, metrics: &[&Metric]| -> Box<[Option<f64>]> {
-            metrics
-                .iter()
-                .map(|metric| scores.get(metric.name).map(|score| score.0))
-                .collect()
-        };
-        Self {
-            scores: all(&record.scores, METRICS),
-            noise_floors: all(&record.noise_floors, &linear_metrics()),
-            judgement: record.judgement.clone(),
-        }
-    }
-
+impl CellRecord {
     pub fn score(&self, metric: &str) -> Option<f64> {
-        self.scores[METRICS.iter().position(|known| known.name == metric)?]
+        self.scores.get(metric).map(|score| score.0)
     }
 
     /// The score as answers have it.
@@ -249,15 +226,13 @@ impl KeptCell {
 
     /// Expected score of an exact image.
     pub fn noise_floor(&self, metric: &str) -> Option<f64> {
-        self.noise_floors[linear_metrics()
-            .iter()
-            .position(|known| known.name == metric)?]
+        self.noise_floors.get(metric).map(|floor| floor.0)
     }
 }
 
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct FailureRecord {
-    pub cell: String,
+    pub cell: Id,
     pub label: String,
     pub reason: String,
 }

@@ -79,7 +79,7 @@ impl Rendered<'_> {
         results.files.extend([picture]);
         let axes = plan.columns_of(cell);
         Ok(CellRecord {
-            cell: cell.id.clone(),
+            cell: cell.id,
             axes: axes
                 .iter()
                 .map(|(name, value)| (name.to_string(), value.to_string()))

@@ -7,14 +7,15 @@ use super::estimate::Steps;
 use super::shard::Shard;
 use super::timing;
 use crate::experiment::axis::{BRDF, ENVIRONMENT};
+use crate::experiment::id::Id;
 use crate::experiment::plan::{Cell, Plan};
 use std::collections::{BTreeMap, BTreeSet, HashMap};
 
 /// The part of a plan that one process does.
 #[derive(Clone, Debug, Default, Eq, PartialEq)]
 pub struct Share {
-    pub cells: BTreeSet<String>,
-    pub timings: BTreeSet<String>,
+    pub cells: BTreeSet<Id>,
+    pub timings: BTreeSet<Id>,
     /// Whether it makes the files of the plan (`companion`).
     pub has_live: bool,
 }
@@ -53,7 +54,7 @@ pub fn split(plan: &Plan, count: usize) -> Vec<Share> {
         begun += unit.seconds;
         shares[(part as usize).min(parts - 1)]
             .cells
-            .extend(unit.cells.iter().map(|cell| cell.id.clone()));
+            .extend(unit.cells.iter().map(|cell| cell.id));
     }
     shares[count - 1].timings = jobs.into_iter().map(|job| job.id).collect();
     if let Some(first) = shares.iter_mut().find(|share| !share.cells.is_empty()) {
@@ -74,7 +75,7 @@ fn units(plan: &Plan) -> Vec<Vec<&Cell>> {
     let groups = plan.groups();
     // Groups with a common image are one unit, named by its first group.
     let mut unit_of: Vec<usize> = (0..groups.len()).collect();
-    let mut known: HashMap<&str, usize> = HashMap::new();
+    let mut known: HashMap<Id, usize> = HashMap::new();
     for (index, group) in groups.iter().enumerate() {
         let images = group.radiances.iter().map(|radiance| radiance.id);
         for id in group.reference.into_iter().chain(images) {

@@ -6,10 +6,9 @@ use super::columns::{
     BinColumns, CELL, Columns, ErrorColumns, FAILED, PassColumns, SteadinessColumns, StepColumns,
     TimedColumns,
 };
+use super::results::Results;
 use super::run_table::RunTable;
-use super::store::{
-    BinRecord, CellRecord, FailureRecord, KeptCell, Scores, StepRecord, Store, StoreError,
-};
+use super::store::{BinRecord, CellRecord, Scores, StepRecord, Store, StoreError};
 use super::timing::{PassSamples, TimingRecord};
 use crate::base::csv::Cell as Field;
 use crate::base::math::order_statistics::{median, median_interval};
@@ -18,16 +17,6 @@ use crate::experiment::axis::named::{columns, fields};
 use crate::experiment::axis::{AXES, AxisId, FRAMES, SIZE};
 use crate::experiment::plan::{Cell, Plan};
 use crate::instrument::metrics::{METRICS, Metric, Pooling, linear_metrics};
-use std::collections::BTreeMap;
-
-#[derive(Clone, Debug)]
-pub enum CellResult {
-    Done(Box<KeptCell>),
-    Failed(FailureRecord),
-}
-
-/// Results by cell id. Cells that were not tried are missing.
-pub type Results = BTreeMap<String, CellResult>;
 
 /// The column of a metric's score of an exact image.
 fn noise_floor_column(metric: &Metric) -> String {
@@ -62,7 +51,7 @@ impl<'p> CellColumns<'p> {
     }
 
     fn row(&self, cell: &Cell, between: Vec<Field>) -> Vec<Field> {
-        let mut row = vec![Field::from(cell.id.as_str())];
+        let mut row = vec![Field::from(cell.id.to_string())];
         row.extend(self.axis_fields(cell, &self.first));
         row.extend(between);
         row.extend(self.axis_fields(cell, &self.last));
@@ -86,6 +75,7 @@ fn axis_columns(axes: &[AxisId]) -> impl Iterator<Item = String> {
 pub fn errors(
     plan: &Plan,
     results: &Results,
+    store: &Store,
 ) -> RunTable<impl Iterator<Item = Result<Vec<Field>, StoreError>>> {
     let layout = CellColumns::new(plan);
     let has_sequences = plan.columns.contains(&FRAMES);
@@ -96,34 +86,41 @@ pub fn errors(
         names.extend(SteadinessColumns::names());
     }
     let columns = layout.names(names.into_iter());
-    let rows = plan.cells.iter().filter_map(move |cell| {
-        let kept = match results.get(&cell.id)? {
-            CellResult::Done(kept) => Some(&**kept),
-            CellResult::Failed(_) => None,
-        };
-        let mut between = score_and_floor_fields(kept);
-        between.extend(error_columns(kept).fields());
+    let row = move |cell: &Cell, record: Option<CellRecord>| {
+        let record = record.as_ref();
+        let mut between = score_and_floor_fields(record);
+        between.extend(error_columns(record).fields());
         if has_sequences {
-            between.extend(steadiness_columns(kept).fields());
+            between.extend(steadiness_columns(record).fields());
         }
-        Some(Ok(layout.row(cell, between)))
+        layout.row(cell, between)
+    };
+    let rows = plan.cells.iter().filter_map(move |cell| {
+        if results.failure(cell).is_some() {
+            return Some(Ok(row(cell, None)));
+        }
+        let record = results.is_done(cell).then(|| store.cell(cell.id))?;
+        let record = record.transpose()?;
+        Some(record.map(|record| row(cell, Some(record))))
     });
     RunTable { columns, rows }
 }
 
 /// Every score, then every noise floor; missing ones of a failed cell.
-fn score_and_floor_fields(kept: Option<&KeptCell>) -> Vec<Field> {
-    match kept {
-        Some(kept) => {
-            let numbers = kept.scores.iter().chain(&kept.noise_floors);
-            numbers.map(|number| Field::from(*number)).collect()
+fn score_and_floor_fields(record: Option<&CellRecord>) -> Vec<Field> {
+    let floored = linear_metrics();
+    match record {
+        Some(record) => {
+            let mut fields = score_fields(&record.scores, METRICS);
+            fields.extend(score_fields(&record.noise_floors, &floored));
+            fields
         }
-        None => vec![Field::Missing; METRICS.len() + linear_metrics().len()],
+        None => vec![Field::Missing; METRICS.len() + floored.len()],
     }
 }
 
-fn error_columns(kept: Option<&KeptCell>) -> ErrorColumns {
-    let judgement = kept.map(|kept| &kept.judgement);
+fn error_columns(record: Option<&CellRecord>) -> ErrorColumns {
+    let judgement = record.map(|record| &record.judgement);
     let stop = judgement.and_then(|judgement| judgement.reference.as_ref());
     ErrorColumns {
         reference_samples: stop.map(|stop| stop.samples),
@@ -135,8 +132,8 @@ fn error_columns(kept: Option<&KeptCell>) -> ErrorColumns {
     }
 }
 
-fn steadiness_columns(kept: Option<&KeptCell>) -> SteadinessColumns {
-    let steadiness = kept.and_then(|kept| kept.judgement.steadiness);
+fn steadiness_columns(record: Option<&CellRecord>) -> SteadinessColumns {
+    let steadiness = record.and_then(|record| record.judgement.steadiness);
     SteadinessColumns {
         lag_bias: steadiness.map(|scores| scores.lag_bias.0),
         flicker: steadiness.map(|scores| scores.flicker.0),
@@ -150,11 +147,8 @@ fn of_records(
     store: &Store,
     rows: impl Fn(&Cell, CellRecord) -> Vec<Vec<Field>>,
 ) -> impl Iterator<Item = Result<Vec<Field>, StoreError>> {
-    let done = plan
-        .cells
-        .iter()
-        .filter(|cell| matches!(results.get(&cell.id), Some(CellResult::Done(_))));
-    done.flat_map(move |cell| match store.cell(&cell.id) {
+    let done = plan.cells.iter().filter(|cell| results.is_done(cell));
+    done.flat_map(move |cell| match store.cell(cell.id) {
         Ok(record) => record
             .into_iter()
             .flat_map(|record| rows(cell, record))
@@ -209,7 +203,7 @@ pub fn steps(
         let steps = record.steps.into_iter();
         steps
             .map(|step| {
-                let mut row = vec![Field::from(cell.id.as_str())];
+                let mut row = vec![Field::from(cell.id.to_string())];
                 row.extend(step_columns(step).fields());
                 row
             })
@@ -251,7 +245,7 @@ pub fn timings(records: &[TimingRecord]) -> RunTable<Vec<Vec<Field>>> {
     columns.extend(PassColumns::names());
     let mut rows = Vec::new();
     for record in records {
-        let mut head = vec![Field::from(record.cell.as_str())];
+        let mut head = vec![Field::from(record.cell.to_string())];
         head.extend(
             TimedColumns {
                 phase: record.phase.clone(),

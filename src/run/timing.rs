@@ -6,6 +6,7 @@
 use crate::base::math::order_statistics::median;
 use crate::base::names::Listed;
 use crate::experiment::axis::{AXES, AxisId, ENVIRONMENT, METHOD, SAMPLES, SCENE, SIZE};
+use crate::experiment::id::Id;
 use crate::experiment::plan::{Cell, Plan};
 use crate::instrument::precompute::prefilter;
 use crate::instrument::shade::Method;
@@ -17,7 +18,7 @@ use std::collections::{BTreeMap, BTreeSet};
 #[derive(Clone, Debug, Deserialize, PartialEq, Serialize)]
 pub struct TimingRecord {
     /// A cell with this configuration.
-    pub cell: String,
+    pub cell: Id,
     /// [`FRAME`] or [`PRECOMPUTE`].
     pub phase: String,
     /// Configurations of one block were timed in the same rounds.
@@ -77,7 +78,7 @@ impl PassSamples {
 #[derive(Clone, Debug)]
 pub struct TimingJob<'p> {
     /// Hash of the configuration and the number of rounds.
-    pub id: String,
+    pub id: Id,
     pub phase: &'static str,
     /// Configurations of one block are compared and timed in the same rounds.
     pub block: String,
@@ -107,15 +108,15 @@ pub fn jobs(plan: &Plan) -> Vec<TimingJob<'_>> {
             let size = plan.size_of(cell);
             let axes = timed_axes(cell, phase);
             let key = format!("{phase} {environment_size:?} {size:?} {axes:?} {timing:?}");
-            let id = blake3::hash(key.as_bytes()).to_hex()[..16].to_owned();
-            if !ids.insert(id.clone()) {
+            let id = Id::of_text(&key);
+            if !ids.insert(id) {
                 continue;
             }
             // Tables are not compared: each configuration is a block.
             let block = if phase == FRAME {
                 format!("{environment_size:?} {size:?} {}", shared_values(&axes))
             } else {
-                id.clone()
+                id.to_string()
             };
             jobs.push(TimingJob {
                 id,

@@ -263,18 +263,18 @@ fn a_run_recovers_what_its_renderer_hides() {
         bench.invoke(&log, usize::MAX).unwrap();
         let table = bench.table("recovery.csv");
         let candidate = table.column("candidate").unwrap();
-        let textbook: Vec<&str> = bench
+        let textbook: Vec<String> = bench
             .plan
             .cells
             .iter()
             .filter(|cell| cell.point.get("method").text() == "split-sum")
-            .map(|cell| cell.id.as_str())
+            .map(|cell| cell.id.to_string())
             .collect();
         let mut count = 0;
         for row in table
             .rows
             .iter()
-            .filter(|row| textbook.contains(&row[candidate].as_str()))
+            .filter(|row| textbook.contains(&row[candidate]))
         {
             let column = |name: &str| number(&table, row, name);
             assert_eq!(column("photos"), 2.0);

@@ -20,7 +20,8 @@ use std::sync::Arc;
 /// groups are equal.
 const GROUP_LENGTH: usize = 8;
 
-type Group = Arc<[Value]>;
+/// The last group of a point is filled up with unset values.
+type Group = Arc<[Value; GROUP_LENGTH]>;
 
 /// One value for every axis. Copies share their values until one of them is changed, because a plan,
 /// its records and its answers each keep the point of a cell; other points may share groups of
@@ -80,8 +81,12 @@ impl FromIterator<Value> for Point {
     fn from_iter<I: IntoIterator<Item = Value>>(values: I) -> Self {
         let values: Vec<Value> = values.into_iter().collect();
         assert_eq!(values.len(), AXES.len(), "one value for each axis");
+        let group = |chunk: &[Value]| {
+            let value = |index| chunk.get(index).unwrap_or(&Value::Unset).clone();
+            Group::new(std::array::from_fn(value))
+        };
         Self {
-            groups: values.chunks(GROUP_LENGTH).map(Group::from).collect(),
+            groups: values.chunks(GROUP_LENGTH).map(group).collect(),
         }
     }
 }
@@ -89,7 +94,8 @@ impl FromIterator<Value> for Point {
 impl Point {
     /// The values in the order of [`AXES`].
     pub fn values(&self) -> impl Iterator<Item = &Value> {
-        self.groups.iter().flat_map(|group| group.iter())
+        let values = self.groups.iter().flat_map(|group| group.iter());
+        values.take(AXES.len())
     }
 
     pub fn get(&self, name: &str) -> &Value {

@@ -8,6 +8,7 @@ use super::{Progress, Run, RunError, of_cell};
 use crate::base::files::content_hash;
 use crate::base::pixels::Rgb8Image;
 use crate::experiment::axis::Point;
+use crate::experiment::id::Id;
 use crate::experiment::plan::{Cell, Plan, ReferenceGroup};
 use crate::instrument::ladder::BANDS;
 use crate::instrument::pipeline::{DeviceInfo, Frame};
@@ -240,16 +241,16 @@ impl<'p> Run<'p> {
 
     /// Whether the image of a reference is the one that a finished cell was compared with, byte for
     /// byte. Without such a cell it is rendered again.
-    fn is_as_recorded(&self, reference: &str, name: &str, path: &Path) -> Result<bool, StoreError> {
+    fn is_as_recorded(&self, reference: Id, name: &str, path: &Path) -> Result<bool, StoreError> {
         for cell in self
             .plan
             .cells
             .iter()
-            .filter(|cell| cell.reference.as_deref() == Some(reference))
+            .filter(|cell| cell.reference == Some(reference))
         {
             if let Some(hash) = self
                 .store
-                .cell(&cell.id)?
+                .cell(cell.id)?
                 .and_then(|record| record.files.get(name).cloned())
             {
                 return Ok(content_hash(path).is_ok_and(|found| found == hash));
@@ -262,7 +263,7 @@ impl<'p> Run<'p> {
     /// one is written.
     pub(super) fn reference(
         &mut self,
-        id: &str,
+        id: Id,
         point: &Point,
         samples: u32,
         renderer: &mut dyn Renderer,
@@ -352,7 +353,7 @@ impl<'p> Run<'p> {
             match scored {
                 Ok(record) => {
                     self.store.write_cell(&record)?;
-                    self.remember(cell, &record);
+                    self.remember(cell);
                     progress.step(&self.plan.label(cell), None, self.ahead());
                 }
                 Err(reason) => self.fail(&[cell], &reason, progress)?,

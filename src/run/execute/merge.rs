@@ -1,8 +1,7 @@
 //! Merges the work of shards into one run: checks it, then writes tables and provenance.
 
 use super::{Outcome, Run, RunError, RunOptions};
-use crate::experiment::plan::{Cell, Plan};
-use crate::run::images;
+use crate::experiment::{Cell, Id, Plan};
 use crate::run::provenance::{self, Provenance, device_words};
 use crate::run::shard::Shard;
 use crate::run::split::split;
@@ -88,10 +87,10 @@ impl Run<'_> {
         let plan = self.plan;
         let store = &self.store;
         let mut damage: Vec<String> = std::mem::take(&mut self.unusable);
-        let references: BTreeSet<&str> = plan
+        let references: BTreeSet<Id> = plan
             .cells
             .iter()
-            .filter_map(|cell| cell.reference.as_deref())
+            .filter_map(|cell| cell.reference)
             .collect();
         let references = references
             .into_iter()
@@ -99,26 +98,22 @@ impl Run<'_> {
         let timings = self
             .jobs
             .iter()
-            .map(|job| store.record::<Value>(TIMINGS_FOLDER, &job.id).map(drop));
+            .map(|job| store.record::<Value>(TIMINGS_FOLDER, job.id).map(drop));
         for read in references.chain(timings) {
             match read {
                 Err(error) if error.is_unusable_record() => damage.push(error.to_string()),
                 read => read?,
             }
         }
-        damage.extend(
-            images::damaged(store, std::mem::take(&mut self.recorded))
-                .iter()
-                .map(|name| {
-                    let path = store.image_path(name);
-                    let what = if path.exists() {
-                        "differs from its record"
-                    } else {
-                        "is missing"
-                    };
-                    format!("{}: {what}", path.display())
-                }),
-        );
+        damage.extend(std::mem::take(&mut self.damaged).iter().map(|name| {
+            let path = store.image_path(name);
+            let what = if path.exists() {
+                "differs from its record"
+            } else {
+                "is missing"
+            };
+            format!("{}: {what}", path.display())
+        }));
         Ok(damage)
     }
 
@@ -129,9 +124,9 @@ impl Run<'_> {
             .plan
             .cells
             .iter()
-            .filter(|cell| !self.results.contains_key(&cell.id))
+            .filter(|cell| !self.results.is_tried(cell))
         {
-            if self.store.failure(&cell.id)?.is_none() {
+            if self.store.failure(cell.id)?.is_none() {
                 cells.push(cell);
             }
         }
@@ -139,7 +134,7 @@ impl Run<'_> {
         let mut shards = Vec::new();
         let known = self
             .store
-            .ids(SHARDS_FOLDER)
+            .stems(SHARDS_FOLDER)
             .iter()
             .filter_map(|stem| Shard::by_stem(stem))
             .collect::<Vec<_>>();

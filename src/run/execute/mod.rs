@@ -13,6 +13,7 @@ pub use outcome::{Outcome, Progress, RunError, RunOptions};
 
 use crate::base::csv;
 use crate::base::files::holds;
+use crate::experiment::id::Id;
 use crate::experiment::plan::{Cell, Plan, ReferenceGroup};
 use crate::instrument::metrics::METRICS;
 use crate::run::cell_fault::CellFault;
@@ -22,11 +23,12 @@ use crate::run::images;
 use crate::run::provenance::device_words;
 use crate::run::recovery::{self, RECOVERY_FILE};
 use crate::run::renderer::{RenderFault, Renderer};
+use crate::run::results::Results;
 use crate::run::split::Share;
-use crate::run::store::{CELLS_FOLDER, CellRecord, FailureRecord, KeptCell, Store};
-use crate::run::tables::{self, CellResult, Results};
+use crate::run::store::{CELLS_FOLDER, CellRecord, FailureRecord, Store, StoreError};
+use crate::run::tables;
 use crate::run::timing::{self, TimingJob, TimingRecord};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::atomic::Ordering;
 use std::time::Instant;
 
@@ -68,7 +70,8 @@ pub fn run(
         progress.start(steps, steps - left, run.ahead());
         run.begin_session(&renderer.device())?;
         let result = run.work(renderer.as_mut(), progress);
-        if run.share.is_none() {
+        // After work without a fault they are written at the end.
+        if result.is_err() && run.share.is_none() {
             run.write_tables()?;
         }
         run.end_session(started)?;
@@ -109,8 +112,8 @@ struct Run<'p> {
     timings: Vec<TimingRecord>,
     /// Whether a failure ended the run.
     is_halted: bool,
-    /// Files of cells that an earlier invocation finished; taken when they are checked.
-    recorded: images::Recorded,
+    /// Images of finished cells that are missing or differ from their records, by name.
+    damaged: BTreeSet<String>,
     /// A sentence for each record that cannot be used.
     unusable: Vec<String>,
     /// Finished cells by device.
@@ -121,42 +124,71 @@ struct Run<'p> {
     clock: Instant,
 }
 
+/// What earlier invocations left in the folder.
+#[derive(Default)]
+struct Found {
+    results: Results,
+    damaged: BTreeSet<String>,
+    unusable: Vec<String>,
+    devices: BTreeMap<String, usize>,
+}
+
+impl Found {
+    /// Reads the records of a share and checks their images, group by group: cells of a group have
+    /// images in common, which are read once, and the names of all groups would need more memory
+    /// than all else.
+    fn read(plan: &Plan, store: &Store, share: &Option<Share>) -> Result<Self, StoreError> {
+        let mut found = Self::default();
+        for group in plan.groups() {
+            let mut recorded = images::Recorded::new();
+            for cell in group.cells().filter(|cell| is_in_share(share, cell)) {
+                if let Some(record) = found.record(plan, store, cell)? {
+                    images::note(&mut recorded, plan, cell, &record.files);
+                }
+            }
+            found.damaged.extend(images::damaged(store, recorded));
+        }
+        Ok(found)
+    }
+
+    /// Reads and notes the record of a cell; `None` without a usable one.
+    fn record(
+        &mut self,
+        plan: &Plan,
+        store: &Store,
+        cell: &Cell,
+    ) -> Result<Option<CellRecord>, StoreError> {
+        let record = match store.record::<CellRecord>(CELLS_FOLDER, cell.id) {
+            Ok(Some(record)) => record,
+            Ok(None) => return Ok(None),
+            Err(error) if error.is_unusable_record() => {
+                self.unusable.push(error.to_string());
+                return Ok(None);
+            }
+            Err(error) => return Err(error),
+        };
+        let is_complete = || {
+            let mut metrics = METRICS.iter();
+            metrics.all(|metric| record.scores.contains_key(metric.name))
+        };
+        // A record of another program may lack some.
+        if plan.config.is_scored && !is_complete() {
+            let path = store.cell_path(cell.id);
+            self.unusable
+                .push(format!("{}: lacks a score of some metric", path.display()));
+            return Ok(None);
+        }
+        self.results.finish(cell.id);
+        let words = device_words(&record.device, &record.driver, record.target.as_deref());
+        *self.devices.entry(words).or_default() += 1;
+        Ok(Some(record))
+    }
+}
+
 impl<'p> Run<'p> {
     fn load(plan: &'p Plan, store: Store, options: &'p RunOptions<'p>) -> Result<Self, RunError> {
         let share = options.shard.map(|shard| Share::new(plan, shard));
-        let mut results = Results::new();
-        let mut recorded = images::Recorded::new();
-        let mut unusable = Vec::new();
-        let mut devices: BTreeMap<String, usize> = BTreeMap::new();
-        for cell in plan.cells.iter().filter(|cell| is_in_share(&share, cell)) {
-            match store.record::<CellRecord>(CELLS_FOLDER, &cell.id) {
-                // Of another program.
-                Ok(Some(record))
-                    if plan.config.is_scored
-                        && !METRICS
-                            .iter()
-                            .all(|metric| record.scores.contains_key(metric.name)) =>
-                {
-                    unusable.push(format!(
-                        "{}: lacks a score of some metric",
-                        store.cell_path(&cell.id).display()
-                    ));
-                }
-                Ok(Some(record)) => {
-                    images::note(&mut recorded, plan, cell, &record.files);
-                    results.insert(
-                        cell.id.clone(),
-                        CellResult::Done(Box::new(KeptCell::new(&record))),
-                    );
-                    let words =
-                        device_words(&record.device, &record.driver, record.target.as_deref());
-                    *devices.entry(words).or_default() += 1;
-                }
-                Ok(None) => {}
-                Err(error) if error.is_unusable_record() => unusable.push(error.to_string()),
-                Err(error) => return Err(error.into()),
-            }
-        }
+        let found = Found::read(plan, &store, &share)?;
         let mut jobs = timing::jobs(plan);
         jobs.retain(|job| {
             share
@@ -168,13 +200,13 @@ impl<'p> Run<'p> {
             store,
             options,
             share,
-            results,
+            results: found.results,
             jobs,
             timings: Vec::new(),
             is_halted: false,
-            recorded,
-            unusable,
-            devices,
+            damaged: found.damaged,
+            unusable: found.unusable,
+            devices: found.devices,
             forecast: None,
             clock: Instant::now(),
         })
@@ -190,7 +222,7 @@ impl<'p> Run<'p> {
                 self.unusable.len()
             ));
         }
-        let damaged = images::damaged(&self.store, std::mem::take(&mut self.recorded));
+        let damaged = std::mem::take(&mut self.damaged);
         let Some(name) = damaged.first() else {
             return Ok(());
         };
@@ -208,7 +240,7 @@ impl<'p> Run<'p> {
         for cell in &plan.cells {
             let files = images::files(plan, cell);
             if files.iter().any(|name| damaged.contains(name)) {
-                self.results.remove(&cell.id);
+                self.results.forget(cell);
             }
         }
         Ok(())
@@ -224,8 +256,7 @@ impl<'p> Run<'p> {
 
     /// Whether a cell has its record, or belongs to another process.
     fn is_done(&self, cell: &Cell) -> bool {
-        !is_in_share(&self.share, cell)
-            || matches!(self.results.get(&cell.id), Some(CellResult::Done(_)))
+        !is_in_share(&self.share, cell) || self.results.is_done(cell)
     }
 
     fn is_stopped(&self) -> bool {
@@ -245,7 +276,7 @@ impl<'p> Run<'p> {
     fn open_jobs(&self) -> Vec<TimingJob<'p>> {
         let blocks = self.jobs.chunk_by(|a, b| a.block == b.block);
         blocks
-            .filter(|block| !block.iter().all(|job| self.store.has_timing(&job.id)))
+            .filter(|block| !block.iter().all(|job| self.store.has_timing(job.id)))
             .flatten()
             .cloned()
             .collect()
@@ -264,10 +295,10 @@ impl<'p> Run<'p> {
                 let point = self.plan.reference_point(&first.point);
                 self.plan.least_reference(&point)
             };
-            (cells.any(|cell| self.results.contains_key(&cell.id)) || renderer.has_kept(&request()))
-                .then(|| id.to_owned())
+            (cells.any(|cell| self.results.is_tried(cell)) || renderer.has_kept(&request()))
+                .then_some(id)
         };
-        let kept: Vec<String> = groups.iter().filter_map(is_kept).collect();
+        let kept: Vec<Id> = groups.iter().filter_map(is_kept).collect();
         Forecast::new(self.plan, &open, &self.open_jobs(), kept)
     }
 
@@ -321,14 +352,11 @@ impl<'p> Run<'p> {
         self.share.as_ref().is_none_or(|share| share.has_live)
     }
 
-    fn remember(&mut self, cell: &Cell, record: &CellRecord) {
+    fn remember(&mut self, cell: &Cell) {
         if let Some(forecast) = &mut self.forecast {
-            forecast.finish(&cell.id);
+            forecast.finish(cell.id);
         }
-        self.results.insert(
-            record.cell.clone(),
-            CellResult::Done(Box::new(KeptCell::new(record))),
-        );
+        self.results.finish(cell.id);
     }
 
     fn fail(
@@ -343,15 +371,14 @@ impl<'p> Run<'p> {
             }
             let label = self.plan.label(cell);
             let record = FailureRecord {
-                cell: cell.id.clone(),
+                cell: cell.id,
                 label: label.clone(),
                 reason: reason.to_owned(),
             };
             self.store.write_failure(&record)?;
-            self.results
-                .insert(cell.id.clone(), CellResult::Failed(record));
+            self.results.fail(record);
             if let Some(forecast) = &mut self.forecast {
-                forecast.finish(&cell.id);
+                forecast.finish(cell.id);
             }
             progress.step(&label, Some(reason), self.ahead());
             self.is_halted |= self.options.fail_fast;
@@ -360,16 +387,16 @@ impl<'p> Run<'p> {
     }
 
     fn failures(&self) -> Vec<FailureRecord> {
-        let failure = |cell: &Cell| match self.results.get(&cell.id) {
-            Some(CellResult::Failed(record)) => Some(record.clone()),
-            _ => None,
-        };
-        self.plan.cells.iter().filter_map(failure).collect()
+        let cells = self.plan.cells.iter();
+        cells
+            .filter_map(|cell| self.results.failure(cell))
+            .cloned()
+            .collect()
     }
 
     /// Writes the tables that are too long for memory.
     fn write_tables(&self) -> Result<(), RunError> {
-        let errors = tables::errors(self.plan, &self.results);
+        let errors = tables::errors(self.plan, &self.results, &self.store);
         self.store.write_table("errors.csv", errors)?;
         if self.plan.config.is_scored {
             let bins = tables::errors_by_n_dot_v(self.plan, &self.results, &self.store);
@@ -390,14 +417,13 @@ impl<'p> Run<'p> {
         self.gather_sessions()?;
         for job in &self.jobs {
             self.timings
-                .extend(self.store.timing::<TimingRecord>(&job.id)?);
+                .extend(self.store.timing::<TimingRecord>(job.id)?);
         }
         for cell in &self.plan.cells {
-            if let (None, Some(failure)) =
-                (self.results.get(&cell.id), self.store.failure(&cell.id)?)
+            if !self.results.is_tried(cell)
+                && let Some(failure) = self.store.failure(cell.id)?
             {
-                self.results
-                    .insert(cell.id.clone(), CellResult::Failed(failure));
+                self.results.fail(failure);
             }
         }
         self.write_tables()?;

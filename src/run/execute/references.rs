@@ -12,6 +12,7 @@
 
 use super::{Progress, Run};
 use crate::experiment::axis::{FRAMES, Point};
+use crate::experiment::id::Id;
 use crate::experiment::plan::{Cell, ReferenceGroup};
 use crate::experiment::value::Value;
 use crate::instrument::pipeline::Frame;
@@ -19,7 +20,6 @@ use crate::run::cell_fault::CellFault;
 use crate::run::reference_image::ReferenceImage;
 use crate::run::renderer::Renderer;
 use crate::run::store::{CELLS_FOLDER, ReferenceRecord, StoreError};
-use crate::run::tables::CellResult;
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
@@ -33,15 +33,15 @@ const VARIANCE_EXPONENT_MAX: f64 = 2.0;
 /// Images of a group that were rendered before its reference.
 #[derive(Default)]
 pub(super) struct Held<'p> {
-    frames: HashMap<&'p str, Arc<Frame>>,
+    frames: HashMap<Id, Arc<Frame>>,
     bytes: u64,
-    failures: HashMap<&'p str, String>,
+    failures: HashMap<Id, String>,
     /// The cell and the reason of the failure that ends the run.
     pub(super) fatal: Option<(&'p Cell, String)>,
 }
 
 impl<'p> Held<'p> {
-    fn keep(&mut self, id: &'p str, frame: Arc<Frame>) {
+    fn keep(&mut self, id: Id, frame: Arc<Frame>) {
         let bytes = frame.bytes();
         if self.bytes + bytes <= HELD_BYTES {
             self.bytes += bytes;
@@ -50,15 +50,15 @@ impl<'p> Held<'p> {
     }
 
     /// Takes the image of that id out, or the reason of its failure; `None` if it must be rendered.
-    pub(super) fn take(&mut self, id: &str) -> Option<Result<Arc<Frame>, String>> {
-        let frame = self.frames.remove(id).map(Ok);
-        frame.or_else(|| self.failures.remove(id).map(Err))
+    pub(super) fn take(&mut self, id: Id) -> Option<Result<Arc<Frame>, String>> {
+        let frame = self.frames.remove(&id).map(Ok);
+        frame.or_else(|| self.failures.remove(&id).map(Err))
     }
 }
 
 /// The references of a group by sample count, each rendered when an image first needs it.
-struct Rounds<'a> {
-    id: &'a str,
+struct Rounds {
+    id: Id,
     point: Point,
     /// Ascending.
     counts: Vec<u32>,
@@ -67,7 +67,7 @@ struct Rounds<'a> {
     images: BTreeMap<u32, Arc<ReferenceImage>>,
 }
 
-impl Rounds<'_> {
+impl Rounds {
     /// The samples of an exact reference.
     fn last(&self) -> u32 {
         self.counts[self.counts.len() - 1]
@@ -89,7 +89,7 @@ impl<'p> Run<'p> {
     /// that had to be rendered for it are in `held`.
     pub(super) fn group_reference(
         &mut self,
-        id: &str,
+        id: Id,
         group: &ReferenceGroup<'p>,
         held: &mut Held<'p>,
         renderer: &mut dyn Renderer,
@@ -117,7 +117,7 @@ impl<'p> Run<'p> {
         };
         let of_group = group.radiances.iter();
         let samples = of_group
-            .filter_map(|radiance| needs.get(radiance.id).copied())
+            .filter_map(|radiance| needs.get(&radiance.id).copied())
             .max()
             .unwrap_or(rounds.counts[0]);
         let image = self.round(&mut rounds, samples, renderer)?;
@@ -137,11 +137,11 @@ impl<'p> Run<'p> {
         rounds: &mut Rounds,
         held: &mut Held<'p>,
         renderer: &mut dyn Renderer,
-    ) -> Result<Option<BTreeMap<String, u32>>, CellFault> {
+    ) -> Result<Option<BTreeMap<Id, u32>>, CellFault> {
         let record = self.store.reference(rounds.id)?;
         let mut needs = record.map_or_else(BTreeMap::new, |record| record.needs);
         for radiance in &group.radiances {
-            if needs.contains_key(radiance.id) {
+            if needs.contains_key(&radiance.id) {
                 continue;
             }
             if self.is_stopped() {
@@ -169,7 +169,7 @@ impl<'p> Run<'p> {
                 self.need(&frame, rounds, renderer)?
             };
             held.keep(radiance.id, frame);
-            needs.insert(radiance.id.to_owned(), need);
+            needs.insert(radiance.id, need);
         }
         Ok(Some(needs))
     }
@@ -217,20 +217,21 @@ impl<'p> Run<'p> {
         samples: u32,
         progress: &mut dyn Progress,
     ) -> Result<(), StoreError> {
-        let is_stale = |cell: &&Cell| match self.results.get(&cell.id) {
-            Some(CellResult::Done(kept)) => {
-                let stop = kept.judgement.reference.as_ref();
-                stop.is_some_and(|stop| stop.samples != u64::from(samples))
+        let mut stale_count = 0;
+        for cell in group.cells() {
+            if !self.results.is_done(cell) {
+                continue;
             }
-            _ => false,
-        };
-        let stale: Vec<&Cell> = group.cells().filter(is_stale).collect();
-        for cell in &stale {
-            self.store.remove_record(CELLS_FOLDER, &cell.id)?;
-            self.results.remove(&cell.id);
+            let record = self.store.cell(cell.id)?;
+            let stop = record.and_then(|record| record.judgement.reference);
+            if stop.is_some_and(|stop| stop.samples != u64::from(samples)) {
+                self.store.remove_record(CELLS_FOLDER, cell.id)?;
+                self.results.forget(cell);
+                stale_count += 1;
+            }
         }
-        if !stale.is_empty() {
-            progress.open_again(stale.len());
+        if stale_count > 0 {
+            progress.open_again(stale_count);
         }
         Ok(())
     }

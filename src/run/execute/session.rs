@@ -2,6 +2,7 @@
 
 use super::{Progress, Run, RunError};
 use crate::base::files::holds;
+use crate::experiment::id::Id;
 use crate::instrument::pipeline::DeviceInfo;
 use crate::run::frozen::EXPERIMENT_FILE;
 use crate::run::provenance::{self, Provenance, Session};
@@ -20,7 +21,7 @@ impl Run<'_> {
             .is_some_and(|found| found.plan_hash != self.plan.hash);
         if is_other {
             let all = self.share_cells().count();
-            let done = self.results.len();
+            let done = self.results.done_count();
             progress.note(&format!(
                 "continues a run of another plan: {done} of {all} cells are done"
             ));
@@ -32,19 +33,14 @@ impl Run<'_> {
                     self.store.remove("", file.name())?;
                 }
             }
-            let planned: BTreeSet<&str> = self
-                .plan
-                .cells
-                .iter()
-                .map(|cell| cell.id.as_str())
-                .collect();
+            let planned: BTreeSet<Id> = self.plan.cells.iter().map(|cell| cell.id).collect();
             let gone = self
                 .store
                 .ids(FAILED_FOLDER)
                 .into_iter()
-                .filter(|id| !planned.contains(id.as_str()));
+                .filter(|id| !planned.contains(id));
             gone.into_iter()
-                .try_for_each(|id| self.store.remove_record(FAILED_FOLDER, &id))?;
+                .try_for_each(|id| self.store.remove_record(FAILED_FOLDER, id))?;
         } else if found.is_some()
             && !holds(
                 &self.store.dir().join(EXPERIMENT_FILE),
@@ -97,7 +93,7 @@ impl Run<'_> {
         };
         let sessions = &mut provenance.sessions;
         sessions.retain(|session| session.shard.is_none());
-        for stem in self.store.ids(SHARDS_FOLDER) {
+        for stem in self.store.stems(SHARDS_FOLDER) {
             let Some(shard) = Shard::by_stem(&stem) else {
                 continue;
             };

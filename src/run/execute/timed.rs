@@ -44,7 +44,7 @@ impl<'p> Run<'p> {
             }
             // The samples of a block belong together: a block that lacks a record is timed again as
             // a whole.
-            if block.iter().all(|job| self.store.has_timing(&job.id)) {
+            if block.iter().all(|job| self.store.has_timing(job.id)) {
                 continue;
             }
             let timed = self.time_block(block, timing, renderer);
@@ -54,15 +54,15 @@ impl<'p> Run<'p> {
                     // A process killed while writing must not leave a mix of old and new records.
                     block
                         .iter()
-                        .try_for_each(|job| self.store.remove_record(TIMINGS_FOLDER, &job.id))?;
+                        .try_for_each(|job| self.store.remove_record(TIMINGS_FOLDER, job.id))?;
                     for configuration in timed {
                         let job = configuration.job.clone();
                         let label = format!("timing {}", configuration.words());
                         let record = configuration.into_record(timing.warmup, &device);
-                        self.store.write_timing(&job.id, &record)?;
+                        self.store.write_timing(job.id, &record)?;
                         self.forecast
                             .iter_mut()
-                            .for_each(|forecast| forecast.finish(&job.id));
+                            .for_each(|forecast| forecast.finish(job.id));
                         progress.step(&label, None, self.ahead());
                     }
                 }
@@ -70,7 +70,7 @@ impl<'p> Run<'p> {
                     for job in block {
                         self.forecast
                             .iter_mut()
-                            .for_each(|forecast| forecast.finish(&job.id));
+                            .for_each(|forecast| forecast.finish(job.id));
                         let label = format!("timing {} {}", job.phase, self.plan.label(job.cell));
                         progress.step(&label, Some(&reason), self.ahead());
                     }
@@ -164,7 +164,7 @@ impl Timed<'_> {
                 ms,
             });
         TimingRecord {
-            cell: self.job.cell.id.clone(),
+            cell: self.job.cell.id,
             phase: self.job.phase.to_owned(),
             block: self.job.block,
             environment_size: self.job.environment_size,

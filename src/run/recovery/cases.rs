@@ -5,7 +5,7 @@ use crate::experiment::axis::{
 };
 use crate::experiment::plan::{Cell, Plan};
 use crate::experiment::value::Value;
-use crate::run::tables::{CellResult, Results};
+use crate::run::results::Results;
 use indexmap::IndexMap;
 use std::collections::BTreeMap;
 
@@ -79,8 +79,7 @@ impl<'p> Candidate<'p> {
 
 /// The cases of the finished cells.
 pub fn cases<'p>(plan: &'p Plan, results: &Results) -> Vec<Case<'p>> {
-    let is_done = |cell: &&Cell| matches!(results.get(&cell.id), Some(CellResult::Done(_)));
-    of_cells(plan.cells.iter().filter(is_done))
+    of_cells(plan.cells.iter().filter(|cell| results.is_done(cell)))
 }
 
 /// The cases of a plan whose cells are all done.

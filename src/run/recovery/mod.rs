@@ -8,9 +8,9 @@
 mod cases;
 
 use super::columns::{CELL, Columns, RecoveryColumns};
+use super::results::Results;
 use super::run_table::RunTable;
 use super::store::{Store, StoreError};
-use super::tables::Results;
 use crate::base::csv::Cell as Field;
 use crate::base::names::Listed;
 use crate::base::pixels::{PixelsError, exr};
@@ -107,7 +107,7 @@ fn fits(
                     loss,
                 };
                 let columns = columns(&problem, truth, candidate, band);
-                let mut row = vec![Field::from(truth.first_cell().id.as_str())];
+                let mut row = vec![Field::from(truth.first_cell().id.to_string())];
                 row.extend(columns.fields());
                 rows.push(row);
             }
@@ -125,7 +125,7 @@ fn columns(
     let fit = problem.solve();
     let Surface { roughness, f0 } = truth.surface;
     RecoveryColumns {
-        candidate: candidate.first_cell().id.clone(),
+        candidate: candidate.first_cell().id.to_string(),
         photos: truth.photos.len(),
         loss: problem.loss.name(),
         n_dot_v_from: lo,

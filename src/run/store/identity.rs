@@ -7,6 +7,7 @@ use super::lock::LOCK_FILE;
 use super::{CELLS_FOLDER, SHARDS_FOLDER, SUBFOLDERS, Store, StoreError, TIMINGS_FOLDER, is_part};
 use crate::base::csv::Table;
 use crate::base::files::names_in;
+use crate::experiment::id::Id;
 use crate::experiment::plan::Plan;
 use crate::instrument::metrics::METRICS;
 use crate::run::columns::FAILED;
@@ -76,11 +77,11 @@ impl Store {
                  {path}{cause})"
             )));
         }
-        let jobs: BTreeSet<String> = timing::jobs(plan).into_iter().map(|job| job.id).collect();
+        let jobs: BTreeSet<Id> = timing::jobs(plan).into_iter().map(|job| job.id).collect();
         let lost = self
             .ids(TIMINGS_FOLDER)
             .into_iter()
-            .filter(|id| !jobs.contains(id) && self.has_timing(id))
+            .filter(|id| !jobs.contains(id) && self.has_timing(*id))
             .count();
         match lost {
             0 => Ok(()),
@@ -95,15 +96,15 @@ impl Store {
     /// Ids of finished cells that `plan` lacks, from usable records and, in a published folder,
     /// from the table.
     fn lost_cells(&self, plan: &Plan) -> Result<BTreeSet<String>, StoreError> {
-        let planned: BTreeSet<&str> = plan.cells.iter().map(|cell| cell.id.as_str()).collect();
+        let planned: BTreeSet<Id> = plan.cells.iter().map(|cell| cell.id).collect();
         let mut lost = BTreeSet::new();
         for id in self
             .ids(CELLS_FOLDER)
             .into_iter()
-            .filter(|id| !planned.contains(id.as_str()))
+            .filter(|id| !planned.contains(id))
         {
-            if self.cell(&id)?.is_some() {
-                lost.insert(id);
+            if self.cell(id)?.is_some() {
+                lost.insert(id.to_string());
             }
         }
         let path = self.dir.join("errors.csv");
@@ -111,7 +112,8 @@ impl Store {
             let table = Table::read(&path)?;
             let [cell, verdict] = [table.column("cell")?, table.column("verdict")?];
             let is_lost = |row: &&Vec<String>| {
-                row[verdict] != FAILED && !planned.contains(row[cell].as_str())
+                row[verdict] != FAILED
+                    && !row[cell].parse().is_ok_and(|id: Id| planned.contains(&id))
             };
             lost.extend(
                 table
@@ -125,7 +127,13 @@ impl Store {
     }
 
     /// Ids of the records in a folder, in order.
-    pub fn ids(&self, folder: &str) -> Vec<String> {
+    pub fn ids(&self, folder: &str) -> Vec<Id> {
+        let stems = self.stems(folder);
+        stems.iter().filter_map(|stem| stem.parse().ok()).collect()
+    }
+
+    /// Names of the JSON files in a folder without their extension, in order.
+    pub fn stems(&self, folder: &str) -> Vec<String> {
         let names = names_in(&self.dir.join(folder));
         names
             .iter()

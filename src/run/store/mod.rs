@@ -6,8 +6,8 @@ mod identity;
 mod lock;
 
 pub use super::record::{
-    BinRecord, CellRecord, Exact, FailureRecord, Judgement, KeptCell, ReferenceRecord,
-    ReferenceStop, Scores, SteadinessScores, StepRecord, StopReason,
+    BinRecord, CellRecord, Exact, FailureRecord, Judgement, ReferenceRecord, ReferenceStop, Scores,
+    SteadinessScores, StepRecord, StopReason,
 };
 pub use fault::StoreError;
 
@@ -18,6 +18,7 @@ use super::shard::Shard;
 use crate::base::csv;
 use crate::base::files::{PLAN_BYTES_MAX, RECORD_BYTES_MAX, holds, names_in, read_regular};
 use crate::base::pixels::{PART_PREFIX, write_atomically};
+use crate::experiment::id::Id;
 use crate::experiment::plan::Plan;
 use lock::Lock;
 use serde::de::DeserializeOwned;
@@ -131,13 +132,13 @@ impl Store {
         remove(self.dir.join(folder).join(name))
     }
 
-    pub fn cell_path(&self, id: &str) -> PathBuf {
+    pub fn cell_path(&self, id: Id) -> PathBuf {
         self.record_path(CELLS_FOLDER, id)
     }
 
     /// The record of a finished cell. As for all records, an unusable one counts as missing: its
     /// work is repeated.
-    pub fn cell(&self, id: &str) -> Result<Option<CellRecord>, StoreError> {
+    pub fn cell(&self, id: Id) -> Result<Option<CellRecord>, StoreError> {
         usable(self.record(CELLS_FOLDER, id))
     }
 
@@ -145,42 +146,42 @@ impl Store {
     pub fn write_cell(&self, record: &CellRecord) -> Result<(), StoreError> {
         // Not synced to the disk, which takes longer than a small cell: the checksum detects what a
         // power cut truncates.
-        self.write_sealed(&self.cell_path(&record.cell), record)?;
-        self.remove_record(FAILED_FOLDER, &record.cell)
+        self.write_sealed(&self.cell_path(record.cell), record)?;
+        self.remove_record(FAILED_FOLDER, record.cell)
     }
 
     /// Why a cell failed the last time it was tried.
-    pub fn failure(&self, id: &str) -> Result<Option<FailureRecord>, StoreError> {
+    pub fn failure(&self, id: Id) -> Result<Option<FailureRecord>, StoreError> {
         usable(self.record(FAILED_FOLDER, id))
     }
 
     pub fn write_failure(&self, record: &FailureRecord) -> Result<(), StoreError> {
-        self.write_sealed(&self.record_path(FAILED_FOLDER, &record.cell), record)
+        self.write_sealed(&self.record_path(FAILED_FOLDER, record.cell), record)
     }
 
-    pub fn reference(&self, id: &str) -> Result<Option<ReferenceRecord>, StoreError> {
+    pub fn reference(&self, id: Id) -> Result<Option<ReferenceRecord>, StoreError> {
         usable(self.record(REFERENCES_FOLDER, id))
     }
 
-    pub fn write_reference(&self, id: &str, record: &ReferenceRecord) -> Result<(), StoreError> {
+    pub fn write_reference(&self, id: Id, record: &ReferenceRecord) -> Result<(), StoreError> {
         self.write_named(REFERENCES_FOLDER, id, record)
     }
 
-    pub fn timing<T: DeserializeOwned>(&self, id: &str) -> Result<Option<T>, StoreError> {
+    pub fn timing<T: DeserializeOwned>(&self, id: Id) -> Result<Option<T>, StoreError> {
         usable(self.record(TIMINGS_FOLDER, id))
     }
 
     /// Whether a configuration has a usable timing record.
-    pub fn has_timing(&self, id: &str) -> bool {
+    pub fn has_timing(&self, id: Id) -> bool {
         matches!(self.timing::<serde_json::Value>(id), Ok(Some(_)))
     }
 
-    pub fn write_timing<T: Serialize>(&self, id: &str, record: &T) -> Result<(), StoreError> {
+    pub fn write_timing<T: Serialize>(&self, id: Id, record: &T) -> Result<(), StoreError> {
         self.write_named(TIMINGS_FOLDER, id, record)
     }
 
     /// Removes a record, if it exists.
-    pub(super) fn remove_record(&self, folder: &str, id: &str) -> Result<(), StoreError> {
+    pub(super) fn remove_record(&self, folder: &str, id: Id) -> Result<(), StoreError> {
         remove(self.record_path(folder, id))
     }
 
@@ -230,14 +231,14 @@ impl Store {
     fn write_named<T: Serialize>(
         &self,
         folder: &str,
-        id: &str,
+        id: Id,
         record: &T,
     ) -> Result<(), StoreError> {
         let path = self.record_path(folder, id);
         self.write_sealed(
             &path,
             &Named {
-                record: id.to_owned(),
+                record: id,
                 content: record,
             },
         )?;
@@ -245,7 +246,7 @@ impl Store {
         sync.map_err(|error| StoreError::Io { path, error })
     }
 
-    fn record_path(&self, folder: &str, id: &str) -> PathBuf {
+    fn record_path(&self, folder: &str, id: Id) -> PathBuf {
         self.dir.join(folder).join(format!("{id}.json"))
     }
 
@@ -260,7 +261,7 @@ impl Store {
     pub fn record<T: DeserializeOwned>(
         &self,
         folder: &str,
-        id: &str,
+        id: Id,
     ) -> Result<Option<T>, StoreError> {
         let path = self.record_path(folder, id);
         let Some(bytes) = read_bytes(&path, RECORD_BYTES_MAX)? else {
@@ -275,7 +276,7 @@ impl Store {
         match name
             .record
             .or(name.cell.filter(|_| folder != TIMINGS_FOLDER))
-            .filter(|found| found != id)
+            .filter(|found| *found != id.to_string())
         {
             Some(found) => Err(StoreError::Stranger { path, found }),
             None => Ok(Some(record)),
@@ -285,7 +286,7 @@ impl Store {
 
 #[derive(Serialize)]
 struct Named<'r, T> {
-    record: String,
+    record: Id,
     #[serde(flatten)]
     content: &'r T,
 }

@@ -9,6 +9,7 @@ use crate::base::names::{Listed, printable};
 use crate::experiment::axis::Points;
 use crate::experiment::config::Config;
 use crate::experiment::fault::Faults;
+use crate::experiment::id::Id;
 use crate::experiment::inputs::load_methods;
 use crate::instrument::metrics::Weight;
 use crate::run::columns::{FAILED, UNSCORED};
@@ -366,12 +367,12 @@ fn check_errors(
     }
     // Unreadable records do not count, but are read only if there seem to be too many.
     let store = Store::read_only(dir);
-    let records: BTreeSet<String> = [CELLS_FOLDER, FAILED_FOLDER]
+    let records: BTreeSet<Id> = [CELLS_FOLDER, FAILED_FOLDER]
         .into_iter()
         .flat_map(|folder| store.ids(folder))
         .collect();
-    let is_record = |id: &&String| {
-        matches!(store.cell(id), Ok(Some(_))) || matches!(store.failure(id), Ok(Some(_)))
+    let is_record = |id: &&Id| {
+        matches!(store.cell(**id), Ok(Some(_))) || matches!(store.failure(**id), Ok(Some(_)))
     };
     let rows = cells.len();
     let records = if rows < records.len() {
@@ -417,12 +418,12 @@ fn text(path: &Path) -> Result<Option<String>, FinishedError> {
 fn of_store<T>(
     dir: &Path,
     folder: &str,
-    read: fn(&Store, &str) -> Result<Option<T>, StoreError>,
+    read: fn(&Store, Id) -> Result<Option<T>, StoreError>,
 ) -> Result<Vec<T>, FinishedError> {
     let store = Store::read_only(dir);
     store
         .ids(folder)
-        .iter()
+        .into_iter()
         .filter_map(|id| read(&store, id).map_err(FinishedError::from).transpose())
         .collect()
 }

@@ -419,7 +419,7 @@ fn figure(frame: &Frame, frames: &[Timed], axes: &[AxisId]) -> Option<Figure> {
             to: one.median(),
         };
         let tip = format!("{}: {} ms", names[index], number(one.median()));
-        marks.push(Mark::new(bar, 0).tip(tip).cell(&one.record.cell));
+        marks.push(Mark::new(bar, 0).tip(tip).cell(one.record.cell));
     }
     Chart {
         title: "Time of a frame",

@@ -1,17 +1,17 @@
 //! Names of axes: a second name is another way to write values of the first.
 
 use super::planned;
-use splitsum::experiment::Plan;
 use splitsum::experiment::axis::{ALPHA, F0};
 use splitsum::experiment::value::{ALPHA_MIN, Value};
+use splitsum::experiment::{Id, Plan};
 
 fn plan(axes: &str, set: &[&str]) -> Plan {
     planned(&format!("name = \"x\"\n[axes]\n{axes}\n"), set)
         .unwrap_or_else(|error| panic!("{error}"))
 }
 
-fn ids(plan: &Plan) -> Vec<&str> {
-    plan.cells.iter().map(|cell| cell.id.as_str()).collect()
+fn ids(plan: &Plan) -> Vec<Id> {
+    plan.cells.iter().map(|cell| cell.id).collect()
 }
 
 #[test]

@@ -8,7 +8,7 @@ use splitsum::base::pixels::RgbImage;
 use splitsum::experiment::axis::{AXES, Axis, AxisId, Layer, Part, SCENE};
 use splitsum::experiment::plan::Source;
 use splitsum::experiment::value::Kind;
-use splitsum::experiment::{Cell, Plan};
+use splitsum::experiment::{Cell, Id, Plan};
 use splitsum::instrument::environment::LoadOptions;
 use splitsum::instrument::precompute::prefilter::LevelMapping;
 use splitsum::run::timing;
@@ -588,7 +588,7 @@ fn tables_of_other_tools_count_by_their_content() {
              prefilter_size = [[64, 64], [128, 128]]\n"
         )
     };
-    let ids = |file: &str| -> Vec<String> {
+    let ids = |file: &str| -> Vec<Id> {
         Plan::from_text(&path, &text(file), &[])
             .unwrap()
             .cells

@@ -4,7 +4,7 @@ use super::runs::{Bench, Each, fakes, log, options, plan};
 use super::whole::EXPERIMENT;
 use fastrand::Rng;
 use splitsum::experiment::axis::Point;
-use splitsum::experiment::{Cell, Plan};
+use splitsum::experiment::{Cell, Id, Plan};
 use splitsum::run::estimate::{Forecast, Steps};
 use splitsum::run::timing;
 use splitsum::run::{MakeRenderer, run};
@@ -41,11 +41,11 @@ fn simulated(plan: &Plan, truth: Truth) -> Vec<[f64; 2]> {
     let (mut steps, mut random) = (Steps::new(plan, &jobs, []), Rng::with_seed(7));
     let cells = cells
         .iter()
-        .map(|cell| (&cell.id, steps.cell(cell) * truth(&cell.point)))
+        .map(|cell| (cell.id, steps.cell(cell) * truth(&cell.point)))
         .collect::<Vec<_>>();
     let timed = jobs
         .iter()
-        .map(|job| (&job.id, steps.timing(job) * truth(&job.cell.point)));
+        .map(|job| (job.id, steps.timing(job) * truth(&job.cell.point)));
     let (mut clock, mut found) = (0.0, vec![[0.0, forecast.ahead(0.0).seconds]]);
     for (id, seconds) in cells.into_iter().chain(timed) {
         // Within a fifth of the usual time.
@@ -100,12 +100,12 @@ fn a_prediction_is_right_within_a_factor_of_one_and_a_half_after_a_tenth_of_the_
 fn shared_work_counts_once_and_kept_references_not_at_all() {
     let plan = plan(EXPERIMENT);
     let cells: Vec<&Cell> = plan.cells.iter().collect();
-    let seconds = |kept: Vec<String>| Forecast::new(&plan, &cells, &[], kept).ahead(0.0).seconds;
+    let seconds = |kept: Vec<Id>| Forecast::new(&plan, &cells, &[], kept).ahead(0.0).seconds;
     let apart = |cell: &&Cell| Forecast::new(&plan, &[*cell], &[], []).ahead(0.0).seconds;
     let kept = || {
         plan.cells
             .iter()
-            .filter_map(|cell| cell.reference.clone())
+            .filter_map(|cell| cell.reference)
             .collect()
     };
     assert!(seconds(kept()) < seconds(Vec::new()));
@@ -118,7 +118,7 @@ fn shared_work_counts_once_and_kept_references_not_at_all() {
         let plan = self::plan(&format!(
             "name = \"frames\"\nreference = {{ samples = 32, noise_share = 0 }}\n[axes]\n{axes}"
         ));
-        Steps::new(&plan, &[], plan.cells[0].reference.clone()).cell(&plan.cells[0])
+        Steps::new(&plan, &[], plan.cells[0].reference).cell(&plan.cells[0])
     };
     assert!(
         frames("still") < 0.5 * frames("light"),

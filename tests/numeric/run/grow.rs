@@ -5,6 +5,7 @@ use super::runs::{
     snapshot, written,
 };
 use super::whole::EXPERIMENT;
+use splitsum::experiment::Id;
 use splitsum::report::publish::publish;
 use splitsum::run::store::Store;
 use splitsum::run::{MakeRenderer, RunError, run, timing};
@@ -165,10 +166,10 @@ fn a_block_with_a_new_member_is_timed_again_and_others_stay() {
     );
     let dir = tempfile::tempdir().unwrap();
     finished(&part, dir.path());
-    let of = |id: &str| read(dir.path().join(format!("timings/{id}.json")));
-    let old: BTreeMap<String, Vec<u8>> = timing::jobs(&part)
+    let of = |id: Id| read(dir.path().join(format!("timings/{id}.json")));
+    let old: BTreeMap<Id, Vec<u8>> = timing::jobs(&part)
         .into_iter()
-        .map(|job| (job.id.clone(), of(&job.id)))
+        .map(|job| (job.id, of(job.id)))
         .collect();
     finished(&more, dir.path());
     let frames = |plan: &splitsum::experiment::Plan| {
@@ -181,15 +182,12 @@ fn a_block_with_a_new_member_is_timed_again_and_others_stay() {
     // Sampled 1, 4, 16 and split-sum of one model are one block.
     assert_eq!(frames(&more).len(), 4);
     for (id, record) in &old {
-        assert_eq!(frames(&part).contains(id), of(id) != *record, "{id}");
+        assert_eq!(frames(&part).contains(id), of(*id) != *record, "{id}");
     }
     // Another model is another block.
-    let old: Vec<(String, Vec<u8>)> = frames(&more)
-        .into_iter()
-        .map(|id| (id.clone(), of(&id)))
-        .collect();
+    let old: Vec<(Id, Vec<u8>)> = frames(&more).into_iter().map(|id| (id, of(id))).collect();
     finished(&models, dir.path());
-    assert!(old.iter().all(|(id, record)| of(id) == *record));
+    assert!(old.iter().all(|(id, record)| of(*id) == *record));
 }
 
 /// Records of a block come from the same rounds, even if a run is killed: all old ones are removed
@@ -202,7 +200,7 @@ fn a_block_never_mixes_rounds() {
     let of_last = jobs
         .iter()
         .filter(|job| job.block == jobs.last().unwrap().block);
-    let block: Vec<String> = of_last.map(|job| job.id.clone()).collect();
+    let block: Vec<Id> = of_last.map(|job| job.id).collect();
     assert_eq!(block.len(), 4);
     std::fs::remove_file(dir.join(format!("timings/{}.json", block[1]))).unwrap();
     let stop = AtomicBool::new(false);
@@ -213,7 +211,7 @@ fn a_block_never_mixes_rounds() {
             seen = Some(
                 block
                     .iter()
-                    .filter(|id| Store::read_only(dir).has_timing(id))
+                    .filter(|id| Store::read_only(dir).has_timing(**id))
                     .collect::<Vec<_>>(),
             );
         }
@@ -226,5 +224,5 @@ fn a_block_never_mixes_rounds() {
     )
     .unwrap();
     assert_eq!(seen, Some(vec![&block[0]]));
-    assert!(block.iter().all(|id| Store::read_only(dir).has_timing(id)));
+    assert!(block.iter().all(|id| Store::read_only(dir).has_timing(*id)));
 }

@@ -276,10 +276,10 @@ fn a_lost_record_of_a_reference_is_made_again() {
     let undisturbed = whole(&plan);
     let dir = whole(&plan);
     let first = &plan.cells[0];
-    let id = first.reference.as_deref().unwrap();
+    let id = first.reference.unwrap();
     let store = Store::read_only(dir.path());
     std::fs::remove_file(dir.path().join(format!("references/{id}.json"))).unwrap();
-    std::fs::remove_file(store.cell_path(&first.id)).unwrap();
+    std::fs::remove_file(store.cell_path(first.id)).unwrap();
     invoke(&plan, dir.path(), &noisy(), usize::MAX).unwrap();
     assert_alike(dir.path(), undisturbed.path(), &plan);
 }

@@ -2,7 +2,7 @@
 
 use super::runs::{Bench, Steps, contents, fakes, log, options, read, snapshot, summary};
 use super::whole::EXPERIMENT;
-use splitsum::experiment::Plan;
+use splitsum::experiment::{Id, Plan};
 use splitsum::run::store::Store;
 use splitsum::run::{MakeRenderer, RenderFault, Renderer, RunError, RunOptions, run, timing};
 use splitsum::study::finished::Finished;
@@ -149,8 +149,8 @@ fn a_changed_reference_is_rendered_again() {
     let bench = Bench::finished(EXPERIMENT);
     let (before, errors) = (bench.images(), bench.read("errors.csv"));
     let open = &bench.plan.cells[5];
-    let id = open.reference.as_deref().expect("its reference");
-    let is_reference = |name: &&String| name.contains(id) && name.ends_with(".exr");
+    let id = open.reference.expect("its reference").to_string();
+    let is_reference = |name: &&String| name.contains(&id) && name.ends_with(".exr");
     let reference = before
         .keys()
         .find(is_reference)
@@ -214,17 +214,18 @@ fn a_timing_record_under_another_name_is_ignored() {
         Store::read_only(bench.dir.path()),
         timing::jobs(&bench.plan),
     );
-    let path = |id: &str| bench.path(&format!("timings/{id}.json"));
-    std::fs::copy(path(&jobs[0].id), path(&jobs[1].id)).unwrap();
-    assert!(store.has_timing(&jobs[0].id) && !store.has_timing(&jobs[1].id));
+    let path = |id: Id| bench.path(&format!("timings/{id}.json"));
+    std::fs::copy(path(jobs[0].id), path(jobs[1].id)).unwrap();
+    assert!(store.has_timing(jobs[0].id) && !store.has_timing(jobs[1].id));
     // A concurrent reader counts the cell once, as the run does.
     let counted = || Finished::read(dir).unwrap().timings.len();
     assert_eq!(counted(), jobs.len() - 1);
-    std::fs::copy(path(&jobs[0].id), path("0123456789abcdef")).unwrap();
+    let other = path(Id::of_text("no configuration"));
+    std::fs::copy(path(jobs[0].id), &other).unwrap();
     assert_eq!(counted(), jobs.len() - 1);
-    std::fs::remove_file(path("0123456789abcdef")).unwrap();
+    std::fs::remove_file(&other).unwrap();
     bench.again().unwrap();
-    assert!(store.has_timing(&jobs[1].id));
+    assert!(store.has_timing(jobs[1].id));
 }
 
 #[test]
@@ -232,14 +233,13 @@ fn a_reference_with_a_damaged_record_is_rendered_again() {
     let bench = Bench::finished(EXPERIMENT);
     let (store, table) = (Store::read_only(bench.dir.path()), bench.read("errors.csv"));
     let (first, last) = (&bench.plan.cells[0], bench.plan.cells.last().unwrap());
-    let path = |id: &str| bench.path(&format!("references/{id}.json"));
-    let [first_id, last_id] =
-        [first, last].map(|cell| cell.reference.as_deref().expect("its reference"));
+    let path = |id: Id| bench.path(&format!("references/{id}.json"));
+    let [first_id, last_id] = [first, last].map(|cell| cell.reference.expect("its reference"));
     assert_ne!(first_id, last_id);
     for content in [read(path(first_id))[..30].to_vec(), read(path(last_id))] {
         std::fs::write(path(first_id), content).unwrap();
         assert!(store.reference(first_id).unwrap().is_none());
-        std::fs::remove_file(store.cell_path(&first.id)).unwrap();
+        std::fs::remove_file(store.cell_path(first.id)).unwrap();
         bench.again().unwrap();
         assert!(store.reference(first_id).unwrap().is_some() && bench.read("errors.csv") == table);
     }

@@ -241,7 +241,7 @@ pub fn assert_alike(dir: &Path, whole: &Path, plan: &Plan) {
     for cell in &plan.cells {
         let record = |dir: &Path| {
             Store::read_only(dir)
-                .cell(&cell.id)
+                .cell(cell.id)
                 .unwrap()
                 .expect("a record")
         };
@@ -262,7 +262,7 @@ fn intermediates(dir: &Path, plan: &Plan) -> Vec<Vec<PackedIntermediate>> {
     };
     let cells = plan.cells.iter();
     cells
-        .filter_map(|cell| record.cells.get(&cell.id))
+        .filter_map(|cell| record.cells.get(&cell.id.to_string()))
         .map(pictures)
         .collect()
 }

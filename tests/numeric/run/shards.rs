@@ -2,6 +2,7 @@
 
 use super::fake::Log;
 use super::runs::{Silent, assert_like_whole, contents, fakes, options, plan, read};
+use splitsum::experiment::Id;
 use splitsum::experiment::Plan;
 use splitsum::experiment::plan::ReferenceGroup;
 use splitsum::run::estimate::Steps;
@@ -279,12 +280,8 @@ fn every_cell_is_in_one_part_and_parts_have_no_image_in_common() {
     let dear = EXPERIMENT.replace("rounds = 6", "rounds = 60000");
     for text in [EXPERIMENT, plain, &dear] {
         let plan = plan(text);
-        let jobs: BTreeSet<String> = timing::jobs(&plan).into_iter().map(|job| job.id).collect();
-        let cells: BTreeMap<&str, _> = plan
-            .cells
-            .iter()
-            .map(|cell| (cell.id.as_str(), cell))
-            .collect();
+        let jobs: BTreeSet<Id> = timing::jobs(&plan).into_iter().map(|job| job.id).collect();
+        let cells: BTreeMap<Id, _> = plan.cells.iter().map(|cell| (cell.id, cell)).collect();
         let seconds = |share: &Share| {
             let jobs = timing::jobs(&plan);
             let mut steps = Steps::new(&plan, &jobs, []);
@@ -294,17 +291,13 @@ fn every_cell_is_in_one_part_and_parts_have_no_image_in_common() {
                 .map(|job| steps.timing(job))
                 .sum();
             (
-                share
-                    .cells
-                    .iter()
-                    .map(|id| steps.cell(cells[id.as_str()]))
-                    .sum(),
+                share.cells.iter().map(|id| steps.cell(cells[id])).sum(),
                 timed,
             )
         };
         let (all, timed): (f64, f64) = seconds(&split(&plan, 1)[0]);
         let unit = |group: &ReferenceGroup| {
-            let cells = group.cells().map(|cell| cell.id.clone()).collect();
+            let cells = group.cells().map(|cell| cell.id).collect();
             seconds(&Share {
                 cells,
                 ..Share::default()
@@ -319,7 +312,7 @@ fn every_cell_is_in_one_part_and_parts_have_no_image_in_common() {
                 shares.iter().map(|share| share.cells.len()).sum::<usize>(),
                 plan.cells.len()
             );
-            let found: BTreeSet<&String> = shares.iter().flat_map(|share| &share.cells).collect();
+            let found: BTreeSet<&Id> = shares.iter().flat_map(|share| &share.cells).collect();
             assert_eq!(
                 found.len(),
                 plan.cells.len(),
@@ -334,11 +327,11 @@ fn every_cell_is_in_one_part_and_parts_have_no_image_in_common() {
             } else {
                 of.len() == 1 && of[0].timings == jobs
             });
-            let mut owner: BTreeMap<&str, usize> = BTreeMap::new();
+            let mut owner: BTreeMap<Id, usize> = BTreeMap::new();
             for (place, share) in shares.iter().enumerate() {
                 for id in &share.cells {
-                    let cell = cells[id.as_str()];
-                    for image in cell.reference.iter().chain([&cell.radiance]) {
+                    let cell = cells[id];
+                    for image in cell.reference.into_iter().chain([cell.radiance]) {
                         assert_eq!(
                             *owner.entry(image).or_insert(place),
                             place,

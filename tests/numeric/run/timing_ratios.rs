@@ -33,7 +33,7 @@ pub fn record(phase: &str, axes: &[(&str, &str)], passes: &[(&str, f64)]) -> Tim
     // Blocks share the axes that are not compared.
     let block = format!("{} {}", value("brdf"), value("masking"));
     serde_json::from_value(serde_json::json!({
-        "cell": "0000", "phase": phase, "block": block, "environment_size": [8, 4], "size": [256, 256], "axes": all, "warmup": 1,
+        "cell": "0000000000000000", "phase": phase, "block": block, "environment_size": [8, 4], "size": [256, 256], "axes": all, "warmup": 1,
         "passes": passes, "wall_ms": vec![1.0; 7], "device": "slate", "device_type": "cpu", "driver": "pencil",
     }))
     .unwrap()

@@ -59,7 +59,7 @@ fn a_run_renders_each_radiance_once_and_leaves_everything() {
         table.columns
     );
     for (row, cell) in table.rows.iter().zip(&plan.cells) {
-        assert_eq!(row[0], cell.id);
+        assert_eq!(row[0], cell.id.to_string());
     }
     let method = table.column("method").unwrap();
     let samples = crate::table::numbers(&table, "samples");
@@ -93,7 +93,7 @@ fn a_run_renders_each_radiance_once_and_leaves_everything() {
     let of_first: f64 = counts
         .iter()
         .zip(&cells)
-        .filter(|(_, id)| **id == plan.cells[0].id)
+        .filter(|(_, id)| **id == plan.cells[0].id.to_string())
         .map(|(n, _)| n.unwrap())
         .sum();
     let inside = |i: usize| (i as f64 + 0.5) / 24.0 * 2.1 - 1.05;
@@ -218,7 +218,7 @@ fn a_cells_record_does_not_depend_on_other_cells() {
                 .as_object_mut()
                 .unwrap()
                 .retain(|name, _| !["checksum", "files"].contains(&name.as_str()));
-            (cell.id.clone(), record)
+            (cell.id.to_string(), record)
         };
         bench.plan.cells.iter().map(record).collect()
     };

@@ -149,7 +149,7 @@ fn every_shipped_experiment_fills_its_tables() {
         assert_eq!(run.failures.len() + run.failed_count(), 0, "{name}");
         let errors = Table::read(&dir.join("errors.csv")).unwrap();
         let ids: Vec<&str> = errors.rows.iter().map(|row| row[0].as_str()).collect();
-        let due: Vec<&str> = plan.cells.iter().map(|cell| cell.id.as_str()).collect();
+        let due: Vec<String> = plan.cells.iter().map(|cell| cell.id.to_string()).collect();
         assert_eq!(ids, due, "{name}: a row a cell, in the order of the plan");
         for entry in TABLES {
             let path = dir.join(entry.file);

@@ -181,7 +181,7 @@ fn a_run_reads_back_as_it_was_scored() {
         for axis in AXES.ids().filter(|axis| !plan.columns.contains(axis)) {
             point[axis] = Value::Unset;
         }
-        assert_eq!((&read.id, &read.point), (&planned.id, &point));
+        assert_eq!((&read.id, &read.point), (&planned.id.to_string(), &point));
         assert!(
             read.scores
                 .as_ref()

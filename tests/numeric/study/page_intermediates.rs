@@ -61,7 +61,7 @@ fn a_run_makes_each_picture_once_and_lists_what_each_cell_is_made_of() {
     assert_eq!(record.left_out, 0);
     let plan = plan(EXPERIMENT);
     for cell in &plan.cells {
-        let set = &record.sets[record.cells[&cell.id]];
+        let set = &record.sets[record.cells[&cell.id.to_string()]];
         let names: Vec<&str> = set
             .iter()
             .map(|index| record.pictures[*index].name.as_str())

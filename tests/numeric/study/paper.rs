@@ -99,7 +99,7 @@ pub fn finished_of(text: &str, cell: impl Fn(&Point) -> Option<Made>) -> Finishe
             noise_floors: MetricValues::from_fn(|name| {
                 made.filter(|_| name != "flip").map(|made| made.floor)
             }),
-            ..cell_of(planned.id.clone(), planned.point.clone())
+            ..cell_of(planned.id.to_string(), planned.point.clone())
         }
     };
     let cells = plan.cells.iter().map(of).collect();
