@@ -4,7 +4,8 @@
 #     sh scripts/cluster-test.sh local    # Snakemake on this machine
 #     sh scripts/cluster-test.sh slurm    # Snakemake over Slurm, which it installs, starts and stops (root)
 #
-# The first attempt at shard 1 ends with 75, as after a lost device; the first attempt at shard 2 is killed at work.
+# The first attempt at shard 1 ends with 75, as after a lost device; the first attempt at shard 2 is killed at work. With
+# Slurm, 8 shards of a longer experiment must then keep both nodes busy, which takes two minutes on two cores without other work.
 # Snakemake comes from PyPI into target/cluster-venv. If that fails, the test is skipped: one line, exit status 77.
 set -eu
 cd "$(dirname "$0")/.."
@@ -86,11 +87,68 @@ warmup = 1
 EXPERIMENT
 }
 
-# Snakemake with the rest of its options.
-workflow() {
+# Snakemake on an experiment of $work in that many shards, with a program in place of splitsum.
+workflow() { # experiment, out, shards, program
     # shellcheck disable=SC2046,SC2086
     (cd "$work" && "$venv/bin/snakemake" --snakefile "$root/cluster/Snakefile" --workflow-profile "$root/cluster/profiles/$mode" \
-        --config experiment=sweep.toml out=out shards=4 splitsum="$work/unlucky" $([ "$mode" = local ] || echo "$slurm_options"))
+        --config experiment="$1" out="$2" shards="$3" splitsum="$work/$4" $([ "$mode" = local ] || echo "$slurm_options"))
+}
+
+# A splitsum that notes node, start and end of each shard. A node has its half of the processors alone, as its own machine would.
+write_noting() {
+    cat >"$work/noting" <<NOTING
+#!/bin/sh
+half=$slurm_node_processors
+last=$(($(nproc) - 1))
+set -- $root/target/release/splitsum "\$@"
+NOTING
+    cat >>"$work/noting" <<'NOTING'
+case "$*" in *--shard*) ;; *) exec "$@" ;; esac
+case $SLURMD_NODENAME in
+    node1) processors=0-$((half - 1)) ;;
+    *) processors=$((last - half + 1))-$last ;;
+esac
+begun=$(date +%s.%N)
+status=0
+taskset -c "$processors" "$@" || status=$?
+echo "$SLURMD_NODENAME $begun $(date +%s.%N)" >>"${0%/*}/busy.txt"
+exit $status
+NOTING
+    chmod +x "$work/noting"
+}
+
+write_longer_experiment() {
+    cat >"$work/longer.toml" <<'EXPERIMENT'
+name = "longer"
+size = [160, 160]
+reference = { samples = 4096, noise_share = 0 }
+[axes]
+environment = ["builtin:gradient", "builtin:sky"]
+brdf = ["ggx", "phong"]
+alpha = [0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8]
+method = ["sampled", "split-sum"]
+samples = [4, 16, 64]
+diffuse = ["none"]
+f0 = [1]
+albedo = [0]
+EXPERIMENT
+}
+
+# Whether both nodes worked on shards for 90 % of the time from the first start to the last end.
+nodes_were_busy() {
+    awk '
+        NR == 1 || $2 < first { first = $2 }
+        $3 > last { last = $3 }
+        { busy[$1] += $3 - $2; shards[$1]++ }
+        END {
+            for (node in busy) {
+                share = busy[node] / (last - first)
+                printf "%s: %d shards, busy for %.0f %% of %.0f s\n", node, shards[node], 100 * share, last - first
+                idle += share < 0.9
+                nodes++
+            }
+            exit nodes != 2 || idle > 0
+        }' "$work/busy.txt"
 }
 
 check() { # what, command...
@@ -116,11 +174,18 @@ say "one run"
 
 [ "$mode" = local ] || start_slurm
 say "the same in shards, by Snakemake $("$venv/bin/snakemake" --version)"
-workflow >"$work/snakemake.log" 2>&1 || stop "FAILED: the workflow: $(cat "$work/snakemake.log")"
+workflow sweep.toml out 4 unlucky >"$work/snakemake.log" 2>&1 || stop "FAILED: the workflow: $(cat "$work/snakemake.log")"
 for table in errors.csv errors_by_n_dot_v.csv images.csv; do
     check "$table of the shards equals the table of one run" cmp "$work/out/$table" "$work/whole/$table"
 done
 check "both faults were met" test -d "$work/first-1" -a -d "$work/first-2"
 check "a report" test -s "$work/out/report.html"
-workflow >"$work/again.log" 2>&1 || stop "FAILED: a second invocation: $(cat "$work/again.log")"
+workflow sweep.toml out 4 unlucky >"$work/again.log" 2>&1 || stop "FAILED: a second invocation: $(cat "$work/again.log")"
 check "a second invocation has nothing to do" grep -q "Nothing to be done" "$work/again.log"
+
+[ "$mode" = slurm ] || exit 0
+say "8 shards of a longer experiment"
+write_noting
+write_longer_experiment
+workflow longer.toml longer 8 noting >"$work/longer.log" 2>&1 || stop "FAILED: the workflow: $(cat "$work/longer.log")"
+check "8 shards keep both nodes busy" nodes_were_busy
