@@ -2,6 +2,7 @@
 //! tables.
 
 mod cells;
+mod found;
 mod merge;
 mod outcome;
 mod references;
@@ -11,21 +12,20 @@ mod timed;
 pub use merge::{Merged, Missing, merge};
 pub use outcome::{Outcome, Progress, RunError, RunOptions};
 
+use self::found::Found;
 use crate::base::csv;
 use crate::base::files::holds;
 use crate::experiment::id::Id;
 use crate::experiment::plan::{Cell, Plan, ReferenceGroup};
-use crate::instrument::metrics::METRICS;
 use crate::run::cell_fault::CellFault;
 use crate::run::environments;
 use crate::run::estimate::{Ahead, Forecast};
 use crate::run::images;
-use crate::run::provenance::device_words;
 use crate::run::recovery::{self, RECOVERY_FILE};
 use crate::run::renderer::{RenderFault, Renderer};
 use crate::run::results::Results;
 use crate::run::split::Share;
-use crate::run::store::{CELLS_FOLDER, CellRecord, FailureRecord, Store, StoreError};
+use crate::run::store::{FailureRecord, Store};
 use crate::run::tables;
 use crate::run::timing::{self, TimingJob, TimingRecord};
 use std::collections::{BTreeMap, BTreeSet};
@@ -122,67 +122,6 @@ struct Run<'p> {
     forecast: Option<Forecast>,
     /// When this invocation began to work.
     clock: Instant,
-}
-
-/// What earlier invocations left in the folder.
-#[derive(Default)]
-struct Found {
-    results: Results,
-    damaged: BTreeSet<String>,
-    unusable: Vec<String>,
-    devices: BTreeMap<String, usize>,
-}
-
-impl Found {
-    /// Reads the records of a share and checks their images, group by group: cells of a group have
-    /// images in common, which are read once, and the names of all groups would need more memory
-    /// than all else.
-    fn read(plan: &Plan, store: &Store, share: &Option<Share>) -> Result<Self, StoreError> {
-        let mut found = Self::default();
-        for group in plan.groups() {
-            let mut recorded = images::Recorded::new();
-            for cell in group.cells().filter(|cell| is_in_share(share, cell)) {
-                if let Some(record) = found.record(plan, store, cell)? {
-                    images::note(&mut recorded, plan, cell, &record.files);
-                }
-            }
-            found.damaged.extend(images::damaged(store, recorded));
-        }
-        Ok(found)
-    }
-
-    /// Reads and notes the record of a cell; `None` without a usable one.
-    fn record(
-        &mut self,
-        plan: &Plan,
-        store: &Store,
-        cell: &Cell,
-    ) -> Result<Option<CellRecord>, StoreError> {
-        let record = match store.record::<CellRecord>(CELLS_FOLDER, cell.id) {
-            Ok(Some(record)) => record,
-            Ok(None) => return Ok(None),
-            Err(error) if error.is_unusable_record() => {
-                self.unusable.push(error.to_string());
-                return Ok(None);
-            }
-            Err(error) => return Err(error),
-        };
-        let is_complete = || {
-            let mut metrics = METRICS.iter();
-            metrics.all(|metric| record.scores.contains_key(metric.name))
-        };
-        // A record of another program may lack some.
-        if plan.config.is_scored && !is_complete() {
-            let path = store.cell_path(cell.id);
-            self.unusable
-                .push(format!("{}: lacks a score of some metric", path.display()));
-            return Ok(None);
-        }
-        self.results.finish(cell.id);
-        let words = device_words(&record.device, &record.driver, record.target.as_deref());
-        *self.devices.entry(words).or_default() += 1;
-        Ok(Some(record))
-    }
 }
 
 impl<'p> Run<'p> {
