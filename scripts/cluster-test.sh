@@ -5,7 +5,8 @@
 #     sh scripts/cluster-test.sh slurm    # Snakemake over Slurm, which it installs, starts and stops (root)
 #
 # The first attempt at shard 1 ends with 75, as after a lost device; the first attempt at shard 2 is killed at work. With
-# Slurm, 8 shards of a longer experiment must then keep both nodes busy, which takes two minutes on two cores without other work.
+# Slurm, 8 shards of a longer experiment must then keep both nodes busy, which takes four minutes on two cores without other
+# work. A job takes four seconds to start, so that shorter shards would not.
 # Snakemake comes from PyPI into target/cluster-venv. If that fails, the test is skipped: one line, exit status 77.
 set -eu
 cd "$(dirname "$0")/.."
@@ -121,7 +122,7 @@ write_longer_experiment() {
     cat >"$work/longer.toml" <<'EXPERIMENT'
 name = "longer"
 size = [160, 160]
-reference = { samples = 4096, noise_share = 0 }
+reference = { samples = 12288, noise_share = 0 }
 [axes]
 environment = ["builtin:gradient", "builtin:sky"]
 brdf = ["ggx", "phong"]

@@ -3,7 +3,7 @@
 PROGRAM is a release build, `target/release/splitsum`. Each count runs an experiment of images of 16x16 pixels without
 pictures: 15 sample counts and the split sum share a reference. Prints a row a count, a thousand cells as a default 4, 16
 and 64: CPU seconds a thousand cells and peak memory of `run` without tables, of the same command again, of `merge`,
-which writes tables and report, and of `plan --json`. docs/running.md has figures of an older experiment.
+which writes tables and report, and of `plan --json`. docs/running.md has figures.
 """
 
 import os
