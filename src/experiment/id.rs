@@ -91,7 +91,7 @@ mod tests {
     }
 
     #[test]
-    fn other_texts_are_no_ids() {
+    fn texts_of_another_form_are_refused() {
         for text in [
             "",
             "0",
