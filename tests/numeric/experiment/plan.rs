@@ -78,12 +78,7 @@ fn an_exclusion_leaves_the_same_cells_as_the_collapse() {
         "{warning}"
     );
     assert_eq!(excluded.collapsed, 0);
-    let ids = |plan: &Plan| {
-        plan.cells
-            .iter()
-            .map(|c| c.id.clone())
-            .collect::<BTreeSet<_>>()
-    };
+    let ids = |plan: &Plan| plan.cells.iter().map(|c| c.id).collect::<BTreeSet<_>>();
     assert_eq!(ids(&excluded), ids(&plan(SWEEP)));
 }
 
@@ -176,7 +171,7 @@ fn ids_depend_on_everything_that_determines_pixels() {
         let plan = Plan::from_source(&Source::new(path, &text, &[]), options)
             .unwrap_or_else(|error| panic!("{error}"));
         assert_eq!(plan.cells.len(), 1);
-        [plan.cells[0].id.clone(), plan.cells[0].radiance.clone()]
+        [plan.cells[0].id, plan.cells[0].radiance]
     };
     let plain = LoadOptions::default();
     let mut ids = BTreeSet::from(of("", &plain));
@@ -218,14 +213,13 @@ fn ids_depend_on_everything_that_determines_pixels() {
         ))
         .cells[0]
             .id
-            .clone()
     };
     assert!(
         ids.insert(ladder(64)) && ids.insert(ladder(128)),
         "samples of the ladder change no id"
     );
     assert!(
-        !ids.insert(of("question = \"another\"", &plain)[0].clone()),
+        !ids.insert(of("question = \"another\"", &plain)[0]),
         "the question changes an id"
     );
 }

@@ -137,12 +137,7 @@ fn an_unscored_plan_is_cheaper_and_splits_by_image() {
     assert!(seconds(&unscored) < seconds(&scored));
     assert_eq!((scored.groups().len(), unscored.groups().len()), (4, 8));
     assert!(unscored.cells.iter().all(|cell| cell.reference.is_none()));
-    let ids = |plan: &Plan| {
-        plan.cells
-            .iter()
-            .map(|cell| cell.id.clone())
-            .collect::<Vec<_>>()
-    };
+    let ids = |plan: &Plan| plan.cells.iter().map(|cell| cell.id).collect::<Vec<_>>();
     assert!(ids(&scored).iter().all(|id| !ids(&unscored).contains(id)));
     // An image is in one part with both of its exposures.
     let parts = split(&unscored, 4);
