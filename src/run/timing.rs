@@ -51,9 +51,9 @@ pub struct RoundPosition {
     pub start_s: f64,
 }
 
-/// If the passes of a method take less than this on a CPU, ms, one frame runs before each that counts,
-/// because the first one after another configuration finds caches of that. Without it frames of 50
-/// to 220 ms take at most 2 % longer, which is within the noise of five pairs of runs.
+/// If the passes of a method take less than this on a CPU, ms, one frame runs before each that
+/// counts, because the first one after another configuration finds caches of that. Without it
+/// frames of 50 to 220 ms take at most 2 % longer, which is within the noise of five pairs of runs.
 pub const LONG_MS: f64 = 25.0;
 
 /// Times of one pass, ms, one per round.
