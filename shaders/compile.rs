@@ -4,8 +4,7 @@
 //! Entry points in `page/` are the report's and include the same libraries; the program writes them
 //! as GLSL ES 3.00.
 
-use source::{Choice, Language, PAGE_FOLDER, Sources, compile};
-use std::collections::BTreeMap;
+use source::Sources;
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::{env, fs, io};
@@ -61,15 +60,8 @@ pub fn main() {
 }
 
 fn build() -> Result<(), String> {
-    let root = PathBuf::from("shaders");
     let out = PathBuf::from(env::var_os("OUT_DIR").ok_or("OUT_DIR is not set")?);
-    let mut sources = Sources(shader_texts(&root)?);
-    let methods: Vec<_> = sources
-        .0
-        .iter()
-        .flat_map(|(path, text)| methods_of(path, text))
-        .collect();
-    sources.0.extend(methods);
+    let mut sources = Sources::read(Path::new("shaders"))?;
     sources
         .0
         .insert("generated/constants.glsl".into(), constants_text());
@@ -79,29 +71,24 @@ fn build() -> Result<(), String> {
     sources.0.extend(specialization_texts());
 
     let mut table = String::from("pub static SHADERS: &[(&str, &[u8])] = &[\n");
-    for entry in sources
-        .entries()
-        .filter(|entry| !entry.starts_with(PAGE_FOLDER))
-    {
-        for (name, choice) in sources.permutations(entry, &Choice::new())? {
-            let text = sources.expand(entry, &choice, Language::Vulkan)?;
-            let spirv = compile(entry, &text).map_err(|log| format!("{name}: {log}"))?;
-            let file = out.join(format!("{}.spv", name.replace(['/', ':', '.'], "_")));
-            let bytes: Vec<u8> = spirv.iter().flat_map(|word| word.to_ne_bytes()).collect();
-            fs::write(&file, bytes).map_err(|e| format!("{}: {e}", file.display()))?;
-            writeln!(
-                table,
-                "    ({name:?}, include_bytes!({:?})),",
-                file.display().to_string()
-            )
-            .expect("a String takes all");
-        }
+    for shader in sources.shaders()? {
+        let name = &shader.name;
+        let spirv = shader.compile().map_err(|log| format!("{name}: {log}"))?;
+        let file = out.join(format!("{}.spv", name.replace(['/', ':', '.'], "_")));
+        let bytes: Vec<u8> = spirv.iter().flat_map(|word| word.to_ne_bytes()).collect();
+        fs::write(&file, bytes).map_err(|e| format!("{}: {e}", file.display()))?;
+        writeln!(
+            table,
+            "    ({name:?}, include_bytes!({:?})),",
+            file.display().to_string()
+        )
+        .expect("a String takes all");
     }
     table.push_str(
         "];\n/// The text of every shader by its path.\npub static SHADER_TEXTS: \
                     &[(&str, &str)] = &[\n",
     );
-    for (path, text) in sources.0.iter().filter(|(path, _)| !path.ends_with(".rs")) {
+    for (path, text) in &sources.0 {
         writeln!(table, "    ({path:?}, {text:?}),").expect("a String takes all");
     }
     table.push_str("];\n");
@@ -234,39 +221,6 @@ fn specialization_text(
          {constants}\
          #endif\n"
     )
-}
-
-/// Reads every file below `root`, by relative path.
-fn shader_texts(root: &Path) -> Result<BTreeMap<String, String>, String> {
-    let (mut found, mut open) = (BTreeMap::new(), vec![root.to_path_buf()]);
-    while let Some(folder) = open.pop() {
-        for path in files(&folder).map_err(|e| format!("{}: {e}", folder.display()))? {
-            if path.is_dir() {
-                open.push(path);
-            } else if let Ok(name) = path.strip_prefix(root) {
-                let text =
-                    fs::read_to_string(&path).map_err(|e| format!("{}: {e}", path.display()))?;
-                found.insert(name.to_string_lossy().replace('\\', "/"), text);
-            }
-        }
-    }
-    Ok(found)
-}
-
-/// Makes a file of `shade/method/` for each method in a file's `#pragma methods` line: it defines
-/// the name in capitals.
-fn methods_of(path: &str, text: &str) -> Vec<(String, String)> {
-    let names = text
-        .lines()
-        .filter_map(|line| line.strip_prefix("#pragma methods "))
-        .flat_map(str::split_whitespace);
-    let stems = names.map(|name| name.replace('-', "_"));
-    stems
-        .map(|stem| {
-            let text = format!("#define {}\n#include \"{path}\"\n", stem.to_uppercase());
-            (format!("shade/method/{stem}.glsl"), text)
-        })
-        .collect()
 }
 
 fn files(folder: &Path) -> io::Result<Vec<PathBuf>> {

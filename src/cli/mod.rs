@@ -9,6 +9,7 @@ mod compare;
 mod completed;
 mod cost;
 mod devices;
+mod edited_shaders;
 mod flags;
 mod gallery;
 mod integrate;
@@ -84,6 +85,36 @@ enum Command {
     /// Open a window (needs a build with `--features view`).
     #[cfg(not(feature = "view"))]
     View(later::Arguments),
+}
+
+impl Command {
+    fn execute(self) -> Result<(), Failure> {
+        match self {
+            Self::Run(arguments) => run::execute(&arguments),
+            Self::Plan(arguments) => plan::execute(&arguments),
+            Self::Merge(arguments) => merge::execute(&arguments),
+            Self::Render(arguments) => render::execute(&arguments),
+            Self::Compare(arguments) => compare::execute(&arguments),
+            Self::Bake(arguments) => bake::execute(&arguments),
+            Self::Cost(arguments) => cost::execute(&arguments),
+            Self::CompileShaders => cost::compile_shaders(),
+            Self::CheckBake(arguments) => check_bake::execute(&arguments),
+            Self::CheckShader(arguments) => check_shader::execute(&arguments),
+            Self::Devices => devices::execute(),
+            Self::List(arguments) => list::execute(&arguments),
+            Self::Integrate(arguments) => integrate::execute(&arguments),
+            Self::Report(arguments) => report::execute(&arguments),
+            Self::Answers(arguments) => answers::execute(&arguments),
+            Self::Gallery(arguments) => gallery::execute(&arguments),
+            Self::Manual(arguments) => {
+                manual::execute(&arguments, Cli::command().disable_help_subcommand(true))
+            }
+            #[cfg(feature = "view")]
+            Self::View(arguments) => view::execute(&arguments),
+            #[cfg(not(feature = "view"))]
+            Self::View(_) => later::execute("view"),
+        }
+    }
 }
 
 /// Why a command failed, with its exit code.
@@ -192,31 +223,7 @@ pub fn main() -> ExitCode {
         // Help and version.
         Err(error) => error.exit(),
     };
-    let result = match command {
-        Command::Run(arguments) => run::execute(&arguments),
-        Command::Plan(arguments) => plan::execute(&arguments),
-        Command::Merge(arguments) => merge::execute(&arguments),
-        Command::Render(arguments) => render::execute(&arguments),
-        Command::Compare(arguments) => compare::execute(&arguments),
-        Command::Bake(arguments) => bake::execute(&arguments),
-        Command::Cost(arguments) => cost::execute(&arguments),
-        Command::CompileShaders => cost::compile_shaders(),
-        Command::CheckBake(arguments) => check_bake::execute(&arguments),
-        Command::CheckShader(arguments) => check_shader::execute(&arguments),
-        Command::Devices => devices::execute(),
-        Command::List(arguments) => list::execute(&arguments),
-        Command::Integrate(arguments) => integrate::execute(&arguments),
-        Command::Report(arguments) => report::execute(&arguments),
-        Command::Answers(arguments) => answers::execute(&arguments),
-        Command::Gallery(arguments) => gallery::execute(&arguments),
-        Command::Manual(arguments) => {
-            manual::execute(&arguments, Cli::command().disable_help_subcommand(true))
-        }
-        #[cfg(feature = "view")]
-        Command::View(arguments) => view::execute(&arguments),
-        #[cfg(not(feature = "view"))]
-        Command::View(_) => later::execute("view"),
-    };
+    let result = edited_shaders::load().and_then(|()| command.execute());
     progress::end();
     match result {
         Ok(()) => ExitCode::SUCCESS,

@@ -5,6 +5,7 @@ use crate::base::files::{read_regular, relative};
 use crate::base::names::Listed;
 use crate::experiment::config::Config;
 use crate::experiment::plan::{Plan, SCHEMA_VERSION};
+use crate::instrument::gpu::{build_hash, has_edited_shaders};
 use crate::instrument::metrics::{METRICS, Metric, NoiseUse};
 use crate::instrument::pipeline::DeviceInfo;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
@@ -203,7 +204,7 @@ pub struct Session {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Commit {
     pub hash: String,
-    /// Whether tracked files were changed; `None` if git did not say.
+    /// Whether tracked files or the shaders in use were changed; `None` if git did not say.
     #[serde(rename = "dirty")]
     pub is_dirty: Option<bool>,
 }
@@ -326,7 +327,7 @@ impl Provenance {
             experiment_folder: config.files_dir().map(|folder| relative(dir, folder)),
             set_folder: config.set_files_dir().map(|folder| relative(dir, folder)),
             plan_hash: plan.hash.clone(),
-            shader_hash: crate::instrument::gpu::build_hash().to_owned(),
+            shader_hash: build_hash().to_owned(),
             cell_count: plan.cells.len() as u64,
             excluded: excluded
                 .map(|(exclusion, count)| ExclusionRecord {
@@ -410,9 +411,15 @@ impl Commit {
         let folder = program.parent()?;
         let hash = git(folder, &["rev-parse", "HEAD"])?;
         let changes = git(folder, &["status", "--porcelain", "--untracked-files=no"]);
+        let has_changes = changes.map(|text| !text.is_empty());
         Some(Self {
             hash,
-            is_dirty: changes.map(|text| !text.is_empty()),
+            // The folder of edited shaders may be of another working tree.
+            is_dirty: if has_edited_shaders() {
+                Some(true)
+            } else {
+                has_changes
+            },
         })
     }
 }

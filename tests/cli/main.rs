@@ -10,6 +10,7 @@ mod cases;
 mod check_bake;
 mod check_shader;
 mod cost;
+mod edited_shaders;
 mod end_to_end;
 mod faults;
 mod growth;

@@ -20,6 +20,7 @@ use super::constants::FILE_PREFIX;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt::Write as _;
 use std::path::Path;
+use std::{fs, io};
 
 /// Folders of the candidates of each `selected/` include.
 const SELECTIONS: [(&str, &str); 5] = [
@@ -55,7 +56,68 @@ pub type Choice = BTreeMap<String, String>;
 
 pub struct Sources(pub BTreeMap<String, String>);
 
+/// A shader of the program before its compilation.
+pub struct ExpandedShader {
+    /// Of the permutation.
+    pub name: String,
+    /// The text with all includes.
+    pub text: String,
+    entry: String,
+}
+
+impl ExpandedShader {
+    /// Compiles to SPIR-V; the error is the compiler's log.
+    pub fn compile(&self) -> Result<Vec<u32>, String> {
+        compile(&self.entry, &self.text)
+    }
+}
+
 impl Sources {
+    /// Reads every shader below `root` by its relative path, and adds the methods of `#pragma
+    /// methods` lines.
+    pub fn read(root: &Path) -> Result<Self, String> {
+        let mut texts = BTreeMap::new();
+        let mut folders = vec![root.to_path_buf()];
+        while let Some(folder) = folders.pop() {
+            let fault = |e: io::Error| format!("{}: {e}", folder.display());
+            for entry in fs::read_dir(&folder).map_err(fault)? {
+                let path = entry.map_err(fault)?.path();
+                let name = path.strip_prefix(root).unwrap_or(&path).to_string_lossy();
+                if path.is_dir() {
+                    folders.push(path);
+                } else if stage(&name).is_some() || name.ends_with(".glsl") {
+                    let text = fs::read_to_string(&path)
+                        .map_err(|e| format!("{}: {e}", path.display()))?;
+                    texts.insert(name.replace('\\', "/"), text);
+                }
+            }
+        }
+        let methods: Vec<_> = texts
+            .iter()
+            .flat_map(|(path, text)| methods_of(path, text))
+            .collect();
+        texts.extend(methods);
+        Ok(Self(texts))
+    }
+
+    /// Expands every permutation of every entry point but the page's.
+    pub fn shaders(&self) -> Result<Vec<ExpandedShader>, String> {
+        let mut shaders = Vec::new();
+        for entry in self
+            .entries()
+            .filter(|entry| !entry.starts_with(PAGE_FOLDER))
+        {
+            for (name, choice) in self.permutations(entry, &Choice::new())? {
+                shaders.push(ExpandedShader {
+                    name,
+                    text: self.expand(entry, &choice, Language::Vulkan)?,
+                    entry: entry.to_owned(),
+                });
+            }
+        }
+        Ok(shaders)
+    }
+
     /// Lists the paths of all entry points, sorted.
     pub fn entries(&self) -> impl Iterator<Item = &str> {
         self.0
@@ -173,6 +235,22 @@ impl Sources {
     }
 }
 
+/// Makes a file of `shade/method/` for each method in a file's `#pragma methods` line: it defines
+/// the name in capitals.
+fn methods_of(path: &str, text: &str) -> Vec<(String, String)> {
+    let names = text
+        .lines()
+        .filter_map(|line| line.strip_prefix("#pragma methods "))
+        .flat_map(str::split_whitespace);
+    let stems = names.map(|name| name.replace('-', "_"));
+    stems
+        .map(|stem| {
+            let text = format!("#define {}\n#include \"{path}\"\n", stem.to_uppercase());
+            (format!("shade/method/{stem}.glsl"), text)
+        })
+        .collect()
+}
+
 struct Expansion<'a> {
     sources: &'a Sources,
     choice: &'a Choice,
@@ -247,6 +325,16 @@ pub fn compile(entry: &str, text: &str) -> Result<Vec<u32>, String> {
     let mut program = compiler()?.create_program();
     program.add_shader(&shader);
     program.compile(stage).map_err(|e| e.to_string())
+}
+
+/// Returns the first error of a compiler's log: `FILE:LINE: message`.
+pub fn first_error(log: &str) -> &str {
+    log.lines()
+        .find_map(|line| {
+            let (_, error) = line.split_once("ERROR: ")?;
+            Some(error.trim())
+        })
+        .unwrap_or_else(|| log.trim())
 }
 
 pub fn parse(

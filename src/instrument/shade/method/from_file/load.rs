@@ -4,7 +4,7 @@ use super::super::Method;
 use super::{FUNCTION, absent, keep, of_names_read, wgsl};
 use crate::base::files::read_given;
 use crate::base::glsl::constants::FILE_PREFIX;
-use crate::base::glsl::source::{Choice, Language, METHOD_INCLUDE, compile};
+use crate::base::glsl::source::{Choice, Language, METHOD_INCLUDE, compile, first_error};
 use crate::instrument::gpu::{add_shader, names_read, shader_sources};
 use std::collections::BTreeSet;
 use std::path::Path;
@@ -48,7 +48,7 @@ pub fn load_function(name: &str, dir: &Path, function: &str) -> Result<&'static 
         let code = sources
             .expand(ENTRY, &choice, Language::Vulkan)
             .and_then(|text| compile(ENTRY, &text))
-            .map_err(|log| first_error(&log, &path, &source.expected()))?;
+            .map_err(|log| user_error(&log, &path, &source.expected()))?;
         let shader = shader_name(&permutation, &stem);
         add_shader(shader.clone(), &code);
         reads.append(&mut names_read(&shader, FUNCTION).map_err(|e| fault(e.to_string()))?);
@@ -143,11 +143,8 @@ pub fn shader_name(permutation: &str, stem: &str) -> String {
 
 /// Returns the first error of a compiler's log, as `PATH:LINE: message`. Errors in the pass around
 /// the file count as errors of the file.
-fn first_error(log: &str, path: &Path, expected: &str) -> String {
-    let first = log
-        .lines()
-        .find_map(|line| line.trim().strip_prefix("ERROR: "))
-        .unwrap_or_else(|| log.trim());
+fn user_error(log: &str, path: &Path, expected: &str) -> String {
+    let first = first_error(log);
     if first.starts_with("shaders/") {
         format!(
             "{}: expected a definition of `{expected}`, and no `main`",

@@ -1,8 +1,13 @@
-//! SPIR-V by permutation name: from the build script, and of methods in files, compiled at run
-//! time.
+//! SPIR-V by permutation name: from the build script, of an edited folder of shaders, and of
+//! methods in files, both compiled at run time.
+
+mod edited;
+
+pub use edited::{EditedShaders, has_edited_shaders, use_edited_shaders};
 
 use super::GpuError;
 use crate::base::glsl::source::Sources;
+use edited::{in_use, texts_in_use};
 use rspirv_reflect::rspirv::dr::{self, Function, Instruction, Operand};
 use rspirv_reflect::spirv::Op;
 use rspirv_reflect::{ReflectError, Reflection};
@@ -16,7 +21,7 @@ static ADDED: RwLock<BTreeMap<String, &'static [u8]>> = RwLock::new(BTreeMap::ne
 
 /// Finds the SPIR-V of the permutation `name` (see `shaders/compile.rs`).
 pub(super) fn code_of(name: &str) -> Option<&'static [u8]> {
-    let built = SHADERS
+    let built = in_use()
         .iter()
         .find(|(known, _)| *known == name)
         .map(|(_, code)| *code);
@@ -49,7 +54,7 @@ pub fn added_shader(name: &str) -> Option<Vec<u32>> {
 
 pub fn shader_sources() -> Sources {
     Sources(
-        SHADER_TEXTS
+        texts_in_use()
             .iter()
             .map(|(path, text)| (path.to_string(), text.to_string()))
             .collect(),
@@ -240,7 +245,7 @@ pub fn shader_code(name: &str) -> &'static [u8] {
 }
 
 pub fn shader_names() -> impl Iterator<Item = &'static str> {
-    SHADERS.iter().map(|(name, _)| *name)
+    in_use().iter().map(|(name, _)| *name)
 }
 
 /// Hashes all shaders that make results: not those that paint the window.
@@ -249,7 +254,7 @@ pub fn build_hash() -> &'static str {
     static HASH: LazyLock<String> = LazyLock::new(|| {
         let mut hasher = blake3::Hasher::new();
         let makes_results = |(name, _): &&(&str, &[u8])| !name.starts_with("window/");
-        for (name, bytes) in SHADERS.iter().filter(makes_results) {
+        for (name, bytes) in in_use().iter().filter(makes_results) {
             hasher.update(name.as_bytes());
             hasher.update(bytes);
         }
