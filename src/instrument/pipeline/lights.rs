@@ -6,10 +6,10 @@
 //! are about the surroundings, so they do not dim it.
 
 use super::layers::{Composition, Mixture};
-use super::passes::{clear_radiance, passes, read_radiance};
+use super::passes::{clear_radiance, passes};
 use super::picture::{DeviceMixture, DeviceRadiance};
-use super::request::{Frame, FrameTimings, Illumination};
-use super::resources::{Coverage, Prepared};
+use super::request::{Frame, Illumination};
+use super::resources::Prepared;
 use super::{Pipeline, PipelineError, RenderRequest};
 use crate::base::glsl::layout::LayerParams;
 use crate::base::names::Listed;
@@ -86,20 +86,10 @@ impl Pipeline {
     ) -> Result<Frame, PipelineError> {
         let prepared = self.prepare(request)?;
         let report = self.shade_lights(request, &prepared, lights)?;
-        let images = read_radiance(&self.gpu, &prepared, request)?;
-        let Coverage { mask, n_dot_v } = prepared.target.coverage(&self.gpu)?;
         Ok(Frame {
-            radiance: images.radiance,
+            // The lights are exact.
             standard_error: None,
-            convergences: Vec::new(),
-            mask,
-            n_dot_v,
-            steadiness: None,
-            timings: FrameTimings {
-                precompute: prepared.precompute.passes,
-                frame: report.passes,
-                wall_ms: report.wall_ms,
-            },
+            ..self.read_frame(request, prepared, &report, Vec::new())?
         })
     }
 

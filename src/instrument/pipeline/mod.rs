@@ -45,8 +45,8 @@ pub use request::{Frame, FrameTimings, Illumination, RenderRequest, Steadiness, 
 pub use shared_work::SharedWork;
 
 use crate::base::pixels::{Rgb8Image, RgbImage};
-use crate::instrument::gpu::{Buffer, Gpu};
-use crate::instrument::shade::reference_pass::Drawn;
+use crate::instrument::gpu::{Buffer, Gpu, Report};
+use crate::instrument::shade::reference_pass::{Convergence, Drawn};
 use crate::instrument::tonemap::{self, ToneCurve};
 use kept_reference::Reference;
 use passes::{RadianceImages, Shaded, read_radiance};
@@ -257,12 +257,24 @@ impl Pipeline {
             let bytes: usize = drawn.iter().map(Drawn::bytes).sum();
             self.begun = (bytes <= BEGUN_BYTES).then_some(Begun { key, drawn });
         }
+        let frame = self.read_frame(request, prepared, &report, convergences)?;
+        Ok((frame, report.shaders))
+    }
+
+    /// Reads what the passes of a request left in its target.
+    fn read_frame(
+        &self,
+        request: &RenderRequest,
+        prepared: Prepared,
+        report: &Report,
+        convergences: Vec<Convergence>,
+    ) -> Result<Frame, PipelineError> {
         let RadianceImages {
             radiance,
             standard_error,
         } = read_radiance(&self.gpu, &prepared, request)?;
         let Coverage { mask, n_dot_v } = prepared.target.coverage(&self.gpu)?;
-        let frame = Frame {
+        Ok(Frame {
             radiance,
             standard_error,
             convergences,
@@ -271,11 +283,10 @@ impl Pipeline {
             steadiness: None,
             timings: FrameTimings {
                 precompute: prepared.precompute.passes,
-                frame: report.passes,
+                frame: report.passes.clone(),
                 wall_ms: report.wall_ms,
             },
-        };
-        Ok((frame, report.shaders))
+        })
     }
 
     /// Applies the tone curve on the device.

@@ -78,7 +78,13 @@ const FORMATS: &[[&str; 3]] = &[
         "GLSL",
     ],
     ["src/base/glsl/source.rs", r##""#include""##, "GLSL"],
+    ["src/base/glsl/source.rs", r##""#pragma methods ""##, "GLSL"],
     ["src/base/glsl/source.rs", r##""#version""##, "GLSL"],
+    [
+        "src/base/glsl/source.rs",
+        r#""ERROR: ""#,
+        "message of glslang",
+    ],
     ["src/base/glsl/source.rs", r#"".glsl""#, "extension"],
     [
         "src/base/glsl/source.rs",
@@ -197,11 +203,6 @@ const FORMATS: &[[&str; 3]] = &[
     ],
     [
         "src/instrument/shade/method/from_file/load.rs",
-        r#""ERROR: ""#,
-        "message of glslang",
-    ],
-    [
-        "src/instrument/shade/method/from_file/load.rs",
         r#""redefinition""#,
         "message of glslang",
     ],
@@ -226,7 +227,7 @@ const FORMATS: &[[&str; 3]] = &[
         "GLSL that naga writes",
     ],
     [
-        "src/instrument/gpu/shader.rs",
+        "src/instrument/gpu/shader/mod.rs",
         r#""window/""#,
         "folder of shaders",
     ],
