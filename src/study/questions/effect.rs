@@ -107,16 +107,25 @@ impl<'r, 'f> AxisEffects<'r, 'f> {
         })
     }
 
+    /// In the order of the values, whichever of their ratios are resolved. Values without one are
+    /// left out.
     fn resolved(&self) -> Vec<ValueRatios<'r, 'f>> {
-        let resolved = self.effects.iter().filter(|effect| effect.is_resolved);
-        grouped(resolved, |effect| effect.value.clone())
+        grouped(&self.effects, |effect| effect.value.clone())
             .into_iter()
-            .map(|(value, effects)| ValueRatios {
-                value,
-                ratios: Numbers::ratios(effects.iter().map(|effect| (effect.row, effect.ratio))),
+            .filter_map(|(value, effects)| {
+                let resolved: Vec<_> = effects
+                    .iter()
+                    .filter(|effect| effect.is_resolved)
+                    .map(|effect| (effect.row, effect.ratio))
+                    .collect();
+                (!resolved.is_empty()).then(|| ValueRatios {
+                    value,
+                    ratios: Numbers::ratios(resolved),
+                })
             })
             .collect()
     }
+
 
     /// ", 2 within the noise": environments beyond the n with a resolved ratio.
     fn unresolved(&self, n: usize) -> Option<Statement> {
@@ -219,6 +228,7 @@ fn sentences(frame: &Frame, images: &[&Row], all: &[AxisEffects]) -> Option<Sent
         .filter(|effect| effect.is_resolved)
         .map(|effect| (effect.row, effect.ratio));
     let scope = Numbers::ratios(resolved).scope(frame);
+    statements.extend(left_out(all));
     let mut statements = statements.into_iter();
     let headline = statements.next()?;
     Some(
@@ -226,6 +236,18 @@ fn sentences(frame: &Frame, images: &[&Row], all: &[AxisEffects]) -> Option<Sent
             .with_details(statements)
             .with_scope(scope),
     )
+}
+
+/// "26 of 2,400 ratios are within the noise of their references, and no mean contains them."
+fn left_out(all: &[AxisEffects]) -> Option<Statement> {
+    let is_resolved = all.iter().flat_map(|one| &one.effects).map(|effect| effect.is_resolved);
+    let ratios = is_resolved.clone().count();
+    let out = is_resolved.filter(|is_resolved| !is_resolved).count();
+    (out > 0 && out < ratios).then(|| {
+        let [out, ratios] = [out, ratios].map(|count| Number::Count(count as u64));
+        let why = " ratios are within the noise of their references, and no mean contains them.";
+        statement![out, " of ", ratios, why]
+    })
 }
 
 fn statement_of_axis(frame: &Frame, one: &AxisEffects, best: Option<&Best>) -> Statement {

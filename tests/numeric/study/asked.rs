@@ -161,6 +161,28 @@ fn an_effect_is_the_ratio_to_the_first_value_of_its_axis() {
         rows.iter().map(|row| row[5..].to_vec()).collect::<Vec<_>>(),
         [["0.50", "1 of 1"], ["3.0", "0 of 1"]]
     );
+    let sentences = found.sentences.markdown();
+    assert!(
+        sentences.contains("1 of 4 ratios are within the noise of their references"),
+        "{sentences}"
+    );
+}
+
+#[test]
+fn a_digest_has_the_order_of_the_axis_whatever_is_within_the_noise() {
+    // At the first alpha only the bias of 2 is above the noise.
+    let axes = "method = [\"sampled\"]\nsamples = [4]\nlod_bias = [0, 1, 2]\nalpha = [0.1, 0.5]\n";
+    let run = finished(axes, |point| {
+        let bias = point.get("lod_bias").number();
+        let is_noise = point.get("alpha").number() == 0.1 && bias != 2.0;
+        Some(Made {
+            floor: if is_noise { 1.0 } else { 1e-12 },
+            ..Made::error(1.0 + bias)
+        })
+    });
+    let rows = digest(&finding(&run, "effect"));
+    let values: Vec<&str> = rows.iter().map(|row| row[1].as_str()).collect();
+    assert_eq!(values, ["1", "2"]);
 }
 
 #[test]
