@@ -3,7 +3,7 @@
 use super::page::PageError;
 use super::record::{ANSWER_FILE, AnswerRecord, WriteError};
 use super::sheets::sheet_files;
-use super::summary::with_local_sheet;
+use super::summary::{with_local_sheet, without_sheets};
 use super::write::SUMMARY_FILE;
 use crate::base::files::{TEXT_BYTES_MAX, names_in, read_text, relative};
 use crate::base::pixels::{PixelsError, write_atomically};
@@ -180,17 +180,22 @@ pub fn publish(dir: &Path, into: &Path, replace: bool) -> Result<Vec<String>, Pu
     for unit in units(dir, &record) {
         let bytes = unit.bytes();
         if bytes > BYTES_MAX {
-            left_out.push(format!("{} ({:.1} MB)", unit.name, bytes as f64 / 1e6));
+            left_out.push(omitted(&unit.name, bytes));
         } else {
             unit.copy(dir, &target)?;
         }
     }
     write_provenance(dir, &target)?;
-    write_summary(dir, &target, &left_out)?;
+    write_summary(dir, &target, &mut left_out)?;
     Ok(left_out
         .iter()
         .map(|name| format!("{}: omitted {name}", dir.display()))
         .collect())
+}
+
+/// A file that is too large to be published, with its size.
+fn omitted(name: &str, bytes: u64) -> String {
+    format!("{name} ({:.1} MB)", bytes as f64 / 1e6)
 }
 
 /// Removes the files of an earlier publication.
@@ -204,15 +209,24 @@ fn remove_published(target: &Path) -> Result<(), PublishError> {
 }
 
 /// Adapts the published summary: the sheet that it shows is beside it, and it names the omitted
-/// files.
-fn write_summary(dir: &Path, target: &Path, left_out: &[String]) -> Result<(), PublishError> {
+/// files. A sheet that is too large is one of them.
+fn write_summary(
+    dir: &Path,
+    target: &Path,
+    left_out: &mut Vec<String>,
+) -> Result<(), PublishError> {
     let path = target.join(SUMMARY_FILE);
     let mut text = read_text(&path, TEXT_BYTES_MAX).map_err(io(&path))?;
-    if let Some(sheet) = sheet_files(dir).first() {
+    let sheets = sheet_files(dir);
+    if let Some(sheet) = sheets.first() {
         let name = sheet
             .file_name()
             .map_or_else(|| "sheet.svg".into(), |name| name.to_string_lossy());
-        if let Some(adapted) = with_local_sheet(&text, &name) {
+        let bytes = std::fs::metadata(sheet).map_err(io(sheet))?.len();
+        if bytes > BYTES_MAX {
+            left_out.push(omitted(&name, bytes));
+            text = without_sheets(&text, &sheets);
+        } else if let Some(adapted) = with_local_sheet(&text, &name) {
             std::fs::copy(sheet, target.join(&*name)).map_err(io(sheet))?;
             text = adapted;
         }

@@ -13,6 +13,7 @@ use crate::study::frame::{distinct_in_order, estimate::median};
 use crate::study::questions::Answer;
 use std::collections::BTreeMap;
 use std::fmt::Write;
+use std::path::PathBuf;
 
 pub const SHEETS_FOLDER: &str = "tables";
 
@@ -37,7 +38,12 @@ pub fn markdown(run: &Finished, answers: &[Answer], record: &AnswerRecord) -> St
     for answer in answers {
         text += &section(answer);
     }
-    text + &contact_sheets(run) + &failures(run)
+    let sheets = if run.has_pictures() {
+        sheet_files(&run.dir)
+    } else {
+        Vec::new()
+    };
+    text + &contact_sheets(&sheets) + &failures(run)
 }
 
 /// The main answer, emphasised as a whole.
@@ -180,13 +186,22 @@ pub fn with_local_sheet(summary: &str, name: &str) -> Option<String> {
     })
 }
 
-/// A link to the first contact sheet; empty without pictures.
-fn contact_sheets(run: &Finished) -> String {
-    let files = sheet_files(&run.dir);
+/// The summary for a folder without any contact sheet; `files` are the sheets of the run.
+pub fn without_sheets(summary: &str, files: &[PathBuf]) -> String {
+    let named = contact_sheets(files);
+    if named.is_empty() {
+        summary.to_owned()
+    } else {
+        summary.replace(&named, "")
+    }
+}
+
+/// A link to the first contact sheet; empty without one.
+fn contact_sheets(files: &[PathBuf]) -> String {
     let first = files
         .first()
         .and_then(|path| Some(sheet_link(path.file_name()?.to_str()?)));
-    let Some(first) = first.filter(|_| run.has_pictures()) else {
+    let Some(first) = first else {
         return String::new();
     };
     let others = match files.len() {

@@ -113,6 +113,21 @@ fn a_run_leaves_the_documented_files_and_a_second_run_changes_nothing() {
             .unwrap()
             .contains("[tiny](tiny/summary.md)")
     );
+    // A sheet of more than a megabyte is named in place of the link.
+    let sheet = run.join("tables/ggx.svg");
+    let padded = std::fs::read_to_string(&sheet).unwrap() + &" ".repeat(1 << 20);
+    std::fs::write(&sheet, padded).unwrap();
+    ok(
+        dir.path(),
+        &["answers", "runs/tiny", "--publish", "results"],
+    );
+    assert!(!dir.path().join("results/tiny/ggx.svg").exists());
+    let published = std::fs::read_to_string(dir.path().join("results/tiny/summary.md")).unwrap();
+    assert!(
+        published.contains("Too large to be published: ggx.svg (1.")
+            && !published.contains("Contact sheet"),
+        "{published}"
+    );
     // All files of a run use one metric, the report included.
     for (metric, arguments) in [("flip", &["--metric", "flip"][..]), ("relmse", &[])] {
         ok(dir.path(), &[&["answers", "runs/tiny"], arguments].concat());
