@@ -126,7 +126,6 @@ impl<'r, 'f> AxisEffects<'r, 'f> {
             .collect()
     }
 
-
     /// ", 2 within the noise": environments beyond the n with a resolved ratio.
     fn unresolved(&self, n: usize) -> Option<Statement> {
         let ratios = self.effects.iter();
@@ -240,7 +239,10 @@ fn sentences(frame: &Frame, images: &[&Row], all: &[AxisEffects]) -> Option<Sent
 
 /// "26 of 2,400 ratios are within the noise of their references, and no mean contains them."
 fn left_out(all: &[AxisEffects]) -> Option<Statement> {
-    let is_resolved = all.iter().flat_map(|one| &one.effects).map(|effect| effect.is_resolved);
+    let is_resolved = all
+        .iter()
+        .flat_map(|one| &one.effects)
+        .map(|effect| effect.is_resolved);
     let ratios = is_resolved.clone().count();
     let out = is_resolved.filter(|is_resolved| !is_resolved).count();
     (out > 0 && out < ratios).then(|| {
