@@ -3,7 +3,7 @@
 use super::page::PageError;
 use super::record::{ANSWER_FILE, AnswerRecord, WriteError};
 use super::sheets::sheet_files;
-use super::summary::{with_local_sheet, without_sheets};
+use super::summary::{with_local_sheet, without_sheet};
 use super::write::SUMMARY_FILE;
 use crate::base::files::{TEXT_BYTES_MAX, names_in, read_text, relative};
 use crate::base::pixels::{PixelsError, write_atomically};
@@ -217,18 +217,20 @@ fn write_summary(
 ) -> Result<(), PublishError> {
     let path = target.join(SUMMARY_FILE);
     let mut text = read_text(&path, TEXT_BYTES_MAX).map_err(io(&path))?;
-    let sheets = sheet_files(dir);
-    if let Some(sheet) = sheets.first() {
+    if let Some(sheet) = sheet_files(dir).first() {
         let name = sheet
             .file_name()
             .map_or_else(|| "sheet.svg".into(), |name| name.to_string_lossy());
-        let bytes = std::fs::metadata(sheet).map_err(io(sheet))?.len();
-        if bytes > BYTES_MAX {
-            left_out.push(omitted(&name, bytes));
-            text = without_sheets(&text, &sheets);
-        } else if let Some(adapted) = with_local_sheet(&text, &name) {
-            std::fs::copy(sheet, target.join(&*name)).map_err(io(sheet))?;
-            text = adapted;
+        // Only runs with pictures link their sheets.
+        if let Some(adapted) = with_local_sheet(&text, &name) {
+            let bytes = std::fs::metadata(sheet).map_err(io(sheet))?.len();
+            if bytes > BYTES_MAX {
+                left_out.push(omitted(&name, bytes));
+                text = without_sheet(&text, &name);
+            } else {
+                std::fs::copy(sheet, target.join(&*name)).map_err(io(sheet))?;
+                text = adapted;
+            }
         }
     }
     if !left_out.is_empty() {
@@ -386,8 +388,13 @@ fn section(PublishedRun { folder, record }: &PublishedRun, dir: &Path) -> String
         .commit
         .get(..12)
         .map_or_else(String::new, |commit| format!(", commit {commit}"));
+    let changed = if record.has_changes {
+        " with changes"
+    } else {
+        ""
+    };
     text += &format!(
-        "\n{}\n\n{} cells{failed} on {}{}, {}{commit}.\n\n",
+        "\n{}\n\n{} cells{failed} on {}{}, {}{commit}{changed}.\n\n",
         links.join(" · "),
         record.cells,
         inline(&record.devices.join("; ")),

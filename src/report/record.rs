@@ -66,6 +66,9 @@ pub struct AnswerRecord {
     pub date_utc: String,
     /// Of the last session; empty if unknown.
     pub commit: String,
+    /// Whether the code that ran is not the commit's.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub has_changes: bool,
     pub is_cpu_timed: bool,
     /// Whether the run has no references.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]

@@ -186,14 +186,15 @@ pub fn with_local_sheet(summary: &str, name: &str) -> Option<String> {
     })
 }
 
-/// The summary for a folder without any contact sheet; `files` are the sheets of the run.
-pub fn without_sheets(summary: &str, files: &[PathBuf]) -> String {
-    let named = contact_sheets(files);
-    if named.is_empty() {
-        summary.to_owned()
-    } else {
-        summary.replace(&named, "")
-    }
+/// The summary for a folder without any contact sheet, which has no paragraph with the link to the
+/// sheet `name`.
+pub fn without_sheet(summary: &str, name: &str) -> String {
+    let link_in_run = sheet_link(name);
+    let paragraphs = summary.split("\n\n");
+    let kept: Vec<&str> = paragraphs
+        .filter(|paragraph| !paragraph.contains(&link_in_run))
+        .collect();
+    kept.join("\n\n")
 }
 
 /// A link to the first contact sheet; empty without one.

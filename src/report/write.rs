@@ -63,6 +63,7 @@ impl Written {
             cells: run.cells.len() - run.failed_count(),
             failed: run.failed_count(),
             devices: run.devices(),
+            has_changes: session.has_changes(),
             date_utc: session.date_utc,
             commit: session
                 .commit

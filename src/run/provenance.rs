@@ -191,6 +191,9 @@ pub struct Session {
     pub program_hash: Option<String>,
     /// `None` if no repository contains the program.
     pub commit: Option<Commit>,
+    /// Whether shaders of a folder were in use that are not the program's.
+    #[serde(rename = "edited_shaders", skip_serializing_if = "std::ops::Not::not")]
+    pub has_edited_shaders: bool,
     pub device: SessionDevice,
     pub host: Host,
     /// Time from start to end, s; `None`, written as `unknown`, until it ends.
@@ -204,7 +207,7 @@ pub struct Session {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Commit {
     pub hash: String,
-    /// Whether tracked files or the shaders in use were changed; `None` if git did not say.
+    /// Whether tracked files were changed; `None` if git did not say.
     #[serde(rename = "dirty")]
     pub is_dirty: Option<bool>,
 }
@@ -383,6 +386,7 @@ impl Session {
             program_version: env!("CARGO_PKG_VERSION").to_owned(),
             program_hash: crate::instrument::pipeline::program_hash().map(str::to_owned),
             commit: Commit::of_program(),
+            has_edited_shaders: has_edited_shaders(),
             device: SessionDevice {
                 name: device.name.clone(),
                 device_type: device.device_type.to_owned(),
@@ -404,6 +408,14 @@ impl Session {
     }
 }
 
+impl Session {
+    /// Whether the code that ran is not the commit's.
+    pub fn has_changes(&self) -> bool {
+        let commit = self.commit.as_ref();
+        self.has_edited_shaders || commit.is_some_and(|commit| commit.is_dirty == Some(true))
+    }
+}
+
 impl Commit {
     /// The checked-out commit of the working tree that contains the program.
     fn of_program() -> Option<Self> {
@@ -411,15 +423,9 @@ impl Commit {
         let folder = program.parent()?;
         let hash = git(folder, &["rev-parse", "HEAD"])?;
         let changes = git(folder, &["status", "--porcelain", "--untracked-files=no"]);
-        let has_changes = changes.map(|text| !text.is_empty());
         Some(Self {
             hash,
-            // The folder of edited shaders may be of another working tree.
-            is_dirty: if has_edited_shaders() {
-                Some(true)
-            } else {
-                has_changes
-            },
+            is_dirty: changes.map(|text| !text.is_empty()),
         })
     }
 }

@@ -78,13 +78,18 @@ impl<'a> PageRun<'a> {
         }
     }
 
-    /// The commit of the program, marked if files were changed; empty if unknown.
+    /// The commit of the program, marked if files or shaders were changed; empty if unknown.
     pub fn commit(&self) -> String {
-        match self.session().commit {
-            Some(commit) if commit.is_dirty == Some(true) => format!("{} (changed)", commit.hash),
-            Some(commit) => commit.hash,
-            None => String::new(),
-        }
+        let session = self.session();
+        let changed = if session.has_changes() {
+            " (changed)"
+        } else {
+            ""
+        };
+        let hash = session
+            .commit
+            .map_or_else(String::new, |commit| commit.hash);
+        format!("{hash}{changed}").trim_start().to_owned()
     }
 
     /// What is missing from the answers, one sentence each.
