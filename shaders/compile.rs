@@ -4,7 +4,7 @@
 //! Entry points in `page/` are the report's and include the same libraries; the program writes them
 //! as GLSL ES 3.00.
 
-use source::Sources;
+use source::{Language, Sources};
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::{env, fs, io};
@@ -71,7 +71,7 @@ fn build() -> Result<(), String> {
     sources.0.extend(specialization_texts());
 
     let mut table = String::from("pub static SHADERS: &[(&str, &[u8])] = &[\n");
-    for shader in sources.shaders()? {
+    for shader in sources.shaders(Language::Vulkan)? {
         let name = &shader.name;
         let spirv = shader.compile().map_err(|log| format!("{name}: {log}"))?;
         let file = out.join(format!("{}.spv", name.replace(['/', ':', '.'], "_")));

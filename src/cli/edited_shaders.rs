@@ -2,7 +2,7 @@
 //! next command draws with them.
 
 use super::{Failure, log};
-use splitsum::instrument::gpu::use_edited_shaders;
+use splitsum::instrument::gpu::EditedShaders;
 use std::path::Path;
 
 /// Names the folder, such as `shaders` in a checkout.
@@ -14,11 +14,15 @@ pub fn load() -> Result<(), Failure> {
     let Some(folder) = std::env::var_os(VARIABLE).filter(|folder| !folder.is_empty()) else {
         return Ok(());
     };
-    let counts = use_edited_shaders(Path::new(&folder))
-        .map_err(|fault| Failure::input(format!("{VARIABLE}: {fault}")))?;
+    let folder = Path::new(&folder);
+    // The compiler calls every folder `shaders/`.
+    let fault = |what| Failure::input(format!("{VARIABLE}={}: {what}", folder.display()));
+    let shaders = EditedShaders::read(folder).map_err(fault)?;
+    // Before the compilation, which takes seconds after an edit of a common file.
     log(&format!(
         "{VARIABLE}: {} of {} shaders are not the program's",
-        counts.compiled_count, counts.all_count
+        shaders.edited_count(),
+        shaders.all_count()
     ));
-    Ok(())
+    shaders.put_to_use().map_err(fault)
 }

@@ -84,17 +84,113 @@ fn an_edit_of_a_shader_shows() {
     assert_eq!(image(), doubled);
 }
 
+/// The lists of models and methods, and what a pass may choose, are part of the build.
+#[test]
+fn shaders_that_the_program_lacks_need_a_build() {
+    let plan = ["plan", "tiny.toml"];
+    let refused = |change: &dyn Fn(&Path), part: &str| {
+        let dir = folder();
+        change(&dir.path().join("shaders"));
+        let output = with_shaders(dir.path(), &plan);
+        assert_ends(&output, 2, &["SPLITSUM_SHADERS=shaders: ", part]);
+        assert_eq!(stderr(&output).lines().count(), 1, "{}", stderr(&output));
+    };
+    let needed = "is missing; a new, removed or renamed file";
+    let remove =
+        |name: &'static str| move |shaders: &Path| fs::remove_file(shaders.join(name)).unwrap();
+    refused(&remove("brdf/ggx.glsl"), needed);
+    refused(&remove("tonemap/tonemap.comp"), needed);
+    refused(&remove("page/specular.frag"), needed);
+    let copy = |shaders: &Path| {
+        fs::copy(shaders.join("brdf/ggx.glsl"), shaders.join("brdf/own.glsl")).unwrap();
+    };
+    refused(&copy, "own: a new shader; ");
+    // Without its include the pass has no permutation for each model.
+    let unchosen = |shaders: &Path| {
+        let text = "vec3 specular_radiance(Surface s) { return vec3(1.0); }\n";
+        fs::write(shaders.join("shade/method/sampled.glsl"), text).unwrap();
+    };
+    refused(&unchosen, "specular.comp:cube:sampled: a new shader; ");
+}
+
+/// Shaders of the report's page are checked as others are; locks and copies of editors are skipped.
+#[test]
+fn the_folder_is_read_as_the_build_reads_it() {
+    let dir = folder();
+    let plan = ["plan", "tiny.toml"];
+    let shaders = dir.path().join("shaders");
+    fs::write(shaders.join("brdf/.#ggx.glsl"), "lock").unwrap();
+    #[cfg(unix)]
+    std::os::unix::fs::symlink(".", shaders.join("loop")).unwrap();
+    assert_ends(&with_shaders(dir.path(), &plan), 0, &[": 0 of "]);
+    let page = shaders.join("page/specular.frag");
+    let text = fs::read_to_string(&page).unwrap();
+    fs::write(&page, text.clone() + "garbage(\n").unwrap();
+    assert_ends(
+        &with_shaders(dir.path(), &plan),
+        2,
+        &[": page/specular.frag"],
+    );
+    let include = "#include \"lib/nowhere.glsl\"\n";
+    fs::write(&page, include.to_owned() + &text).unwrap();
+    assert_ends(
+        &with_shaders(dir.path(), &plan),
+        2,
+        &["page/specular.frag:1: there is no lib/nowhere"],
+    );
+    fs::write(&page, b"\xff").unwrap();
+    assert_ends(
+        &with_shaders(dir.path(), &plan),
+        2,
+        &["specular.frag: not UTF-8"],
+    );
+}
+
+/// Provenance marks the edit, wherever the program is.
+#[test]
+fn provenance_marks_edited_shaders() {
+    if !has_device() {
+        return;
+    }
+    let dir = folder();
+    append(dir.path(), ADDED);
+    let output = with_shaders(dir.path(), &["run", "tiny.toml"]);
+    assert!(output.status.success(), "{}", stderr(&output));
+    let session = |folder: &str| {
+        let path = dir.path().join(folder).join("provenance.json");
+        let provenance: serde_json::Value =
+            serde_json::from_slice(&fs::read(path).unwrap()).unwrap();
+        provenance["sessions"][0]["edited_shaders"].clone()
+    };
+    assert_eq!(session("runs/tiny"), true);
+    // The program's own shaders do not continue it.
+    assert_ends(
+        &command(dir.path(), &["run", "tiny.toml"]).output().unwrap(),
+        2,
+        &["other shaders"],
+    );
+    ok(dir.path(), &["run", "tiny.toml", "--out", "runs/own"]);
+    assert_eq!(session("runs/own"), serde_json::Value::Null);
+}
+
 #[test]
 fn wrong_folders_are_refused() {
     let dir = folder();
     let plan = ["plan", "tiny.toml"];
     append(dir.path(), "float unfinished( {\n");
-    let place = "SPLITSUM_SHADERS: shade/specular.comp:";
+    let place = "SPLITSUM_SHADERS=shaders: shade/specular.comp:";
     let output = with_shaders(dir.path(), &plan);
     assert_ends(&output, 2, &[place, "shaders/shade/method/split_sum.glsl:"]);
-    assert_eq!(stderr(&output).lines().count(), 1, "{}", stderr(&output));
     fs::remove_dir_all(dir.path().join("shaders")).unwrap();
-    assert_ends(&with_shaders(dir.path(), &plan), 2, &["shaders: No such"]);
+    assert_ends(
+        &with_shaders(dir.path(), &plan),
+        2,
+        &["shaders: there is no such folder"],
+    );
     fs::create_dir(dir.path().join("shaders")).unwrap();
-    assert_ends(&with_shaders(dir.path(), &plan), 2, &["no shaders; "]);
+    assert_ends(
+        &with_shaders(dir.path(), &plan),
+        2,
+        &["contains no shaders; "],
+    );
 }

@@ -47,7 +47,7 @@ const ES_PRELUDE: &str = "page/es.glsl";
 #[derive(Clone, Copy, PartialEq)]
 pub enum Language {
     Vulkan,
-    /// GLSL ES 3.00.
+    /// GLSL ES 3.00, of the report's page.
     Es,
 }
 
@@ -56,7 +56,7 @@ pub type Choice = BTreeMap<String, String>;
 
 pub struct Sources(pub BTreeMap<String, String>);
 
-/// A shader of the program before its compilation.
+/// A shader before its compilation.
 pub struct ExpandedShader {
     /// Of the permutation.
     pub name: String,
@@ -66,29 +66,49 @@ pub struct ExpandedShader {
 }
 
 impl ExpandedShader {
-    /// Compiles to SPIR-V; the error is the compiler's log.
+    /// Compiles a text for Vulkan to SPIR-V; the error is the compiler's log.
     pub fn compile(&self) -> Result<Vec<u32>, String> {
         compile(&self.entry, &self.text)
     }
+
+    /// Returns the compiler's log if a text in GLSL ES is wrong.
+    pub fn check_es(&self) -> Result<(), String> {
+        parse(&self.entry, &self.text, Language::Es).map(drop)
+    }
 }
+
+/// Most entries of a folder of shaders and of the folders in it: a folder of something else ends
+/// soon.
+const ENTRY_COUNT_MAX: usize = 10_000;
+/// Largest shader, bytes.
+const TEXT_BYTES_MAX: u64 = 1 << 20;
 
 impl Sources {
     /// Reads every shader below `root` by its relative path, and adds the methods of `#pragma
-    /// methods` lines.
+    /// methods` lines. Links and hidden files, such as the locks of editors, are skipped.
     pub fn read(root: &Path) -> Result<Self, String> {
         let mut texts = BTreeMap::new();
         let mut folders = vec![root.to_path_buf()];
+        let mut entry_count = 0;
         while let Some(folder) = folders.pop() {
             let fault = |e: io::Error| format!("{}: {e}", folder.display());
             for entry in fs::read_dir(&folder).map_err(fault)? {
-                let path = entry.map_err(fault)?.path();
+                entry_count += 1;
+                if entry_count > ENTRY_COUNT_MAX {
+                    return Err(format!(
+                        "{}: more than {ENTRY_COUNT_MAX} files; expected a folder of shaders",
+                        root.display()
+                    ));
+                }
+                let entry = entry.map_err(fault)?;
+                let (path, kind) = (entry.path(), entry.file_type().map_err(fault)?);
                 let name = path.strip_prefix(root).unwrap_or(&path).to_string_lossy();
-                if path.is_dir() {
+                if entry.file_name().to_string_lossy().starts_with('.') {
+                    continue;
+                } else if kind.is_dir() {
                     folders.push(path);
-                } else if stage(&name).is_some() || name.ends_with(".glsl") {
-                    let text = fs::read_to_string(&path)
-                        .map_err(|e| format!("{}: {e}", path.display()))?;
-                    texts.insert(name.replace('\\', "/"), text);
+                } else if kind.is_file() && (stage(&name).is_some() || name.ends_with(".glsl")) {
+                    texts.insert(name.replace('\\', "/"), read_text(&path)?);
                 }
             }
         }
@@ -100,17 +120,18 @@ impl Sources {
         Ok(Self(texts))
     }
 
-    /// Expands every permutation of every entry point but the page's.
-    pub fn shaders(&self) -> Result<Vec<ExpandedShader>, String> {
+    /// Expands every permutation of the entry points of a language.
+    pub fn shaders(&self, language: Language) -> Result<Vec<ExpandedShader>, String> {
         let mut shaders = Vec::new();
+        let is_es = language == Language::Es;
         for entry in self
             .entries()
-            .filter(|entry| !entry.starts_with(PAGE_FOLDER))
+            .filter(|entry| entry.starts_with(PAGE_FOLDER) == is_es)
         {
             for (name, choice) in self.permutations(entry, &Choice::new())? {
                 shaders.push(ExpandedShader {
                     name,
-                    text: self.expand(entry, &choice, Language::Vulkan)?,
+                    text: self.expand(entry, &choice, language)?,
                     entry: entry.to_owned(),
                 });
             }
@@ -149,7 +170,10 @@ impl Sources {
             let (_, folder) = SELECTIONS
                 .iter()
                 .find(|(known, _)| *known == include)
-                .ok_or_else(|| format!("{entry}: {include} is not one of {SELECTIONS:?}"))?;
+                .ok_or_else(|| {
+                    let known = SELECTIONS.map(|(known, _)| known).join(", ");
+                    format!("{entry}: there is no {include}; expected {known}")
+                })?;
             for stem in self.stems(folder) {
                 let mut choice = choice.clone();
                 choice.insert(include.clone(), format!("{folder}/{stem}.glsl"));
@@ -233,6 +257,18 @@ impl Sources {
         }
         Ok(expansion.text)
     }
+}
+
+fn read_text(path: &Path) -> Result<String, String> {
+    let fault = |what: String| format!("{}: {what}", path.display());
+    let bytes = fs::metadata(path).map_err(|e| fault(e.to_string()))?.len();
+    if bytes > TEXT_BYTES_MAX {
+        return Err(fault(format!(
+            "{bytes} bytes; expected at most {TEXT_BYTES_MAX}"
+        )));
+    }
+    let bytes = fs::read(path).map_err(|e| fault(e.to_string()))?;
+    String::from_utf8(bytes).map_err(|_| fault("not UTF-8 text".to_owned()))
 }
 
 /// Makes a file of `shade/method/` for each method in a file's `#pragma methods` line: it defines

@@ -46,7 +46,6 @@ pub use recorder::{Bind, DrawCall, PassTime, Recorder, Report, Targets};
 pub use shader::{
     EditedShaders, HOST_FILES, HOST_HASH, add_shader, added_shader, build_hash, code_hash,
     has_edited_shaders, has_shader, names_read, shader_code, shader_names, shader_sources,
-    use_edited_shaders,
 };
 #[cfg(feature = "view")]
 pub use swapchain::{Acquired, Swapchain};

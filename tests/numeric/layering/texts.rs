@@ -86,6 +86,7 @@ const FORMATS: &[[&str; 3]] = &[
         "message of glslang",
     ],
     ["src/base/glsl/source.rs", r#"".glsl""#, "extension"],
+    ["src/base/glsl/source.rs", "'.'", "name of a hidden file"],
     [
         "src/base/glsl/source.rs",
         r#""selected/""#,

@@ -3,7 +3,7 @@
 
 mod edited;
 
-pub use edited::{EditedShaders, has_edited_shaders, use_edited_shaders};
+pub use edited::{EditedShaders, has_edited_shaders};
 
 use super::GpuError;
 use crate::base::glsl::source::Sources;
@@ -21,12 +21,12 @@ static ADDED: RwLock<BTreeMap<String, &'static [u8]>> = RwLock::new(BTreeMap::ne
 
 /// Finds the SPIR-V of the permutation `name` (see `shaders/compile.rs`).
 pub(super) fn code_of(name: &str) -> Option<&'static [u8]> {
-    let built = in_use()
+    let known = in_use()
         .iter()
         .find(|(known, _)| *known == name)
         .map(|(_, code)| *code);
     // A panic cannot leave the map half-changed: entries are added in one step.
-    built.or_else(|| {
+    known.or_else(|| {
         ADDED
             .read()
             .unwrap_or_else(PoisonError::into_inner)
