@@ -3,7 +3,7 @@
 #
 #     sh scripts/reproduce.sh              # lists the figures, their minutes on two idle cores and the pages that show them
 #     sh scripts/reproduce.sh coat         # one of them, or several
-#     sh scripts/reproduce.sh all          # all, in about 115 minutes
+#     sh scripts/reproduce.sh all          # all, in about 145 minutes
 #
 # A figure is a run of results/. It runs again, from results/NAME/experiment.toml into runs/reproduce/NAME, and
 # scripts/compare_answers.py compares the tables of its answers, which the pages show, each number within its own error.
