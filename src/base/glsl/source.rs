@@ -96,8 +96,7 @@ impl Sources {
                 entry_count += 1;
                 if entry_count > ENTRY_COUNT_MAX {
                     return Err(format!(
-                        "{}: more than {ENTRY_COUNT_MAX} files; expected a folder of shaders",
-                        root.display()
+                        "more than {ENTRY_COUNT_MAX} files; expected a folder of shaders"
                     ));
                 }
                 let entry = entry.map_err(fault)?;
