@@ -70,11 +70,6 @@ impl ExpandedShader {
     pub fn compile(&self) -> Result<Vec<u32>, String> {
         compile(&self.entry, &self.text)
     }
-
-    /// Returns the compiler's log if a text in GLSL ES is wrong.
-    pub fn check_es(&self) -> Result<(), String> {
-        parse(&self.entry, &self.text, Language::Es).map(drop)
-    }
 }
 
 /// Most entries of a folder of shaders and of the folders in it: a folder of something else ends

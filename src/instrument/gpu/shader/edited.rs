@@ -52,7 +52,7 @@ pub struct EditedShaders {
     texts: BTreeMap<String, String>,
     /// For Vulkan, with another text than the program's.
     edited: Vec<ExpandedShader>,
-    /// As `edited`, of the report's page.
+    /// As `edited`, of the report's page, where the browser compiles them.
     edited_page: Vec<ExpandedShader>,
     all_count: usize,
 }
@@ -113,11 +113,6 @@ impl EditedShaders {
                 Ok((shader.name.as_str(), code))
             })
             .collect::<Result<_, String>>()?;
-        // Last: in GLSL ES the error names no file, and its line is of the expanded text.
-        for shader in &self.edited_page {
-            let fault = |log: String| format!("{}, expanded: {}", shader.name, first_error(&log));
-            shader.check_es().map_err(fault)?;
-        }
         let shaders = SHADERS.iter().map(|(name, code)| {
             let edited = compiled.get(name).map(|code| leaked_bytes(code));
             (*name, edited.unwrap_or(code))
