@@ -1,5 +1,5 @@
-//! Shaders of a folder in place of the program's own, for people who edit shaders: without a build, the
-//! next command draws with them.
+//! Shaders of a folder in place of the program's own, for people who edit shaders: without a build,
+//! the next command draws with them.
 
 use super::{Failure, log};
 use splitsum::instrument::gpu::EditedShaders;

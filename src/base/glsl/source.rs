@@ -95,7 +95,8 @@ impl Sources {
                     ));
                 }
                 let entry = entry.map_err(fault)?;
-                let (path, kind) = (entry.path(), entry.file_type().map_err(fault)?);
+                let path = entry.path();
+                let kind = entry.file_type().map_err(fault)?;
                 let name = path.strip_prefix(root).unwrap_or(&path).to_string_lossy();
                 if entry.file_name().to_string_lossy().starts_with('.') {
                     continue;
