@@ -170,8 +170,8 @@ fn an_effect_is_the_ratio_to_the_first_value_of_its_axis() {
 
 #[test]
 fn a_digest_has_the_order_of_the_axis_whatever_is_within_the_noise() {
-    // At the first alpha only the bias of 2 is above the noise.
-    let axes = "method = [\"sampled\"]\nsamples = [4]\nlod_bias = [0, 1, 2]\nalpha = [0.1, 0.5]\n";
+    // At the first alpha, whose rows come first, only the bias of 2 is above the noise.
+    let axes = "method = [\"sampled\"]\nsamples = [4]\nalpha = [0.1, 0.5]\nlod_bias = [0, 1, 2]\n";
     let run = finished(axes, |point| {
         let bias = point.get("lod_bias").number();
         let is_noise = point.get("alpha").number() == 0.1 && bias != 2.0;
