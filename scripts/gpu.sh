@@ -120,6 +120,7 @@ step() { # name, seconds, command...
     esac
     echo "$step_name,$ending,$seconds" >>"$out/steps.csv"
     say "$step_name: $ending, $seconds s"
+    case $ending in failed* | differs) tail -n 12 "$out/$step_name.log" | sed 's/^/    /' ;; esac
     keep
 }
 
@@ -159,6 +160,11 @@ experiment() { # name, weight
     case "$ending $1" in "ok timing" | "ok equal-time") return 0 ;; "ok "*) ;; *) return 0 ;; esac
     if [ ! -d "results/$1/answers" ] || ! command -v python3 >/dev/null; then
         say "$1: not compared (python3 or the published answers are missing)"
+        return 0
+    fi
+    missing=$(published_maps "$1" | while read -r map; do [ -f "$map" ] || echo "$map"; done | paste -s -d ' ' -)
+    if [ -n "$missing" ]; then
+        say "$1: not compared (the published run has maps that were not packed: $missing)"
         return 0
     fi
     step "compare-$1" 30 python3 compare_answers.py "results/$1/answers" "$out/runs/$1/answers"

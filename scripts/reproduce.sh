@@ -15,6 +15,7 @@
 set -eu
 cd "$(dirname "$0")/.."
 . scripts/setup.sh
+. scripts/lights.sh
 
 # Name and minutes.
 figures="quick 1
@@ -81,11 +82,9 @@ if [ -z "${SPLITSUM:-}" ]; then
 fi
 program=${SPLITSUM:-target/release/splitsum}
 [ -x "$program" ] || stop "$program: not a program; expected splitsum"
-# The record of a figure names its maps.
 for name in "$@"; do
-    [ -f "results/$name/provenance.json" ] || continue
-    grep -oE 'environments/[A-Za-z0-9_/]+\.(hdr|exr)' "results/$name/provenance.json" | sort -u | while read -r map; do
-        [ -f "experiments/$map" ] || stop "$name needs experiments/$map, which is missing (experiments/README.md, \"Measured maps\")"
+    published_maps "$name" | while read -r map; do
+        [ -f "$map" ] || stop "$name needs $map, which is missing (experiments/README.md, \"Measured maps\")"
     done
 done
 require_device "$program" >/dev/null

@@ -1,6 +1,6 @@
 #!/bin/sh
-# Tests the scripts of README, CI and setup with stubs of cargo, apt-get and every other tool. Each part is
-# made to fail once, on a bare machine and on a full one, for a plain user and with CI set: the last line and the exit
+# Tests the scripts of README, CI, setup and GPUs with stubs of cargo, apt-get and every other tool. Each part of the tests
+# is made to fail once, on a bare machine and on a full one, for a plain user and with CI set: the last line and the exit
 # status must be right each time.
 set -eu
 cd "$(dirname "$0")/.."
@@ -401,9 +401,60 @@ EOF
     sed 1d "$box/output" | cmp -s - "$box/right" || complain "finds other numbers: $(cat "$box/output")"
 )
 
+# The archive for a GPU, with stubs of its programs: only answers under the lights of the published run are compared.
+gpu_archive() (
+    box=$WORK/gpu
+    run="gpu.sh"
+    mkdir -p "$box/bin" "$box/scripts" "$box/experiments"
+    # Bare machines have neither Python nor xz.
+    printf '#!/bin/sh\ncmp "$2/effect.csv" "$3/effect.csv"\n' >"$box/bin/python3"
+    printf '#!/bin/sh\ncat\n' >"$box/bin/xz"
+    PATH=$box/bin:$PATH
+    cp "$scripts/gpu.sh" "$box/"
+    cp "$scripts/lights.sh" "$box/scripts/"
+    echo "name,place" >"$box/experiments/environments.csv"
+    echo 1 >"$box/commit"
+    printf '#!/bin/sh\n' >"$box/device"
+    cat >"$box/splitsum" <<'PROGRAM'
+#!/bin/sh
+case $1 in
+    devices) printf '| --device | name | type |\n|---|---|---|\n| 0 | software | cpu |\n' && exit ;;
+esac
+for out in "$@"; do
+    [ "$before" != --out ] || break
+    before=$out
+done
+case $1 in
+    render) : >"$out" ;;
+    run) mkdir -p "$out/answers" && printf 'value\n2\n' >"$out/answers/effect.csv" ;;
+esac
+PROGRAM
+    chmod +x "$box/splitsum" "$box/device" "$box"/bin/*
+    publishes() { # experiment, a map, the published value
+        mkdir -p "$box/results/$1/answers"
+        echo "{ \"$2\": 0 }" >"$box/results/$1/provenance.json"
+        printf 'value\n%s\n' "$3" >"$box/results/$1/answers/effect.csv"
+    }
+    rehearses() { # expected status
+        rm -rf "$box/results-gpu"
+        status=0
+        sh "$box/gpu.sh" run 1 --rehearse --out "$box/results-gpu" >"$box/output" 2>&1 || status=$?
+        [ "$status" -eq "$1" ] || complain "exit status $status, expected $1"
+    }
+    publishes quick none 2
+    publishes diffuse experiments/environments/absent_1k.hdr 7
+    rehearses 0
+    has_output "^compare-quick,ok,"
+    has_output "diffuse: not compared (.*experiments/environments/absent_1k.hdr"
+    publishes diffuse none 7
+    rehearses 1
+    has_output "^compare-diffuse,differs,"
+    has_output "answers/effect.csv differ"
+)
+
 # Two at a time.
 parts user >"$WORK/user.log" 2>&1 &
-(parts ci && passes && demo && bare && python && variables && commits && words && numbers) >"$WORK/ci.log" 2>&1 || : >"$WORK/wrong"
+(parts ci && passes && demo && bare && python && variables && commits && words && numbers && gpu_archive) >"$WORK/ci.log" 2>&1 || : >"$WORK/wrong"
 wait $! || : >"$WORK/wrong"
 cat "$WORK/user.log" "$WORK/ci.log"
 [ ! -e "$WORK/wrong" ]
