@@ -38,3 +38,8 @@ bool surface_of_pixel(uvec2 pixel, out Surface s) {
 uint index_of_pixel(uvec2 pixel) {
     return pixel.y * params.width + pixel.x;
 }
+
+// The place of a pixel in a binding that begins with the first row of the dispatch.
+uint index_in_dispatch(uvec2 pixel) {
+    return (pixel.y - params.first_row) * params.width + pixel.x;
+}

@@ -13,8 +13,8 @@
 // low part, so that a net drawn in parts has the bits of one drawn at once.
 //
 // Set 0 after lib/shaded_pixel.glsl: 5 environment (level 0 in f32); 6 tables of the environment
-// (lib/environment_sampling.glsl); 7 m X_k of each pixel and scramble, high part (rgb) and low part
-// (rgb), which the dispatch from pair 0 on overwrites; 8 as 5, through a bilinear sampler; 9 mean
+// (lib/environment_sampling.glsl); 7 m X_k of each pixel of the dispatch's rows and scramble, high
+// part (rgb) and low part (rgb), which the dispatch from pair 0 on overwrites; 8 as 5, through a bilinear sampler; 9 mean
 // direction and mass of each slot of 6; 10 DFG table.
 
 #include "lib/compensated_sum.glsl"
@@ -54,7 +54,7 @@ void main() {
     if (!shaded_pixel(pixel)) {
         return;
     }
-    uint base = index_of_pixel(pixel) * 2u * SCRAMBLE_COUNT;
+    uint base = index_in_dispatch(pixel) * 2u * SCRAMBLE_COUNT;
     Surface world;
     if (!surface_of_pixel(pixel, world)) {
         for (uint k = 0u; k < 2u * SCRAMBLE_COUNT; ++k) {

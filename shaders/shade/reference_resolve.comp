@@ -13,8 +13,8 @@
 //
 // Each sum's high part becomes w X_k, for callers that read the scrambles.
 //
-// Set 0 after lib/shaded_pixel.glsl: 5 DFG table; 6 the sums; 7 radiance; 8 squared standard error;
-// 7 and 8 a vec4 a pixel.
+// Set 0 after lib/shaded_pixel.glsl: 5 DFG table; 6 the sums of the dispatch's rows; 7 radiance;
+// 8 squared standard error; 7 and 8 a vec4 a pixel.
 
 #include "lib/shaded_pixel.glsl"
 
@@ -41,10 +41,11 @@ void main() {
     uint index = index_of_pixel(pixel);
     vec3 weight = resolved_weight(s, dfg, params.flags);
     float scale = params.environment_scale / float(params.pair_count);
+    uint first_sum = index_in_dispatch(pixel) * 2u * SCRAMBLE_COUNT;
     vec3 estimates[SCRAMBLE_COUNT];
     vec3 mean = vec3(0.0);
     for (uint k = 0u; k < SCRAMBLE_COUNT; ++k) {
-        uint at = 2u * (index * SCRAMBLE_COUNT + k);
+        uint at = first_sum + 2u * k;
         estimates[k] = (sums[at].rgb + sums[at + 1u].rgb) * scale;
         mean += estimates[k] / float(SCRAMBLE_COUNT);
     }
@@ -52,7 +53,7 @@ void main() {
     for (uint k = 0u; k < SCRAMBLE_COUNT; ++k) {
         vec3 deviation = estimates[k] - mean;
         squared += deviation * deviation;
-        sums[2u * (index * SCRAMBLE_COUNT + k)] = vec4(weight * estimates[k], 0.0);
+        sums[first_sum + 2u * k] = vec4(weight * estimates[k], 0.0);
     }
     vec3 squared_error = squared / float(SCRAMBLE_COUNT * (SCRAMBLE_COUNT - 1u));
     radiance[index] += vec4(weight * mean, 0.0);

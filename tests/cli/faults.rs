@@ -313,6 +313,29 @@ fn no_picture_shows_memory_that_nobody_wrote() {
     }
 }
 
+/// The sums of a reference are eight times as large as its image: a device whose storage buffers
+/// hold the image shows its shaders the sums in parts.
+#[test]
+fn a_reference_needs_no_buffer_larger_than_its_image() {
+    let Some(dir) = folder() else { return };
+    let flags = "render --alpha 0.25 --method reference --samples 64 --size";
+    // Sums of 4.5 MiB and an image of 0.6.
+    let pictures = ["", "small-buffers"].map(|limit| {
+        let out = format!("parts-{limit}.exr");
+        let ended = limited(dir.path(), limit, &out, &format!("{flags} 191x193"));
+        assert!(ended.status.success(), "{ended:?}");
+        out
+    });
+    assert_eq!(relmse(dir.path(), &pictures[1], &pictures[0]), 0.0);
+    let large = limited(
+        dir.path(),
+        "small-buffers",
+        "x.exr",
+        &format!("{flags} 1024x512"),
+    );
+    assert_ends(&large, 2, &["needs a buffer of 8 MiB", "4 MiB"]);
+}
+
 /// What a GPU's filter does to the gain of two lookups over one: within a twentieth, as published
 /// ratios are compared. Open seams are left out: Vulkan asks for closed ones.
 #[test]

@@ -132,6 +132,8 @@ constants! {
     EMULATE_VERTEX_GRID: u32 = 32;
     /// NaN in new images and buffers, whose contents Vulkan leaves undefined; the host writes it.
     EMULATE_UNDEFINED_MEMORY: u32 = 256;
+    /// Storage buffers of a few MiB; the host makes no larger ones.
+    EMULATE_SMALL_BUFFERS: u32 = 512;
     /// Whether lobes have two widths, and how alpha and a strength make them; in the order of
     /// `brdf::Anisotropy`.
     ANISOTROPY_NONE: u32 = 0;

@@ -109,6 +109,25 @@ impl Gpu {
         })
     }
 
+    /// Splits an image as [`Self::parts`], of at most so many rows each. No part is smaller than a
+    /// work group.
+    pub fn parts_of_rows(
+        &self,
+        [width, height]: [u32; 2],
+        rows_max: u32,
+        samples_per_pixel: u64,
+    ) -> impl Iterator<Item = Part> + use<'_> {
+        let step = (rows_max / GROUP_SIDE).max(1) * GROUP_SIDE;
+        (0..height).step_by(step as usize).flat_map(move |top| {
+            let size = [width, step.min(height - top)];
+            let parts = self.parts(size, 1, samples_per_pixel);
+            parts.map(move |part| Part {
+                first_row: top + part.first_row,
+                ..part
+            })
+        })
+    }
+
     pub fn submit_pass(
         &self,
         name: &'static str,

@@ -55,6 +55,13 @@ fn storage() -> vk::BufferUsageFlags {
 impl Gpu {
     /// Makes a device-local storage buffer of `size` bytes with undefined contents.
     pub fn buffer(&self, name: &str, size: u64) -> Result<Buffer, GpuError> {
+        self.check_bound_at_once(name, size)?;
+        self.buffer_bound_in_parts(name, size)
+    }
+
+    /// Makes a device-local storage buffer of `size` bytes with undefined contents, of which
+    /// shaders see parts ([`super::Bind::ReadWritePart`]) of at most [`Self::max_buffer_bytes`].
+    pub fn buffer_bound_in_parts(&self, name: &str, size: u64) -> Result<Buffer, GpuError> {
         let buffer = self.create_buffer(name, size, storage(), MemoryLocation::GpuOnly)?;
         if let Some(word) = self.shared.emulation.undefined_word() {
             let mut recorder = self.record(name)?;
@@ -65,12 +72,14 @@ impl Gpu {
     }
 
     pub fn buffer_from<T: Pod>(&self, name: &str, data: &[T]) -> Result<Buffer, GpuError> {
+        self.check_bound_at_once(name, size_of_val(data) as u64)?;
         self.filled(name, bytemuck::cast_slice(data), storage())
     }
 
     /// Makes a storage buffer that holds `data` in memory of the host, for what is read once.
     #[cfg(feature = "view")]
     pub fn host_buffer_from<T: Pod>(&self, name: &str, data: &[T]) -> Result<Buffer, GpuError> {
+        self.check_bound_at_once(name, size_of_val(data) as u64)?;
         self.mapped(
             name,
             bytemuck::cast_slice(data),
@@ -125,6 +134,19 @@ impl Gpu {
         Ok(staging.host_copy())
     }
 
+    fn check_bound_at_once(&self, name: &str, size: u64) -> Result<(), GpuError> {
+        let limit = self.max_buffer_bytes();
+        if size <= limit {
+            return Ok(());
+        }
+        Err(GpuError::Limit {
+            what: "storage buffer",
+            name: name.into(),
+            needed: size,
+            limit,
+        })
+    }
+
     /// Makes a host-visible buffer to copy from.
     pub(super) fn staging_from(&self, name: &str, bytes: &[u8]) -> Result<Buffer, GpuError> {
         self.mapped(name, bytes, vk::BufferUsageFlags::TRANSFER_SRC)
@@ -171,15 +193,6 @@ impl Gpu {
         let device = &self.shared;
         // Vulkan has no empty buffers; four bytes keep callers free of a special case.
         let size = size.max(4);
-        let limit = self.max_buffer_bytes();
-        if usage.contains(vk::BufferUsageFlags::STORAGE_BUFFER) && size > limit {
-            return Err(GpuError::Limit {
-                what: "storage buffer",
-                name: name.into(),
-                needed: size,
-                limit,
-            });
-        }
         let info = vk::BufferCreateInfo::default().size(size).usage(usage);
         // SAFETY: the device is alive and the description is complete.
         let raw = unsafe { device.raw.create_buffer(&info, None) }

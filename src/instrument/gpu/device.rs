@@ -144,9 +144,10 @@ impl Gpu {
         self.shared.limits.sub_pixel_precision_bits
     }
 
-    /// Returns the largest size of a storage buffer, bytes.
+    /// Returns the most bytes of a storage buffer that a shader may see at once.
     pub fn max_buffer_bytes(&self) -> u64 {
-        self.shared.limits.max_storage_buffer_range.into()
+        let of_device = self.shared.limits.max_storage_buffer_range;
+        self.shared.emulation.max_storage_bytes(of_device).into()
     }
 
     pub fn max_image_side(&self) -> u32 {

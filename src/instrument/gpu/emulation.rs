@@ -12,7 +12,7 @@ use crate::base::glsl::specialization;
 const VARIABLE: &str = "SPLITSUM_TEST_LIMITS";
 
 /// The limits by name, each a bit of the specialization constant `emulated_limits`.
-pub const LIMITS: [(&str, u32); 9] = [
+pub const LIMITS: [(&str, u32); 10] = [
     ("texel-weights", code::EMULATE_TEXEL_WEIGHTS),
     ("texel-weights-down", code::EMULATE_TEXEL_WEIGHTS_DOWN),
     ("level-fractions", code::EMULATE_LEVEL_FRACTIONS),
@@ -22,9 +22,12 @@ pub const LIMITS: [(&str, u32); 9] = [
     ("elementary", code::EMULATE_ELEMENTARY),
     ("vertex-grid", code::EMULATE_VERTEX_GRID),
     ("undefined-memory", code::EMULATE_UNDEFINED_MEMORY),
+    ("small-buffers", code::EMULATE_SMALL_BUFFERS),
 ];
 /// What `undefined-memory` writes: a NaN as f32 and as half.
 const UNDEFINED_WORD: u32 = u32::MAX;
+/// The largest storage buffer of `small-buffers`, bytes: more than the tables of a small picture.
+const SMALL_BUFFER_BYTES: u32 = 4 << 20;
 
 /// The limits that a device emulates, as bits; 0 emulates none.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -69,6 +72,15 @@ impl Emulation {
     /// Returns the word that new images and buffers hold; none if their memory stays as it comes.
     pub(super) fn undefined_word(self) -> Option<u32> {
         (self.0 & code::EMULATE_UNDEFINED_MEMORY != 0).then_some(UNDEFINED_WORD)
+    }
+
+    /// Returns the largest storage buffer, bytes, of a device whose own largest is this.
+    pub(super) fn max_storage_bytes(self, of_device: u32) -> u32 {
+        if self.0 & code::EMULATE_SMALL_BUFFERS != 0 {
+            of_device.min(SMALL_BUFFER_BYTES)
+        } else {
+            of_device
+        }
     }
 
     /// Returns the specialization constants of a pipeline, 0, 1, ..., with the limits of this

@@ -3,6 +3,7 @@
 use super::antialias::points_size;
 use super::{PipelineError, RenderRequest};
 use crate::instrument::gpu::Gpu;
+use crate::instrument::shade::reference_pass::SUM_BYTES_PER_PIXEL;
 
 /// Bytes per texel of four f32.
 const VEC4: u64 = 16;
@@ -52,13 +53,13 @@ fn reference_need(request: &RenderRequest) -> Need {
     // Starts and guide entries of the distribution, rounded up to powers of two.
     let words = u64::from(map.height + 2)
         * (u64::from(map.width) + u64::from(map.width).next_power_of_two() + 2);
-    let pixel_bytes = texels(request.size) * VEC4;
+    let pixels = texels(request.size);
     Need {
         what: format!("reference under {}", request.environment.name),
         size: request.size,
-        // Means, deviations, squared error.
-        bytes: 3 * pixel_bytes + 4 * words,
-        buffer_bytes: (4 * words).max(pixel_bytes),
+        // Sums, their copy for the host, squared error.
+        bytes: pixels * (2 * SUM_BYTES_PER_PIXEL + VEC4) + 4 * words,
+        buffer_bytes: (4 * words).max(pixels * VEC4),
         has_images: false,
     }
 }

@@ -9,7 +9,7 @@ use crate::base::glsl::specialization::Specialization;
 use crate::base::pixels::GrayImage;
 use crate::instrument::brdf::Brdf;
 use crate::instrument::environment::distribution::EnvironmentDistribution;
-use crate::instrument::gpu::{Bind, Buffer, Gpu, GpuError, Report, Sampler};
+use crate::instrument::gpu::{Bind, Buffer, Gpu, GpuError, Part, Report, Sampler};
 use crate::instrument::metrics::Epsilon;
 use std::ops::Range;
 
@@ -111,6 +111,9 @@ pub struct PartPair {
     pub above: u64,
 }
 
+/// Bytes of the sums of a pixel: two vec4 a scramble.
+pub const SUM_BYTES_PER_PIXEL: u64 = 32 * SCRAMBLE_COUNT as u64;
+
 /// Samples before the error is first checked.
 pub const PILOT_SAMPLES: u32 = 64;
 /// The variance of scrambled nets falls with about this power of the count (measured, 256 to
@@ -163,8 +166,12 @@ pub struct Convergence {
     pub is_met: bool,
 }
 
-/// Sums of every scramble of the current term: two vec4 per pixel and scramble.
-pub struct Sums(Buffer);
+/// Sums of every scramble of the current term: two vec4 per pixel and scramble. Dispatches see the
+/// rows of their part.
+pub struct Sums {
+    buffer: Buffer,
+    row_bytes: u64,
+}
 
 /// The sums of a term before it was added to the image: a reference with more samples continues
 /// them.
@@ -181,20 +188,43 @@ impl Drawn {
 
 impl Sums {
     pub fn new(gpu: &Gpu, [width, height]: [u32; 2]) -> Result<Self, GpuError> {
-        let bytes = 32 * u64::from(SCRAMBLE_COUNT) * u64::from(width) * u64::from(height);
-        Ok(Self(gpu.buffer("reference sums", bytes)?))
+        let row_bytes = SUM_BYTES_PER_PIXEL * u64::from(width);
+        let bytes = row_bytes * u64::from(height);
+        Ok(Self {
+            buffer: gpu.buffer_bound_in_parts("reference sums", bytes)?,
+            row_bytes,
+        })
+    }
+
+    /// Splits the image into parts whose sums one binding can hold.
+    fn parts(
+        &self,
+        gpu: &Gpu,
+        size: [u32; 2],
+        samples_per_pixel: u32,
+    ) -> impl Iterator<Item = Part> {
+        let rows_max = gpu.max_buffer_bytes() / self.row_bytes;
+        gpu.parts_of_rows(size, rows_max as u32, samples_per_pixel.into())
+    }
+
+    /// Binds the sums of the rows of a part.
+    fn bind(&self, part: Part) -> Bind<'_> {
+        let rows = u64::from(part.groups.count[1] * GROUP_SIDE);
+        let start = u64::from(part.first_row) * self.row_bytes;
+        let end = (start + rows * self.row_bytes).min(self.buffer.size());
+        Bind::ReadWritePart(&self.buffer, start..end)
     }
 
     fn read(&self, gpu: &Gpu) -> Result<Vec<[[f32; 4]; 2]>, GpuError> {
-        gpu.read_buffer(&self.0)
+        gpu.read_buffer(&self.buffer)
     }
 
     /// Writes earlier sums back; returns whether they fit.
     fn write(&self, gpu: &Gpu, sums: &[[[f32; 4]; 2]]) -> Result<bool, GpuError> {
         let bytes: &[u8] = bytemuck::cast_slice(sums);
-        let fits = bytes.len() as u64 == self.0.size();
+        let fits = bytes.len() as u64 == self.buffer.size();
         if fits {
-            gpu.write_buffer(&self.0, bytes)?;
+            gpu.write_buffer(&self.buffer, bytes)?;
         }
         Ok(fits)
     }
@@ -329,7 +359,7 @@ impl ReferenceRun<'_> {
     ) -> Result<Vec<Vec<[f32; 4]>>, GpuError> {
         self.integrate(gpu, lobe, 0..pair_count)?;
         self.resolve(gpu, lobe, pair_count)?;
-        let weighed: Vec<[[f32; 4]; 2]> = gpu.read_buffer(&self.sums.0)?;
+        let weighed: Vec<[[f32; 4]; 2]> = gpu.read_buffer(&self.sums.buffer)?;
         let count = SCRAMBLE_COUNT as usize;
         Ok((0..count)
             .map(|k| {
@@ -351,27 +381,27 @@ impl ReferenceRun<'_> {
             gbuffer,
             ..
         } = self.passes;
-        let [width, height] = gbuffer.size;
         let [shader, _] = lobe.shaders(shading.brdf);
         let constants = lobe.specialization(gpu, &self.passes).words();
-        let rest = [
-            Bind::Sample(&tables.environment, Sampler::TEXELS),
-            Bind::Read(&self.distribution.words),
-            Bind::ReadWrite(&self.sums.0),
-            Bind::SampleMip(&tables.environment, Sampler::MAP, 0),
-            Bind::Uniform(&self.distribution.slots, 0..self.distribution.slots.size()),
-            Bind::Sample(&tables.dfg, TABLE),
-        ];
-        let binds = self.passes.binds(&rest);
         let mut total = Report::default();
         // Setting up a pixel costs as much as a few samples: a dispatch takes as many pairs as it
         // may.
-        let samples_per_band = u64::from(width * GROUP_SIDE * SAMPLES_PER_PAIR);
+        let samples_per_band = u64::from(gbuffer.size[0] * GROUP_SIDE * SAMPLES_PER_PAIR);
         let step = (gpu.submission_samples() / samples_per_band)
             .clamp(1, u64::from(DISPATCH_SAMPLES_MAX / SAMPLES_PER_PAIR)) as u32;
         for first_pair in pairs.clone().step_by(step as usize) {
             let pair_count = step.min(pairs.end - first_pair);
-            for part in gpu.parts([width, height], 1, u64::from(pair_count * SAMPLES_PER_PAIR)) {
+            let samples = pair_count * SAMPLES_PER_PAIR;
+            for part in self.sums.parts(gpu, gbuffer.size, samples) {
+                let rest = [
+                    Bind::Sample(&tables.environment, Sampler::TEXELS),
+                    Bind::Read(&self.distribution.words),
+                    self.sums.bind(part),
+                    Bind::SampleMip(&tables.environment, Sampler::MAP, 0),
+                    Bind::Uniform(&self.distribution.slots, 0..self.distribution.slots.size()),
+                    Bind::Sample(&tables.dfg, TABLE),
+                ];
+                let binds = self.passes.binds(&rest);
                 let params = ShadeParams {
                     first_pair,
                     pair_count,
@@ -397,16 +427,16 @@ impl ReferenceRun<'_> {
             radiance,
             ..
         } = self.passes;
-        let rest = [
-            Bind::Sample(&tables.dfg, TABLE),
-            Bind::ReadWrite(&self.sums.0),
-            Bind::ReadWrite(radiance),
-            Bind::ReadWrite(self.squared_error),
-        ];
-        let binds = self.passes.binds(&rest);
         let [_, shader] = lobe.shaders(shading.brdf);
         let mut total = Report::default();
-        for part in gpu.parts(gbuffer.size, 1, SCRAMBLE_COUNT.into()) {
+        for part in self.sums.parts(gpu, gbuffer.size, SCRAMBLE_COUNT) {
+            let rest = [
+                Bind::Sample(&tables.dfg, TABLE),
+                self.sums.bind(part),
+                Bind::ReadWrite(radiance),
+                Bind::ReadWrite(self.squared_error),
+            ];
+            let binds = self.passes.binds(&rest);
             let push = ShadeParams {
                 pair_count,
                 ..self.passes.params(part.first_row)

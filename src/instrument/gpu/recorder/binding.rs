@@ -31,6 +31,9 @@ pub enum Bind<'a> {
     /// Written only: earlier contents are lost.
     Write(&'a Buffer),
     ReadWrite(&'a Buffer),
+    /// A range of bytes of a buffer of
+    /// [`crate::instrument::gpu::Gpu::buffer_bound_in_parts`], from a multiple of 256 on.
+    ReadWritePart(&'a Buffer, Range<u64>),
     /// A range of bytes of a buffer of [`crate::instrument::gpu::Gpu::uniform_from`], as large as
     /// the shader's block.
     Uniform(&'a Buffer, Range<u64>),
@@ -63,9 +66,12 @@ impl<'a> Bind<'a> {
             Self::StoreMip(image, mip) => stored(image, mip, false, Access::STORE),
             Self::StoreFaces(image, mip) => stored(image, mip, true, Access::STORE),
             Self::UpdateFaces(image, mip) => stored(image, mip, true, Access::UPDATE),
-            Self::Read(buffer) => storage(buffer, Access::LOAD),
-            Self::Write(buffer) => storage(buffer, Access::STORE),
-            Self::ReadWrite(buffer) => storage(buffer, Access::UPDATE),
+            Self::Read(buffer) => storage(buffer, WHOLE, Access::LOAD),
+            Self::Write(buffer) => storage(buffer, WHOLE, Access::STORE),
+            Self::ReadWrite(buffer) => storage(buffer, WHOLE, Access::UPDATE),
+            Self::ReadWritePart(buffer, ref bytes) => {
+                storage(buffer, bytes.clone(), Access::UPDATE)
+            }
             Self::Uniform(buffer, ref bytes) => Binding {
                 kind: Kind::UNIFORM_BUFFER,
                 access: Access::UNIFORM,
@@ -101,11 +107,13 @@ fn stored(image: &Image, mip: u32, is_array: bool, access: Access) -> Binding<'_
     }
 }
 
-fn storage(buffer: &Buffer, access: Access) -> Binding<'_> {
+const WHOLE: Range<u64> = 0..vk::WHOLE_SIZE;
+
+fn storage(buffer: &Buffer, bytes: Range<u64>, access: Access) -> Binding<'_> {
     Binding {
         kind: Kind::STORAGE_BUFFER,
         access,
-        resource: Resource::Buffer(buffer, 0..vk::WHOLE_SIZE),
+        resource: Resource::Buffer(buffer, bytes),
     }
 }
 
