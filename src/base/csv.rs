@@ -6,24 +6,31 @@
 use crate::base::files::open_regular;
 use crate::base::names::not_one_of;
 use crate::base::numbers::shortest;
+use std::borrow::Cow;
 use std::collections::HashMap;
 use std::fs::File;
 use std::io::{Read, Seek};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
+/// A cell of a table. Tables have many: texts are shared, and a cell takes no more room than a
+/// number and its kind.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Cell {
-    Text(String),
+    Text(Arc<String>),
     /// A number in words, with its unit or its interval: "12 (95 % 8.1 to 17)".
-    Quantity(String),
-    /// The code name of an entry of a list: the name is for files, the label for readers.
-    Named {
-        name: String,
-        label: String,
-    },
+    Quantity(Arc<String>),
+    Named(Arc<NameAndLabel>),
     Number(f64),
     Integer(u64),
     Missing,
+}
+
+/// The code name of an entry of a list: the name is for files, the label for readers.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct NameAndLabel {
+    pub name: String,
+    pub label: String,
 }
 
 macro_rules! cell_from {
@@ -37,8 +44,9 @@ macro_rules! cell_from {
 }
 
 cell_from! {
-    text: &str => Self::Text(text.to_owned()),
-    text: String => Self::Text(text),
+    text: &str => Self::Text(Arc::new(text.to_owned())),
+    text: String => Self::Text(Arc::new(text)),
+    name: NameAndLabel => Self::Named(Arc::new(name)),
     number: f64 => Self::Number(number),
     number: u32 => Self::Integer(number.into()),
     number: u64 => Self::Integer(number),
@@ -54,14 +62,27 @@ impl<T: Into<Cell>> From<Option<T>> for Cell {
 }
 
 impl Cell {
-    fn field(&self) -> String {
+    /// A number in words.
+    pub fn quantity(words: impl Into<String>) -> Self {
+        Self::Quantity(Arc::new(words.into()))
+    }
+
+    /// The text of a file, as far as the cell is one.
+    pub fn text(&self) -> Option<&str> {
         match self {
-            Self::Text(text) | Self::Quantity(text) | Self::Named { name: text, .. } => {
-                text.clone()
+            Self::Text(text) | Self::Quantity(text) => Some(text),
+            Self::Named(named) => Some(&named.name),
+            Self::Number(_) | Self::Integer(_) | Self::Missing => None,
+        }
+    }
+
+    fn field(&self) -> Cow<'_, [u8]> {
+        match self {
+            Self::Number(number) => shortest(*number).into_bytes().into(),
+            Self::Integer(integer) => integer.to_string().into_bytes().into(),
+            Self::Text(_) | Self::Quantity(_) | Self::Named(_) | Self::Missing => {
+                self.text().unwrap_or_default().as_bytes().into()
             }
-            Self::Number(number) => shortest(*number),
-            Self::Integer(integer) => integer.to_string(),
-            Self::Missing => String::new(),
         }
     }
 }

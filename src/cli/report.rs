@@ -103,6 +103,7 @@ impl AnswerFlags {
             return Err(Failure::input(why));
         }
         let answers = answers(&run, metric);
+        run.drop_bins();
         Ok((run, answers))
     }
 }

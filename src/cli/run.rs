@@ -15,7 +15,7 @@ use splitsum::run::shard::Shard;
 use splitsum::run::store::Store;
 use splitsum::run::{Outcome, Progress, RenderFault, Renderer, RunError, RunOptions, run};
 use splitsum::study::finished::Finished;
-use splitsum::study::questions::answers;
+use splitsum::study::questions::{Answer, answers};
 use std::path::Path;
 use std::time::Instant;
 
@@ -131,11 +131,11 @@ fn begin(plan: &Plan) -> Result<Terminal, Failure> {
 /// failure of its cells.
 pub fn conclude(plan: &Plan, outcome: &Outcome) -> Result<Option<Failure>, Failure> {
     progress::doing("answering the questions");
-    let run = Finished::read(&outcome.dir).map_err(Failure::failed)?;
+    let mut run = Finished::read(&outcome.dir).map_err(Failure::failed)?;
     let answers = answers(&run, None);
-    let written = Written::new(&run, &answers).map_err(Failure::failed)?;
-    written.write().map_err(Failure::failed)?;
-    let printed = format!("{}Written to {}\n", written.summary, outcome.dir.display());
+    run.drop_bins();
+    let summary = write_answers(&run, &answers)?;
+    let printed = format!("{summary}Written to {}\n", outcome.dir.display());
     print(&printed)?;
     progress::doing("writing the report");
     let options = PageOptions::in_folder(&outcome.dir);
@@ -158,6 +158,14 @@ pub fn conclude(plan: &Plan, outcome: &Outcome) -> Result<Option<Failure>, Failu
             .map_err(RunError::from)?;
     }
     Ok(failed)
+}
+
+/// Writes the answers beside the run; returns the summary. The texts of the files are dropped
+/// before the page is made.
+fn write_answers(run: &Finished, answers: &[Answer]) -> Result<String, Failure> {
+    let written = Written::new(run, answers).map_err(Failure::failed)?;
+    written.write().map_err(Failure::failed)?;
+    Ok(written.summary)
 }
 
 fn cells_failed(outcome: &Outcome) -> Option<Failure> {

@@ -1,6 +1,6 @@
 //! A method with its sample count, by code name and by title.
 
-use crate::base::csv::Cell;
+use crate::base::csv::{Cell, NameAndLabel};
 use crate::base::names::Listed;
 use crate::instrument::shade::{Method, NONE, REFERENCE};
 use std::fmt;
@@ -59,10 +59,11 @@ impl fmt::Display for Variant {
 
 impl From<&Variant> for Cell {
     fn from(variant: &Variant) -> Self {
-        Self::Named {
+        let name = NameAndLabel {
             name: variant.to_string(),
             label: variant.label(),
-        }
+        };
+        name.into()
     }
 }
 

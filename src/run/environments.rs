@@ -21,7 +21,7 @@ pub fn environments(plan: &Plan) -> RunTable<Vec<Vec<Field>>> {
     }
     let columns = std::iter::once(AXES[ENVIRONMENT].name.to_owned());
     let rows = lights.into_iter().map(|(name, luminance)| {
-        let mut row = vec![Field::Text(name.to_string())];
+        let mut row = vec![Field::from(name.to_string())];
         row.extend(
             EnvironmentColumns {
                 mean_luminance: luminance.mean,

@@ -253,7 +253,7 @@ pub fn timings(records: &[TimingRecord]) -> RunTable<Vec<Vec<Field>>> {
             }
             .fields(),
         );
-        head.push(Field::Text(size_text(record.size)));
+        head.push(Field::from(size_text(record.size)));
         head.extend(axes.iter().map(|name| text_field(&record.axes[*name])));
         for pass in &record.passes {
             let mut row = head.clone();

@@ -65,7 +65,7 @@ impl Names {
         let text = self.short(axis, value);
         match value {
             Value::Number(_) | Value::Count(_) | Value::Color(_) | Value::Pair(_) => {
-                Cell::Quantity(text)
+                Cell::quantity(text)
             }
             Value::Unset | Value::Text(_) => text.into(),
         }

@@ -38,26 +38,27 @@ impl From<&Value> for Cell {
             Value::Unset => Self::Missing,
             Value::Number(number) => Self::Number(*number),
             Value::Count(count) => (*count).into(),
-            other => other.to_string().into(),
+            Value::Text(text) => Self::Text(text.clone()),
+            Value::Color(_) | Value::Pair(_) => value.to_string().into(),
         }
     }
 }
 
 impl From<Number> for Cell {
     fn from(number: Number) -> Self {
-        Self::Quantity(number.to_string())
+        Self::quantity(number.to_string())
     }
 }
 
 impl From<Extent> for Cell {
     fn from(extent: Extent) -> Self {
-        Self::Quantity(extent.to_string())
+        Self::quantity(extent.to_string())
     }
 }
 
 impl From<Quantity> for Cell {
     fn from(quantity: Quantity) -> Self {
-        Self::Quantity(quantity.to_string())
+        Self::quantity(quantity.to_string())
     }
 }
 
@@ -130,7 +131,7 @@ impl Table {
             match row[column] {
                 Cell::Number(_) | Cell::Integer(_) => has_number = true,
                 Cell::Quantity(_) => has_quantity = true,
-                Cell::Text(_) | Cell::Named { .. } => has_text = true,
+                Cell::Text(_) | Cell::Named(_) => has_text = true,
                 Cell::Missing => {}
             }
         }
@@ -150,6 +151,7 @@ impl Table {
         let names: IndexSet<String> = std::iter::once(head.to_owned()).chain(names).collect();
         let mut all = Self::with_names(names);
         for (name, table) in tables {
+            let name = Cell::from(name);
             all.labels.extend(table.labels);
             // Where this table has each column.
             let indices: Vec<Option<usize>> = all
@@ -163,7 +165,7 @@ impl Table {
                     .iter()
                     .map(|index| index.map_or(Cell::Missing, |index| row[index].clone()));
                 all.rows
-                    .push(std::iter::once(name.into()).chain(cells).collect());
+                    .push(std::iter::once(name.clone()).chain(cells).collect());
             }
         }
         all
@@ -225,17 +227,18 @@ impl Table {
 /// A cell in Markdown, with the names that files have.
 pub fn shown(cell: &Cell) -> String {
     match cell {
-        Cell::Text(text) | Cell::Quantity(text) | Cell::Named { name: text, .. } => text.clone(),
         Cell::Number(number) => significant(*number, DIGITS),
         Cell::Integer(integer) => integer.to_string(),
-        Cell::Missing => String::new(),
+        Cell::Text(_) | Cell::Quantity(_) | Cell::Named(_) | Cell::Missing => {
+            cell.text().unwrap_or_default().to_owned()
+        }
     }
 }
 
 /// As [`shown`], with labels in place of code names.
 pub fn labelled(cell: &Cell) -> String {
     match cell {
-        Cell::Named { label, .. } => label.clone(),
+        Cell::Named(named) => named.label.clone(),
         other => shown(other),
     }
 }

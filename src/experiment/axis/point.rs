@@ -47,8 +47,13 @@ impl Points {
             self.groups.insert(group.clone());
             group.clone()
         });
+        let groups: Vec<Group> = groups.collect();
+        let is_shared = |(a, b): (&Group, &Group)| Arc::ptr_eq(a, b);
+        if groups.iter().zip(&*point.groups).all(is_shared) {
+            return point.clone();
+        }
         Point {
-            groups: groups.collect(),
+            groups: groups.into(),
         }
     }
 }

@@ -271,8 +271,18 @@ pub struct ScriptTable<'a> {
     pub columns: &'a [String],
     /// Of the question.
     pub name: &'static str,
-    pub rows: Vec<Vec<Json>>,
+    pub rows: ScriptRows<'a>,
     pub run: usize,
+}
+
+/// The rows of a table as JSON, made while they are written, to save memory.
+pub struct ScriptRows<'a>(pub &'a [Vec<Cell>]);
+
+impl Serialize for ScriptRows<'_> {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let fields = |row: &Vec<Cell>| row.iter().map(field).collect::<Vec<Json>>();
+        serializer.collect_seq(self.0.iter().map(fields))
+    }
 }
 
 /// Rows are made while they are written, to save memory.
@@ -339,7 +349,7 @@ impl Model<'_> {
         let floor = cell.noise_floors.get(self.headline.name);
         let mut row = vec![
             json!(run),
-            json!(cell.id),
+            json!(*cell.id),
             json!(image),
             json!(reference),
             json!(self.intermediates.set_of(run, &cell.id)),
@@ -386,12 +396,11 @@ fn number(value: Option<f64>) -> Json {
     }
 }
 
-pub fn field(cell: &Cell) -> Json {
+fn field(cell: &Cell) -> Json {
     match cell {
-        Cell::Text(text) | Cell::Quantity(text) | Cell::Named { name: text, .. } => json!(text),
         Cell::Number(value) => number(Some(*value)),
         Cell::Integer(value) => json!(value),
-        Cell::Missing => Json::Null,
+        Cell::Text(_) | Cell::Quantity(_) | Cell::Named(_) | Cell::Missing => json!(cell.text()),
     }
 }
 

@@ -88,7 +88,7 @@ pub fn pictures(page_run: &PageRun, frame: &Frame, axes: &[PageAxis]) -> Option<
     let reference = case.curve.apply_image(&case.reference);
     Some(Pictures {
         case: case_in_words(row, axes),
-        cell: row.cell.id.clone(),
+        cell: row.cell.id.to_string(),
         reference: Picture::new(Method::listed(REFERENCE).title.to_owned(), &reference)?,
         samples: row.cell.reference.as_ref().map(|stop| stop.samples),
         shots,

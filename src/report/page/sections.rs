@@ -1,12 +1,13 @@
 //! The sections of the page: one per answer, with the SVG of `answers/`.
 
-use super::model::{ScriptTable, field};
+use super::model::{ScriptRows, ScriptTable};
 use super::page_run::{PageRun, link};
 use crate::draw::figure::svg::{WIDTHS, svg};
 use crate::draw::words::{Span, spans};
 use crate::run::store::ANSWERS_FOLDER;
 use crate::study::questions::Answer;
 use crate::study::table::{ColumnKind, Table, labelled};
+use minijinja::Value as Markup;
 use serde::Serialize;
 use std::path::Path;
 
@@ -38,7 +39,7 @@ pub struct Section {
     /// Whether the digest is next to the figure.
     is_split: bool,
     /// The SVG for a desktop and for a phone.
-    figure: Option<[String; 2]>,
+    figure: Option<[Markup; 2]>,
     digest: Option<Digest>,
 }
 
@@ -60,10 +61,9 @@ fn section(
 ) -> Section {
     let key = answer.question.name;
     let finding = &answer.finding;
-    let figure = finding
-        .figure
-        .as_ref()
-        .map(|figure| WIDTHS.map(|width| svg(figure, width).trim_end().to_owned()));
+    let figure = finding.figure.as_ref().map(|figure| {
+        WIDTHS.map(|width| Markup::from_safe_string(svg(figure, width).trim_end().to_owned()))
+    });
     let small = Some(&finding.table).filter(|table| table.rows.len() <= DIGEST_ROWS);
     let digest = finding.digest.as_ref().or(small).map(Digest::new);
     let is_narrow = digest
@@ -100,15 +100,11 @@ fn section(
 pub fn tables<'a>(page_run: &PageRun<'a>, run: usize) -> Vec<ScriptTable<'a>> {
     let answers = page_run.answers.iter();
     answers
-        .map(|answer| {
-            let table = &answer.finding.table;
-            let rows = table.rows.iter();
-            ScriptTable {
-                columns: &table.columns,
-                name: answer.question.name,
-                rows: rows.map(|row| row.iter().map(field).collect()).collect(),
-                run,
-            }
+        .map(|answer| ScriptTable {
+            columns: &answer.finding.table.columns,
+            name: answer.question.name,
+            rows: ScriptRows(&answer.finding.table.rows),
+            run,
         })
         .collect()
 }

@@ -1,8 +1,10 @@
 //! A finished run as typed data, read from its folder, published or not.
 
+mod bins;
 mod read;
 mod weighted;
 
+pub use bins::{Bin, BinRange, Bins};
 pub use read::{FinishedError, provenance};
 pub use weighted::check_weight;
 
@@ -21,36 +23,28 @@ use std::sync::Arc;
 
 /// One number per metric, in the order of [`METRICS`]; NaN if missing.
 #[derive(Clone, Debug, PartialEq)]
-pub struct MetricValues(Box<[f64]>);
+pub struct MetricValues([f64; METRICS.len()]);
 
 impl MetricValues {
     pub fn from_fn(value: impl Fn(&'static str) -> Option<f64>) -> Self {
-        Self(
-            METRICS
-                .iter()
-                .map(|metric| value(metric.name).unwrap_or(f64::NAN))
-                .collect(),
-        )
+        Self(std::array::from_fn(|index| {
+            value(METRICS[index].name).unwrap_or(f64::NAN)
+        }))
+    }
+
+    /// These values at these indices of [`METRICS`].
+    fn at(indices: &[usize], values: &[f64]) -> Self {
+        let mut all = [f64::NAN; METRICS.len()];
+        for (index, value) in indices.iter().zip(values) {
+            all[*index] = *value;
+        }
+        Self(all)
     }
 
     pub fn get(&self, name: &str) -> Option<f64> {
         let place = METRICS.iter().position(|metric| metric.name == name)?;
         Some(self.0[place]).filter(|value| !value.is_nan())
     }
-}
-
-/// The pixels with `n_dot_v` in [`lo`, `hi`).
-#[derive(Clone, Debug, PartialEq)]
-pub struct Bin {
-    pub lo: f64,
-    pub hi: f64,
-    pub pixel_count: u64,
-    /// RGB mean of the reference; `None` in runs of older programs, which also lack the noise
-    /// floors.
-    pub reference_mean: Option<f64>,
-    pub scores: MetricValues,
-    /// Only for metrics whose bins determine the whole.
-    pub noise_floors: MetricValues,
 }
 
 /// One step of an error over the pixels with n·v in `n_dot_v` (`run::columns::StepColumns`).
@@ -92,9 +86,10 @@ pub struct CellImages {
     pub reference: Option<String>,
 }
 
+/// A cell of a run; the run under another weight of views shares all but the scores with it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FinishedCell {
-    pub id: String,
+    pub id: Arc<str>,
     /// Unused parameters are unset.
     pub point: Point,
     pub is_failed: bool,
@@ -105,10 +100,10 @@ pub struct FinishedCell {
     /// Of a sequence of frames: lag bias and flicker (`run::columns::SteadinessColumns`).
     pub steadiness: Option<[f64; 2]>,
     pub reference: Option<ReferenceStop>,
-    pub bins: Arc<Vec<Bin>>,
+    pub bins: Bins,
     /// With `[ladder]`: steps in order, over all n·v and then band by band.
-    pub steps: Vec<StepRow>,
-    pub images: Option<CellImages>,
+    pub steps: Arc<Vec<StepRow>>,
+    pub images: Option<Arc<CellImages>>,
 }
 
 #[derive(Clone, Debug, PartialEq)]
@@ -139,6 +134,14 @@ pub struct Finished {
 }
 
 impl Finished {
+    /// Frees the scores by n·v, most of a run's numbers; questions need them, reports do not.
+    pub fn drop_bins(&mut self) {
+        let none = Bins::default();
+        for cell in &mut self.cells {
+            cell.bins = none.clone();
+        }
+    }
+
     /// The light of a point, if `environments.csv` has it.
     pub fn light(&self, point: &Point) -> Option<&Light> {
         let name = point[ENVIRONMENT].to_string();

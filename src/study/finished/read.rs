@@ -1,7 +1,8 @@
 //! Reads a finished run from its folder, published or not.
 
 use super::{
-    Bin, CellImages, Finished, FinishedCell, Light, MetricValues, RecoveredRow, StepRow, point_of,
+    Bin, BinRange, Bins, CellImages, Finished, FinishedCell, Light, MetricValues, RecoveredRow,
+    StepRow, point_of,
 };
 use crate::base::csv::{Row, TableError, TableRows};
 use crate::base::files::read_regular;
@@ -68,7 +69,7 @@ impl Finished {
         let mut images = table("images.csv")?.map_or_else(|| Ok(HashMap::new()), images)?;
         let mut cells = cells(&mut errors, &mut images)?;
         check_errors(dir, &provenance, &errors, &cells)?;
-        let index_by_id: HashMap<String, usize> = cells
+        let index_by_id: HashMap<Arc<str>, usize> = cells
             .iter()
             .enumerate()
             .map(|(index, cell)| (cell.id.clone(), index))
@@ -80,7 +81,7 @@ impl Finished {
             table.each(|row| {
                 let index = row.text("cell").and_then(|cell| index_by_id.get(cell));
                 if let Some((index, step)) = index.zip(step(&row)) {
-                    cells[*index].steps.push(step);
+                    Arc::make_mut(&mut cells[*index].steps).push(step);
                 }
                 Ok(())
             })?;
@@ -123,7 +124,7 @@ fn cells(
     let mut points = Points::default();
     errors.each(|row| {
         row.checked_number(HEADLINE)?;
-        let id = row.text("cell").unwrap_or_default().to_owned();
+        let id = row.text("cell").unwrap_or_default();
         let is_failed = row.text("verdict") == Some(FAILED);
         let is_scored = !is_failed && row.text("verdict") != Some(UNSCORED);
         let point = point_of(|name| Some(row.text(name)?.to_owned()));
@@ -137,10 +138,10 @@ fn cells(
                 .zip(row.number("flicker"))
                 .map(Into::into),
             reference: stop(&row),
-            bins: Arc::default(),
-            steps: Vec::new(),
-            images: images.remove(&id),
-            id,
+            bins: Bins::default(),
+            steps: Arc::default(),
+            images: images.remove(id).map(Arc::new),
+            id: id.into(),
         });
         Ok(())
     })?;
@@ -151,36 +152,28 @@ fn cells(
 fn bins(
     mut table: TableRows,
     cells: &mut [FinishedCell],
-    index_by_id: &HashMap<String, usize>,
+    index_by_id: &HashMap<Arc<str>, usize>,
 ) -> Result<(), FinishedError> {
     check_head(&table)?;
     ["cell", HEADLINE]
         .iter()
         .try_for_each(|name| table.needs(name))?;
     let mut is_binned = vec![false; cells.len()];
+    let mut open = OpenCell::default();
     table.each(|row| {
         row.checked_number(HEADLINE)?;
         let Some(&index) = row.text("cell").and_then(|cell| index_by_id.get(cell)) else {
             return Ok(());
         };
         is_binned[index] = true;
-        if let [Some(lo), Some(hi), Some(count)] =
-            ["n_dot_v_from", "n_dot_v_to", "pixel_count"].map(|name| row.number(name))
-        {
-            Arc::make_mut(&mut cells[index].bins).push(Bin {
-                lo,
-                hi,
-                pixel_count: count as u64,
-                reference_mean: row.number("reference_mean"),
-                scores: metrics(&row, ""),
-                noise_floors: metrics(&row, "_noise_floor"),
-            });
+        if index != open.index {
+            open.close(cells);
+            open.index = index;
         }
+        open.bins.extend(bin(&row));
         Ok(())
     })?;
-    for cell in cells.iter_mut() {
-        Arc::make_mut(&mut cell.bins).shrink_to_fit();
-    }
+    open.close(cells);
     let is_scored = |cell: &FinishedCell| {
         cell.scores
             .as_ref()
@@ -198,6 +191,42 @@ fn bins(
         )),
         None => Ok(()),
     }
+}
+
+/// The cell whose rows are being read; they usually follow each other.
+#[derive(Default)]
+struct OpenCell {
+    index: usize,
+    /// Not yet in the cell.
+    bins: Vec<Bin>,
+    /// Of the cell before it.
+    former: Bins,
+}
+
+impl OpenCell {
+    /// Adds the bins to their cell.
+    fn close(&mut self, cells: &mut [FinishedCell]) {
+        if self.bins.is_empty() {
+            return;
+        }
+        let bins = &mut cells[self.index].bins;
+        *bins = bins.iter().chain(self.bins.drain(..)).collect();
+        bins.share_layout(&self.former);
+        self.former = bins.clone();
+    }
+}
+
+fn bin(row: &Row) -> Option<Bin> {
+    Some(Bin {
+        range: BinRange {
+            lo: row.number("n_dot_v_from")?,
+            hi: row.number("n_dot_v_to")?,
+            pixel_count: row.number("pixel_count")? as u64,
+        },
+        reference_mean: row.number("reference_mean"),
+        scores: metrics(row, ""),
+        noise_floors: metrics(row, "_noise_floor"),
+    })
 }
 
 fn step(row: &Row) -> Option<StepRow> {
@@ -361,7 +390,7 @@ fn check_errors(
     cells: &[FinishedCell],
 ) -> Result<(), FinishedError> {
     let damaged = |what: String| Err(damaged(errors, what));
-    let ids: HashSet<&str> = cells.iter().map(|cell| cell.id.as_str()).collect();
+    let ids: HashSet<&str> = cells.iter().map(|cell| &*cell.id).collect();
     if ids.len() < cells.len() {
         return damaged(format!("{} rows of {} cells", cells.len(), ids.len()));
     }

@@ -1,13 +1,12 @@
 //! Scores of the scene `design` under a weight of views, made from its bins of n·v.
 
-use super::{Bin, Finished, FinishedCell, MetricValues};
+use super::{Bin, BinRange, Bins, Finished, FinishedCell, MetricValues};
 use crate::base::names::{Listed, not_one_of};
 use crate::experiment::axis::SCENE;
 use crate::experiment::value::Value;
 use crate::instrument::metrics::{Metric, Part, Weight};
 use crate::instrument::scene::{SCENES, is_design};
 use indexmap::IndexSet;
-use std::sync::Arc;
 
 /// How much a bin counts.
 enum Density {
@@ -16,20 +15,26 @@ enum Density {
     /// By its pixels.
     Uniform,
     /// By the pixels of a scene's bins with the same n·v.
-    Scene(Arc<Vec<Bin>>),
+    Scene(Vec<BinRange>),
 }
 
 impl Density {
-    fn of_bin(&self, bin: &Bin) -> f64 {
+    fn of_bin(&self, bin: &BinRange) -> f64 {
         match self {
             Self::Picture => bin.hi.min(1.0).powi(2) - bin.lo.powi(2),
             Self::Uniform => bin.pixel_count as f64,
-            Self::Scene(bins) => bins
+            Self::Scene(ranges) => ranges
                 .iter()
                 .find(|other| other.lo == bin.lo)
                 .map_or(0.0, |other| other.pixel_count as f64),
         }
     }
+}
+
+/// A bin and how much it counts.
+struct WeightedBin {
+    weight: f64,
+    bin: Bin,
 }
 
 /// The numbers of several bins together.
@@ -46,7 +51,7 @@ impl Finished {
             return None;
         }
         let density = self.density(&self.weight);
-        let of_bin = |bin: &Bin| {
+        let of_bin = |bin: &BinRange| {
             if bin.lo >= lo && bin.hi <= hi {
                 density.of_bin(bin)
             } else {
@@ -58,7 +63,7 @@ impl Finished {
             FinishedCell {
                 scores: cell.scores.as_ref().map(|_| pooled.scores),
                 noise_floors: pooled.noise_floors,
-                bins: Arc::default(),
+                bins: Bins::default(),
                 ..cell.clone()
             }
         });
@@ -106,7 +111,7 @@ impl Finished {
                     .filter(|cell| cell.point[SCENE].to_string() == *scene)
                     .map(|cell| &cell.bins)
                     .find(|bins| !bins.is_empty());
-                Density::Scene(bins.cloned().unwrap_or_default())
+                Density::Scene(bins.map_or_else(Vec::new, |bins| bins.ranges().to_vec()))
             }
         }
     }
@@ -172,10 +177,17 @@ pub fn check_weight<'v>(
 
 impl FinishedCell {
     /// The bins together, each counted as `density` says.
-    fn pooled(&self, weight: &Weight, density: impl Fn(&Bin) -> f64) -> Pooled {
-        let mut bins: Vec<(f64, &Bin)> = self.bins.iter().map(|bin| (density(bin), bin)).collect();
-        bins.retain(|(_, bin)| bin.pixel_count > 0);
-        bins.sort_by(|(_, a), (_, b)| a.lo.total_cmp(&b.lo));
+    fn pooled(&self, weight: &Weight, density: impl Fn(&BinRange) -> f64) -> Pooled {
+        let mut bins: Vec<WeightedBin> = self
+            .bins
+            .iter()
+            .map(|bin| WeightedBin {
+                weight: density(&bin.range),
+                bin,
+            })
+            .collect();
+        bins.retain(|weighted| weighted.bin.range.pixel_count > 0);
+        bins.sort_by(|a, b| a.bin.range.lo.total_cmp(&b.bin.range.lo));
         let is_tilted = *weight != Weight::Uniform;
         Pooled {
             scores: MetricValues::from_fn(|name| {
@@ -191,10 +203,10 @@ impl FinishedCell {
 }
 
 /// A number of each weighted bin; `None` if a bin has none.
-fn parts(bins: &[(f64, &Bin)], number: impl Fn(&Bin) -> Option<f64>) -> Option<Vec<Part>> {
-    let part = |(weight, bin): &(f64, &Bin)| {
+fn parts(bins: &[WeightedBin], number: impl Fn(&Bin) -> Option<f64>) -> Option<Vec<Part>> {
+    let part = |WeightedBin { weight, bin }: &WeightedBin| {
         Some(Part {
-            n_dot_v: [bin.lo, bin.hi.min(1.0)],
+            n_dot_v: [bin.range.lo, bin.range.hi.min(1.0)],
             weight: *weight,
             value: number(bin)?,
             reference_mean: bin.reference_mean,

@@ -179,12 +179,15 @@ impl<'f> Frame<'f> {
     /// Rows with scores, each linear image once: with the default tone curve, else the first.
     pub fn images(&self) -> Vec<&Row<'f>> {
         let excluded = self.excluded_scenes();
+        let mut rows: Vec<&Row<'f>> = self.rows.iter().collect();
+        rows.retain(|row| row.cell.scores.is_some() && !excluded.contains(&row.point[SCENE]));
+        let axes = varying(
+            &rows,
+            AXES.ids().filter(|axis| AXES[*axis].changes_radiance()),
+        );
         let mut images: IndexMap<Key, &Row<'f>> = IndexMap::new();
-        for row in &self.rows {
-            if row.cell.scores.is_none() || excluded.contains(&row.point[SCENE]) {
-                continue;
-            }
-            let known = images.entry(row.radiance_key()).or_insert(row);
+        for row in rows {
+            let known = images.entry(row.key(&axes)).or_insert(row);
             if row.has_plain_curve() {
                 *known = row;
             }
@@ -249,15 +252,6 @@ impl Row<'_> {
 
     pub fn text(&self, axis: AxisId) -> String {
         self.point[axis].to_string()
-    }
-
-    /// The values that change its linear image.
-    fn radiance_key(&self) -> Key {
-        AXES.iter()
-            .zip(self.point.values())
-            .filter(|(axis, _)| axis.changes_radiance())
-            .map(|(_, value)| value.clone())
-            .collect()
     }
 
     /// The score as measured; `None` for a failed cell.
@@ -485,5 +479,8 @@ fn distinct(run: &Finished) -> Vec<Row<'_>> {
             );
         }
     }
-    rows.into_values().collect()
+    let mut rows: Vec<Row> = rows.into_values().collect();
+    // The vector has the room of the map's entries.
+    rows.shrink_to_fit();
+    rows
 }

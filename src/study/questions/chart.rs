@@ -140,13 +140,13 @@ fn coordinates(mark: &Mark) -> Coordinates {
 pub fn dot(position: [f64; 2], series: usize, tip: String, row: &Row) -> Mark {
     Mark::new(Form::Dot(position), series)
         .tip(tip)
-        .cell(&row.cell.id)
+        .cell(&*row.cell.id)
 }
 
 /// The image that a mark links to, if it has a single one.
 pub fn only(rows: &[&Row]) -> Option<String> {
     if let [only] = rows {
-        Some(only.cell.id.clone())
+        Some(only.cell.id.to_string())
     } else {
         None
     }

@@ -356,7 +356,7 @@ fn digest(frame: &Frame, all: &[AxisEffects]) -> Table {
             }
             row.push(ratios.pooled(frame).as_ref().map(estimated).into());
             let Wins { below, all } = ratios.winning_environments();
-            row.push(Cell::Quantity(format!("{below} of {all}")));
+            row.push(Cell::quantity(format!("{below} of {all}")));
             table.row(row);
         }
     }

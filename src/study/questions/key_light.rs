@@ -276,7 +276,7 @@ fn digest(frame: &Frame, axes: &[AxisId], settings: &[Setting]) -> Table {
             row.push(match setting.map(|setting| setting.hidden_from()) {
                 None => Cell::Missing,
                 Some(None) => "none tried".into(),
-                Some(Some(intensity)) => Cell::Quantity(intensity.to_string()),
+                Some(Some(intensity)) => Cell::quantity(intensity.to_string()),
             });
         }
         table.row(row);

@@ -132,34 +132,51 @@ pub fn question(name: &str) -> Option<&'static Question> {
 /// Answers the questions of the experiment, by default every question that its axes can answer.
 /// `metric` replaces the experiment's own.
 pub fn answers(run: &Finished, metric: Option<&str>) -> Vec<Answer> {
-    let plain = Frame::new(run, metric);
+    let mut plain = Frame::new(run, metric);
     let recorded_weight = weights::recorded_weight(&plain);
-    let weighted_runs = weights::weighted_runs(&plain);
-    // The run as it is, then under each weight.
-    let mut frames = vec![plain];
-    for (index, run) in weighted_runs.iter().enumerate() {
-        frames.push(Frame {
-            is_first: index == 0,
-            ..Frame::new(run, metric)
-        });
-    }
+    let weights = weights::weights(&plain);
+    let mut asked = asked_questions(run);
+    asked.retain(|asked| asked.question.lack(&plain.shape).is_none());
+    let weighted_findings = weighted_findings(&plain, metric, weights, &asked);
     let mut answers = Vec::new();
-    for AskedQuestion {
-        question,
-        digest_axis,
-    } in asked_questions(run)
-    {
-        for frame in &mut frames {
-            frame.digest_axis = digest_axis;
-        }
-        if question.lack(&frames[0].shape).is_some() {
-            continue;
-        }
-        if let Some(finding) = finding(question, &frames, recorded_weight) {
-            answers.push(Answer { question, finding });
-        }
+    for (asked, findings) in asked.iter().zip(weighted_findings) {
+        let question = asked.question;
+        let finding = if !question.is_weighted {
+            asked.answer(&mut plain)
+        } else if weights.is_empty() {
+            let finding = asked.answer(&mut plain);
+            finding.map(|finding| weights::with_weight(finding, recorded_weight))
+        } else {
+            weights::united(findings)
+        };
+        answers.extend(finding.map(|finding| Answer { question, finding }));
     }
     answers
+}
+
+/// The findings of each question under each weight, none for questions without views. The weights
+/// come one after another, so that memory holds one weighted run.
+fn weighted_findings<'w>(
+    plain: &Frame,
+    metric: Option<&str>,
+    weights: &'w [Weight],
+    asked: &[AskedQuestion],
+) -> Vec<Vec<(&'w Weight, Finding)>> {
+    let mut findings: Vec<Vec<_>> = asked.iter().map(|_| Vec::new()).collect();
+    for (index, weight) in weights.iter().enumerate() {
+        let run = plain.run.weighted(weight);
+        let mut frame = Frame {
+            is_first: index == 0,
+            ..Frame::new(&run, metric)
+        };
+        for (asked, findings) in asked.iter().zip(&mut findings) {
+            if asked.question.is_weighted {
+                let finding = asked.answer(&mut frame);
+                findings.extend(finding.map(|finding| (weight, finding)));
+            }
+        }
+    }
+    findings
 }
 
 /// A question to answer.
@@ -167,6 +184,13 @@ struct AskedQuestion {
     question: &'static Question,
     /// As [`Frame::digest_axis`].
     digest_axis: Option<AxisId>,
+}
+
+impl AskedQuestion {
+    fn answer(&self, frame: &mut Frame) -> Option<Finding> {
+        frame.digest_axis = self.digest_axis;
+        (self.question.answer)(frame)
+    }
 }
 
 /// The questions of the experiment; every question if it asks none.
@@ -187,26 +211,6 @@ fn asked_questions(run: &Finished) -> Vec<AskedQuestion> {
             })
         })
         .collect()
-}
-
-/// The finding of the run as it is, or, if views count, under each weight.
-fn finding(
-    question: &Question,
-    frames: &[Frame],
-    recorded_weight: &'static Weight,
-) -> Option<Finding> {
-    let (plain, weighted) = frames.split_first()?;
-    if !question.is_weighted {
-        return (question.answer)(plain);
-    }
-    if weighted.is_empty() {
-        let finding = (question.answer)(plain)?;
-        return Some(weights::with_weight(finding, recorded_weight));
-    }
-    let findings = weighted
-        .iter()
-        .filter_map(|frame| Some((&frame.run.weight, (question.answer)(frame)?)));
-    weights::united(findings.collect())
 }
 
 /// Reports asked names that are not questions, questions that the axes cannot answer, and each `by`

@@ -84,7 +84,7 @@ fn nearest_to_default<'r, 'f>(frame: &'r Frame<'f>) -> Vec<VariantImages<'r, 'f>
 fn bin_errors<'r, 'f>(frame: &Frame, images: &VariantImages<'r, 'f>) -> Vec<BinError<'r, 'f>> {
     let row_axis = frame.row_axis();
     let bins = images.rows.iter().flat_map(|row| row.cell.bins.iter());
-    let bins = distinct_bins(bins.map(|bin| [bin.lo, bin.hi]));
+    let bins = distinct_bins(bins.map(|bin| [bin.range.lo, bin.range.hi]));
     let mut found = Vec::new();
     for row_value in values(images.rows.iter().copied(), row_axis) {
         if row_value == Value::Unset {
@@ -115,7 +115,8 @@ fn bin_errors<'r, 'f>(frame: &Frame, images: &VariantImages<'r, 'f>) -> Vec<BinE
 }
 
 fn bin_error(frame: &Frame, row: &Row, bin: [f64; 2]) -> Option<f64> {
-    let known = row.cell.bins.iter().find(|known| known.lo == bin[0])?;
+    let mut bins = row.cell.bins.iter();
+    let known = bins.find(|known| known.range.lo == bin[0])?;
     let name = frame.metric_name();
     let floor = known.noise_floors.get(name);
     let noise_use = frame.run.noise_use();

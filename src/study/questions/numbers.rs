@@ -276,7 +276,7 @@ impl<'r, 'f> Numbers<'r, 'f> {
             return Cell::Missing;
         };
         if self.pooled(frame).is_some() {
-            Cell::Quantity(words(&all))
+            Cell::quantity(words(&all))
         } else {
             Extent::from_values(self.items.iter().map(|(_, number)| *number)).into()
         }
@@ -421,13 +421,13 @@ pub fn by_light(
         if has_all {
             cells.push(match numbers.pooled(frame) {
                 None if is_summed && numbers.is_ratio => Cell::from("mixed"),
-                all => all.map(|all| Cell::Quantity(words(&all))).into(),
+                all => all.map(|all| Cell::quantity(words(&all))).into(),
             });
         }
         if is_summed {
             let ends = numbers.estimate().map(|all| all.ends);
             cells.push(
-                ends.map(|ends| Cell::Quantity(range_in_words(ends, words)))
+                ends.map(|ends| Cell::quantity(range_in_words(ends, words)))
                     .into(),
             );
         }

@@ -7,7 +7,7 @@ pub use super::chart::{
 pub use super::numbers::{ALL, DigestRow, Numbers, Wins, all_head, by_light, from_usual, sides};
 pub use super::words::*;
 pub use super::{Finding, N_DOT_V_FROM, N_DOT_V_TO, Question, Sentences};
-pub use crate::base::csv::Cell;
+pub use crate::base::csv::{Cell, NameAndLabel};
 pub use crate::draw::figure::{Figure, Mark, Series, Shape as Form};
 pub use crate::draw::variant::Variant;
 pub(super) use crate::draw::words::statement;

@@ -256,8 +256,8 @@ fn digest(methods: &[Vec<Setting>]) -> Table {
         let Some(peak) = peak(settings) else { continue };
         let mut row = cells![
             &peak.variant,
-            Cell::Quantity(peak.exposure.to_string()),
-            Cell::Quantity(peak.contrast.to_string()),
+            Cell::quantity(peak.exposure.to_string()),
+            Cell::quantity(peak.contrast.to_string()),
             peak.median(),
             VISIBLE_FROM
         ];

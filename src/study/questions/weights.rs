@@ -6,7 +6,6 @@ use crate::draw::words::{Phrase, Statement, statement};
 use crate::experiment::axis::SCENE;
 use crate::instrument::metrics::{Pooling, Weight};
 use crate::instrument::scene::is_design;
-use crate::study::finished::Finished;
 use crate::study::frame::Frame;
 use crate::study::table::Table;
 
@@ -25,15 +24,14 @@ pub fn recorded_weight(frame: &Frame) -> &'static Weight {
     }
 }
 
-/// The run of a frame under each of its weights; none if its images are pictures, or their bins do
-/// not determine the metric.
-pub fn weighted_runs(frame: &Frame) -> Vec<Finished> {
+/// The weights to answer by; none if the images of a frame are pictures, or their bins do not
+/// determine the metric.
+pub fn weights<'f>(frame: &Frame<'f>) -> &'f [Weight] {
     let has_bins = frame.run.cells.iter().any(|cell| !cell.bins.is_empty());
     if !has_bins || frame.metric.pooling == Pooling::None || !has_designs_only(frame) {
-        return Vec::new();
+        return &[];
     }
-    let weights = frame.run.weights.iter();
-    weights.map(|weight| frame.run.weighted(weight)).collect()
+    &frame.run.weights
 }
 
 /// A finding with the weight of its rows.

@@ -377,7 +377,8 @@ fn images_csv_names_nothing_outside_the_images() {
         .into_iter()
         .find_map(|cell| cell.images)
         .unwrap()
-        .radiance;
+        .radiance
+        .clone();
     for stranger in [
         "../../../../etc/passwd",
         "..",

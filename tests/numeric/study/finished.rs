@@ -4,9 +4,12 @@ use crate::run::runs::{finished, invoke, log, plan, read};
 use crate::run::whole::EXPERIMENT;
 use splitsum::experiment::axis::AXES;
 use splitsum::experiment::value::Value;
+use splitsum::instrument::metrics::METRICS;
 use splitsum::run::columns::{Columns, StepColumns};
 use splitsum::run::store::Store;
-use splitsum::study::finished::{Finished, StepRow};
+use splitsum::study::finished::{
+    Bin, BinRange, Bins, Finished, FinishedCell, MetricValues, StepRow,
+};
 use std::path::{Path, PathBuf};
 
 /// A run of one case: the split sum and three counts.
@@ -19,6 +22,90 @@ fn whole(dir: &Path) -> PathBuf {
 
 fn fault(dir: &Path) -> String {
     Finished::read(dir).unwrap_err().to_string()
+}
+
+/// Bins are packed by what a cell has; each number comes out where it went in.
+#[test]
+fn packed_bins_hold_what_each_bin_has() {
+    let numbers = |first: f64, names: &'static [&str]| {
+        MetricValues::from_fn(move |name| {
+            let index = names.iter().position(|known| *known == name)?;
+            Some(first + index as f64)
+        })
+    };
+    let bin = |lo: f64, mean: Option<f64>, scores: MetricValues, floors: MetricValues| Bin {
+        range: BinRange {
+            lo,
+            hi: lo + 0.1,
+            pixel_count: (100.0 * lo) as u64,
+        },
+        reference_mean: mean,
+        scores,
+        noise_floors: floors,
+    };
+    let none = || numbers(0.0, &[]);
+    let whole = [
+        bin(0.1, Some(1.5), numbers(2.0, &["rmse", "bias_rel"]), none()),
+        bin(0.2, None, none(), numbers(3.0, &["relmse"])),
+        bin(
+            0.3,
+            Some(0.0),
+            numbers(4.0, &["bias_rel"]),
+            numbers(5.0, &["ssim"]),
+        ),
+    ];
+    let scores_alone = [bin(0.5, None, numbers(6.0, &["relmse"]), none())];
+    let numbers_of = |bin: &Bin| {
+        METRICS
+            .iter()
+            .map(|metric| {
+                let [score, floor] =
+                    [&bin.scores, &bin.noise_floors].map(|values| values.get(metric.name));
+                (score, floor)
+            })
+            .collect::<Vec<_>>()
+    };
+    for bins in [&whole[..], &scores_alone, &[]] {
+        let mut packed: Bins = bins.iter().cloned().collect();
+        // Neither an equal nor another layout changes a number.
+        packed.share_layout(&bins.iter().cloned().collect());
+        packed.share_layout(&whole.iter().cloned().collect());
+        let unpacked: Vec<Bin> = packed.iter().collect();
+        assert_eq!(packed.is_empty(), bins.is_empty());
+        assert_eq!(unpacked.len(), bins.len());
+        for (a, b) in unpacked.iter().zip(bins) {
+            assert_eq!((a.range, a.reference_mean), (b.range, b.reference_mean));
+            assert_eq!(numbers_of(a), numbers_of(b));
+        }
+    }
+}
+
+/// Rows of a cell usually follow each other, but need not.
+#[test]
+fn rows_of_bins_can_be_in_any_order() {
+    let dir = tempfile::tempdir().unwrap();
+    let run = whole(dir.path());
+    let ordered = Finished::read(&run).unwrap();
+    let path = run.join("errors_by_n_dot_v.csv");
+    let text = std::fs::read_to_string(&path).unwrap();
+    let (head, rows) = text.split_once('\n').unwrap();
+    let mut rows: Vec<&str> = rows.lines().collect();
+    // Every other row: cells alternate, and each keeps the order of its own.
+    let later: Vec<&str> = rows.iter().skip(1).step_by(2).copied().collect();
+    rows = rows.into_iter().step_by(2).chain(later).collect();
+    std::fs::write(&path, format!("{head}\n{}\n", rows.join("\n"))).unwrap();
+    let mixed = Finished::read(&run).unwrap();
+    let ranges = |run: &Finished| {
+        let sorted = |cell: &FinishedCell| {
+            let mut bins: Vec<Bin> = cell.bins.iter().collect();
+            bins.sort_by(|a, b| a.range.lo.total_cmp(&b.range.lo));
+            let score = |bin: Bin| (bin.range, bin.scores.get("relmse"));
+            bins.into_iter().map(score).collect::<Vec<_>>()
+        };
+        run.cells.iter().map(sorted).collect::<Vec<_>>()
+    };
+    assert!(ranges(&ordered).iter().all(|bins| bins.len() > 2));
+    assert_eq!(ranges(&mixed), ranges(&ordered));
 }
 
 #[test]
@@ -181,7 +268,10 @@ fn a_run_reads_back_as_it_was_scored() {
         for axis in AXES.ids().filter(|axis| !plan.columns.contains(axis)) {
             point[axis] = Value::Unset;
         }
-        assert_eq!((&read.id, &read.point), (&planned.id.to_string(), &point));
+        assert_eq!(
+            (&*read.id, &read.point),
+            (planned.id.to_string().as_str(), &point)
+        );
         assert!(
             read.scores
                 .as_ref()

@@ -103,7 +103,7 @@ fn of_equal_images_the_one_with_a_score_is_kept() {
         panic!("{:?}", frame.rows)
     };
     assert_eq!((frame.error(row), row.copies.len()), (Some(0.5), 1));
-    assert!(row.copies[0] == run.cells[0].id && row.cell.id == run.cells[1].id);
+    assert!(*row.copies[0] == *run.cells[0].id && row.cell.id == run.cells[1].id);
 }
 
 #[test]

@@ -153,7 +153,7 @@ fn a_page_is_the_same_each_time_and_holds_every_cell_and_answer_once() {
         .iter()
         .zip(&finished.cells)
     {
-        assert_eq!(row[place("cell")], json!(cell.id));
+        assert_eq!(row[place("cell")], json!(*cell.id));
         let alpha = row[place("alpha")].as_u64().unwrap() as usize;
         assert_eq!(
             axis("alpha")["values"][alpha],

@@ -9,10 +9,11 @@ use splitsum::experiment::value::Value;
 use splitsum::instrument::metrics::{METRICS, Weight};
 use splitsum::run::provenance::Provenance;
 use splitsum::run::tables::HEADLINE;
-use splitsum::study::finished::{Bin, Finished, FinishedCell, MetricValues};
+use splitsum::study::finished::{Bin, BinRange, Finished, FinishedCell, MetricValues};
 use splitsum::study::frame::Frame;
 use splitsum::study::questions::{Finding, question};
 use splitsum::study::table::{Table, shown};
+use std::sync::Arc;
 
 /// f64 arithmetic of a few logarithms.
 pub const F64: f64 = 1e-9;
@@ -40,7 +41,7 @@ fn cell_of(id: String, point: Point) -> FinishedCell {
     let none = MetricValues::from_fn(|_| None);
     let (reference, bins) = (None, Vec::new());
     FinishedCell {
-        id,
+        id: id.into(),
         point,
         is_failed: false,
         scores: None,
@@ -48,7 +49,7 @@ fn cell_of(id: String, point: Point) -> FinishedCell {
         steadiness: None,
         reference,
         bins: bins.into(),
-        steps: Vec::new(),
+        steps: Arc::default(),
         images: None,
     }
 }
@@ -133,9 +134,11 @@ pub fn scaled(run: &mut Finished, factor: impl Fn(&Point) -> f64) {
             })
         };
         cell.scores = cell.scores.as_ref().map(by);
-        std::sync::Arc::make_mut(&mut cell.bins)
-            .iter_mut()
-            .for_each(|bin| bin.scores = by(&bin.scores));
+        let bins = cell.bins.iter().map(|bin| Bin {
+            scores: by(&bin.scores),
+            ..bin
+        });
+        cell.bins = bins.collect();
     }
 }
 
@@ -209,9 +212,11 @@ pub fn bins(metric: &str, values: &[f64]) -> Vec<Bin> {
 
 pub fn bin([lo, hi]: [f64; 2], scores: impl Fn(&'static str) -> Option<f64>) -> Bin {
     Bin {
-        lo,
-        hi,
-        pixel_count: 100,
+        range: BinRange {
+            lo,
+            hi,
+            pixel_count: 100,
+        },
         reference_mean: None,
         scores: MetricValues::from_fn(scores),
         noise_floors: MetricValues::from_fn(|_| None),
@@ -243,8 +248,8 @@ pub fn numbers(table: &Table, name: &str) -> Vec<f64> {
         Cell::Number(x) => *x,
         Cell::Integer(n) => *n as f64,
         Cell::Missing => f64::NAN,
-        Cell::Text(text) | Cell::Quantity(text) | Cell::Named { name: text, .. } => {
-            panic!("{name}: {text} is not a number")
+        Cell::Text(_) | Cell::Quantity(_) | Cell::Named(_) => {
+            panic!("{name}: {cell:?} is not a number")
         }
     };
     cells(table, name).map(number).collect()

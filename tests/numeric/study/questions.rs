@@ -10,14 +10,14 @@ use splitsum::draw::figure::svg::{WIDTHS, svg};
 use splitsum::experiment::axis::{AXES, Named, Point};
 use splitsum::experiment::plan::Plan;
 use splitsum::experiment::value::Value;
-use splitsum::study::finished::{Finished, FinishedCell, MetricValues};
+use splitsum::study::finished::{Bin, Finished, FinishedCell, MetricValues};
 use splitsum::study::frame::{Frame, Shape};
 use splitsum::study::questions::{Finding, QUESTIONS, Question, question};
 use std::cell::RefCell;
 use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
-use std::sync::{Arc, OnceLock};
+use std::sync::OnceLock;
 
 /// Texts of the experiments in a folder, by name.
 pub fn experiments(folder: &str) -> Vec<(String, String)> {
@@ -262,7 +262,7 @@ fn every_figure_is_well_formed_and_its_cells_exist() {
             );
             if let Some(id) = &mark.cell {
                 assert!(
-                    run.cells.iter().any(|cell| cell.id == *id),
+                    run.cells.iter().any(|cell| *cell.id == **id),
                     "{}: no cell {id}",
                     question.name
                 );
@@ -374,7 +374,7 @@ fn order_and_failed_twins_of_cells_change_no_answer() {
         let is_first: BTreeMap<&str, bool> = (run.cells.iter())
             .map(|cell| {
                 (
-                    cell.id.as_str(),
+                    &*cell.id,
                     AXES.ids()
                         .any(|axis| seen.insert((axis, cell.point[axis].to_string()))),
                 )
@@ -383,7 +383,7 @@ fn order_and_failed_twins_of_cells_change_no_answer() {
         // A failed cell beside a finished one of its point is irrelevant.
         let mut more = run.clone();
         let failed = |cell: &FinishedCell| FinishedCell {
-            id: format!("{}-failed", cell.id),
+            id: format!("{}-failed", cell.id).into(),
             scores: None,
             ..cell.clone()
         };
@@ -398,7 +398,7 @@ fn order_and_failed_twins_of_cells_change_no_answer() {
             let mut shuffled = run.clone();
             let hash = |id: &str| *blake3::hash(format!("{seed} {id}").as_bytes()).as_bytes();
             shuffled.cells.sort_by_key(|cell| {
-                if is_first[cell.id.as_str()] {
+                if is_first[&*cell.id] {
                     [0; 32]
                 } else {
                     hash(&cell.id)
@@ -429,9 +429,10 @@ fn the_unit_of_the_metric_changes_no_ratio() {
         };
         for cell in &mut quadrupled.cells {
             by_four(&mut cell.noise_floors);
-            Arc::make_mut(&mut cell.bins)
-                .iter_mut()
+            let mut bins: Vec<Bin> = cell.bins.iter().collect();
+            bins.iter_mut()
                 .for_each(|bin| by_four(&mut bin.noise_floors));
+            cell.bins = bins.into();
         }
         let ratios = |run: &Finished| {
             said(run)

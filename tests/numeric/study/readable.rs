@@ -16,6 +16,7 @@ use splitsum::run::timing::{FRAME, PassSamples};
 use splitsum::study::finished::{Finished, RecoveredRow, StepRow};
 use splitsum::study::frame::Frame;
 use splitsum::study::questions::{Finding, question};
+use std::sync::Arc;
 
 /// Rows of a table that a snapshot shows.
 const ROWS: usize = 6;
@@ -295,7 +296,7 @@ fn ladder_reads() {
                 step_error: 1e-3 * (i + 1) as f64,
                 noise: 1e-6,
             });
-            cell.steps.extend(steps);
+            Arc::make_mut(&mut cell.steps).extend(steps);
         }
     }
     let law = "over all n·v the share of step i is i / 36, plus (k - 3.5) alpha / 10 for the first \
@@ -426,8 +427,8 @@ fn recovery_reads() {
                 let bias = part * 0.4 * roughness * roughness;
                 let sign = if loss == "relative" { -1.0 } else { 1.0 };
                 recovered.push(RecoveredRow {
-                    truth: truth.id.clone(),
-                    candidate: candidate.id.clone(),
+                    truth: truth.id.to_string(),
+                    candidate: candidate.id.to_string(),
                     loss: loss.to_owned(),
                     n_dot_v: [0.0, 1.0],
                     true_roughness: roughness,

@@ -75,8 +75,8 @@ fn known(table: &Table, found: &mut HashSet<String>) {
         for row in &table.rows {
             match &row[column] {
                 Cell::Missing => continue,
-                Cell::Text(text) | Cell::Quantity(text) | Cell::Named { name: text, .. } => {
-                    add(text)
+                Cell::Text(_) | Cell::Quantity(_) | Cell::Named(_) => {
+                    add(row[column].text().unwrap_or_default());
                 }
                 Cell::Integer(n) => add(&n.to_string()),
                 Cell::Number(x) => {

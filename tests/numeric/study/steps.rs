@@ -41,13 +41,13 @@ fn run(lights: &[(&str, f64, f64)]) -> Finding {
             let listed = bands
                 .map(|(seen, masking)| steps(seen, masking, 1e-6))
                 .concat();
-            paper.add(&["design", light, "split-sum", alpha], 1.0).steps = listed;
+            paper.add(&["design", light, "split-sum", alpha], 1.0).steps = listed.into();
         }
     }
     // Under constant light no error is above the noise.
     paper
         .add(&["design", "builtin:constant", "split-sum", "0.5"], 1e-3)
-        .steps = steps([0.0, 1.0], 0.5, 0.2);
+        .steps = steps([0.0, 1.0], 0.5, 0.2).into();
     let mut frame = splitsum::study::frame::Frame::new(&paper.run, None);
     (frame.shape.has_ladder, frame.shape.reference_method) = (true, "reference".to_owned());
     let question = splitsum::study::questions::question("ladder").unwrap();

@@ -10,7 +10,7 @@ use splitsum::instrument::metrics::{
     Comparison, Epsilon, METRICS, Metric, N_DOT_V_BIN_EDGES, Pooling, ReferenceNoise, Weight,
 };
 use splitsum::instrument::tonemap::ToneCurve;
-use splitsum::study::finished::{Bin, Finished, Light, MetricValues};
+use splitsum::study::finished::{Bin, BinRange, Finished, Light, MetricValues};
 use splitsum::study::questions::answers;
 
 const SIZE: u32 = 128;
@@ -52,10 +52,9 @@ fn run(test: &RgbImage, reference: &RgbImage, standard_error: &RgbImage) -> Fini
                 .map(|(_, value)| *value)
         };
         Bin {
-            pixel_count: row.pixel_count as u64,
             reference_mean: Some(row.reference_mean),
             noise_floors: MetricValues::from_fn(|name| Metric::listed(name).noise_floor(&noise)),
-            ..bin([row.lo, row.hi], score)
+            ..with_pixels(row.pixel_count as u64, bin([row.lo, row.hi], score))
         }
     });
     let mut paper = Paper::new(&["scene", "method"]);
@@ -116,7 +115,9 @@ fn the_picture_weight_integrates_an_error_over_2_n_dot_v() {
     let bins = &run.cells[0].bins;
     let constant: f64 = bins
         .iter()
-        .map(|bin| (bin.hi.powi(2) - bin.lo.powi(2)) * bin.scores.get("relmse").unwrap())
+        .map(|bin| {
+            (bin.range.hi.powi(2) - bin.range.lo.powi(2)) * bin.scores.get("relmse").unwrap()
+        })
         .sum();
     assert!((constant - square / 1.01) > 1e-3 * square, "{constant}");
     let found = score(&run, &Weight::Uniform, "relmse").unwrap();
@@ -223,6 +224,16 @@ fn recorded_bins_determine_scores_and_floors() {
     }
 }
 
+fn with_pixels(pixel_count: u64, bin: Bin) -> Bin {
+    Bin {
+        range: BinRange {
+            pixel_count,
+            ..bin.range
+        },
+        ..bin
+    }
+}
+
 /// Two methods of a design with an error at grazing and at steep views, and a picture with a fifth
 /// of its pixels at grazing ones.
 fn two_views() -> Paper {
@@ -236,14 +247,8 @@ fn two_views() -> Paper {
         .into();
         let picture = paper.add(&["sphere", method], 9.0);
         picture.bins = vec![
-            Bin {
-                pixel_count: 20,
-                ..bin([0.0, 0.5], |_| Some(7.0))
-            },
-            Bin {
-                pixel_count: 80,
-                ..bin([0.5, 1.0], |_| Some(8.0))
-            },
+            with_pixels(20, bin([0.0, 0.5], |_| Some(7.0))),
+            with_pixels(80, bin([0.5, 1.0], |_| Some(8.0))),
         ]
         .into();
     }
@@ -289,10 +294,11 @@ fn answers_have_the_rows_of_each_weight() {
     );
     // The order of cells and bins changes nothing.
     let mut turned = run.clone();
-    turned
-        .cells
-        .iter_mut()
-        .for_each(|cell| std::sync::Arc::make_mut(&mut cell.bins).reverse());
+    for cell in &mut turned.cells {
+        let mut bins: Vec<Bin> = cell.bins.iter().collect();
+        bins.reverse();
+        cell.bins = bins.into();
+    }
     turned.cells.swap(1, 3);
     assert_eq!(ratios(&turned), found);
     // The sentence and both tables say so.

@@ -231,7 +231,7 @@ impl<'r, 'f> Drawing<'_, 'r, 'f> {
             let series = self.index(&SeriesKey::Method(row.text(METHOD)));
             let tip = format!("{}: {}", frame.variant(row).label(), number(error));
             let rule = Mark::new(Form::HorizontalRule(error), series);
-            marks.push(rule.tip(tip).cell(&row.cell.id));
+            marks.push(rule.tip(tip).cell(&*row.cell.id));
         }
         if let Some(floor) = falls.first().and_then(|fall| self.floor(fall)) {
             let rule = Mark::new(Form::HorizontalRule(floor), self.index(&SeriesKey::Floor));

@@ -114,7 +114,7 @@ struct Resolved<'r, 'f> {
 fn resolved<'r, 'f>(images: &[&'r Row<'f>]) -> Vec<Resolved<'r, 'f>> {
     let mut resolved = Vec::new();
     for row in images.iter().copied() {
-        for (_, steps) in grouped(&row.cell.steps, |step| step.n_dot_v.map(f64::to_bits)) {
+        for (_, steps) in grouped(&*row.cell.steps, |step| step.n_dot_v.map(f64::to_bits)) {
             let error = steps.last().map_or(0.0, |last| last.rung_error);
             if steps.iter().all(|step| error > RESOLVED * step.noise) {
                 resolved.extend(steps.into_iter().map(|step| Resolved { row, step, error }));
@@ -343,7 +343,7 @@ fn digest(frame: &Frame, groups: &[Group], steps: &[&str]) -> Table {
                 row.push(
                     group
                         .share(step)
-                        .map(|share| Cell::Quantity(share_words(&share)))
+                        .map(|share| Cell::quantity(share_words(&share)))
                         .into(),
                 );
             }
@@ -357,7 +357,7 @@ fn digest(frame: &Frame, groups: &[Group], steps: &[&str]) -> Table {
                 .collect();
             let mut row = cells![surface.as_str()];
             row.extend(all_head(&row_heads));
-            row.push(Cell::Quantity(format!("{} to {}", n_dot_v[0], n_dot_v[1])));
+            row.push(Cell::quantity(format!("{} to {}", n_dot_v[0], n_dot_v[1])));
             for step in steps {
                 row.push(mean_range(&band, step).into());
             }

@@ -72,7 +72,7 @@ fn median_dot(frame: &Frame, group: &Group, steps: &[Value], series: usize) -> O
     let position = [step(steps, &row.point[frame.row_axis()]), median.value];
     let words = |all: &Estimate| format!("median picture {}", with_interval(all));
     let dot = middle_dot(&median, series, &group.variant.label(), position, &words);
-    Some(dot.cell(&row.cell.id))
+    Some(dot.cell(&*row.cell.id))
 }
 
 fn worst_dot(frame: &Frame, worst: Worst, steps: &[Value], series: usize) -> Mark {

@@ -208,7 +208,7 @@ impl<'r, 'f> Group<'r, 'f> {
         }
         let median = with_interval(&self.median()?);
         let worse = percent(self.worse()?.value);
-        Some(Cell::Quantity(format!("{median}, {worse} worse")))
+        Some(Cell::quantity(format!("{median}, {worse} worse")))
     }
 }
 
@@ -342,7 +342,7 @@ fn table(frame: &Frame, groups: &[Group]) -> Option<Table> {
         for axis in [ENVIRONMENT, ENVIRONMENT_ORIENTATION, SCENE] {
             row.push((&worst.row.point[axis]).into());
         }
-        row.push(worst.row.cell.id.as_str().into());
+        row.push((&*worst.row.cell.id).into());
         table.row(row);
     }
     Some(table)
@@ -434,7 +434,7 @@ fn digest(frame: &Frame, all: &[&Group]) -> Table {
     for MethodGroups { groups, .. } in &methods {
         let worst = worst_of(groups)
             .map(|Worst { row, ratio }| format!("{}: {}", number(ratio), picture_name(frame, row)))
-            .map(Cell::Quantity);
+            .map(Cell::quantity);
         row.push(worst.into());
     }
     row.push(Cell::Missing);

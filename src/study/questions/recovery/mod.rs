@@ -166,10 +166,11 @@ fn candidate_name(frame: &Frame, row: &Row) -> String {
 /// As [`candidate_name`], with the method's title for readers.
 fn candidate_cell(frame: &Frame, row: &Row) -> Cell {
     let title = Variant::new(row.text(METHOD)).label();
-    Cell::Named {
+    let name = NameAndLabel {
         name: candidate_name(frame, row),
         label: commas([&title, &parameters(frame, row)]),
-    }
+    };
+    name.into()
 }
 
 fn parameters(frame: &Frame, row: &Row) -> String {
@@ -199,7 +200,7 @@ struct Shared<'f> {
 fn all_recovered<'r, 'f>(frame: &'r Frame<'f>) -> Vec<Recovered<'r, 'f>> {
     let mut row_of: HashMap<&str, &Row> = HashMap::new();
     for row in &frame.rows {
-        for id in std::iter::once(row.cell.id.as_str()).chain(row.copies.iter().copied()) {
+        for id in std::iter::once(&*row.cell.id).chain(row.copies.iter().copied()) {
             row_of.insert(id, row);
         }
     }
@@ -399,7 +400,7 @@ fn digest(frame: &Frame, lead: &[&Recovered]) -> Table {
 
 /// "9 of 10" nearer in roughness and in F0, and at a limit.
 fn counts(nearer: Option<Nearer>, at_limit: usize, of: usize) -> [Cell; 3] {
-    let words = |count: usize, of: usize| Cell::Quantity(format!("{count} of {of}"));
+    let words = |count: usize, of: usize| Cell::quantity(format!("{count} of {of}"));
     [
         nearer.map_or(Cell::Missing, |nearer| words(nearer.roughness, nearer.of)),
         nearer.map_or(Cell::Missing, |nearer| words(nearer.f0, nearer.of)),

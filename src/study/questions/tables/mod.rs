@@ -179,12 +179,8 @@ fn measured_in<'r, 'f>(
     parameters: &[AxisId],
     n_dot_v: [f64; 2],
 ) -> Vec<Measured<'r, 'f>> {
-    let rows: HashMap<&str, &Row> = frame
-        .rows
-        .iter()
-        .map(|row| (row.cell.id.as_str(), row))
-        .collect();
-    let error = |row: &Row| frame.error(rows.get(row.cell.id.as_str())?);
+    let rows: HashMap<&str, &Row> = frame.rows.iter().map(|row| (&*row.cell.id, row)).collect();
+    let error = |row: &Row| frame.error(rows.get(&*row.cell.id)?);
     let truths: Vec<&Row> = images
         .iter()
         .copied()
@@ -201,7 +197,7 @@ fn measured_in<'r, 'f>(
             n_dot_v,
             tables,
             error: error(row)?,
-            is_resolved: frame.is_resolved(rows.get(row.cell.id.as_str())?),
+            is_resolved: frame.is_resolved(rows.get(&*row.cell.id)?),
             split_error: error(truth)?,
         })
     };
@@ -386,7 +382,7 @@ fn digest(frame: &Frame, parameters: &[AxisId], scope: &[AxisId], tails: &[Tail]
         let worst = best.worst();
         let mean = |number| {
             let mean = best.numbers(row_axis, from, number).estimate()?;
-            Some(Cell::Quantity(with_rms(frame, mean.value)))
+            Some(Cell::quantity(with_rms(frame, mean.value)))
         };
         let tables = words(frame, parameters, &best.tables);
         let mut row = if *from == Value::Unset {
