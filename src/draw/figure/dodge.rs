@@ -2,7 +2,7 @@
 
 use super::scale::Axis;
 use super::{Panel, ScaleKind, Shape};
-use std::collections::BTreeSet;
+use std::collections::{BTreeSet, HashMap};
 
 /// Marks closer than this, as a share of the other axis, hide each other.
 const NEAR: f64 = 0.04;
@@ -23,22 +23,35 @@ pub struct Dodge {
     lanes: Vec<f64>,
     /// The most lanes of a step.
     pub count: usize,
-    /// Points that lines of several series share.
-    shared: Vec<SharedPoint>,
+    /// The lanes of points that lines of several series share; 0 is the middle.
+    shared: HashMap<LinePoint, f64>,
 }
 
-/// A point of a line that lines of other series share.
-#[derive(Clone, Debug, PartialEq)]
-struct SharedPoint {
-    point: LinePoint,
-    /// 0 is the middle.
-    lane: f64,
-}
-
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A point of the line of a series.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 struct LinePoint {
     series: Option<usize>,
-    position: [f64; 2],
+    position: ExactPosition,
+}
+
+/// A position that can be a key.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+struct ExactPosition([u64; 2]);
+
+impl ExactPosition {
+    /// `None` for NaN, which equals no position, not even its own.
+    fn new(position: [f64; 2]) -> Option<Self> {
+        let is_number = position.iter().all(|value| !value.is_nan());
+        // Both zeros get the same bits.
+        is_number.then(|| Self(position.map(|value| (value + 0.0).to_bits())))
+    }
+}
+
+impl LinePoint {
+    fn new(series: Option<usize>, position: [f64; 2]) -> Option<Self> {
+        let position = ExactPosition::new(position)?;
+        Some(Self { series, position })
+    }
 }
 
 /// A dot on a step, with its interval.
@@ -106,9 +119,8 @@ impl Dodge {
 
     /// Pixels from a point to the lane of a series, downwards.
     pub fn shift(&self, series: Option<usize>, position: [f64; 2]) -> f64 {
-        let point = LinePoint { series, position };
-        let shared = self.shared.iter().find(|shared| shared.point == point);
-        shared.map_or(0.0, |shared| shared.lane * LINE_PITCH)
+        let lane = LinePoint::new(series, position).and_then(|point| self.shared.get(&point));
+        lane.map_or(0.0, |lane| lane * LINE_PITCH)
     }
 
     /// Pixels from the middle of the step.
@@ -118,35 +130,24 @@ impl Dodge {
 }
 
 /// Gives each series of a shared point a lane, so that no line hides another.
-fn shared_points(panel: &Panel) -> Vec<SharedPoint> {
-    let mut points: Vec<LinePoint> = Vec::new();
+fn shared_points(panel: &Panel) -> HashMap<LinePoint, f64> {
+    let mut series_at: HashMap<ExactPosition, BTreeSet<Option<usize>>> = HashMap::new();
     for mark in &panel.marks {
         if let Shape::Line(positions) = &mark.shape {
-            let series = mark.series;
-            points.extend(
-                positions
-                    .iter()
-                    .map(|&position| LinePoint { series, position }),
-            );
+            for position in positions.iter().filter_map(|at| ExactPosition::new(*at)) {
+                series_at.entry(position).or_default().insert(mark.series);
+            }
         }
     }
-    let mut shared = Vec::new();
-    for point in &points {
-        let all_series: BTreeSet<Option<usize>> = points
-            .iter()
-            .filter(|other| other.position == point.position)
-            .map(|other| other.series)
-            .collect();
-        let index = all_series.iter().position(|series| *series == point.series);
-        // A NaN equals no position, not even its own.
-        if let Some(index) = index.filter(|_| all_series.len() > 1) {
-            shared.push(SharedPoint {
-                point: *point,
-                lane: index as f64 - (all_series.len() as f64 - 1.0) / 2.0,
-            });
+    let mut lanes = HashMap::new();
+    for (position, all_series) in series_at {
+        let count = all_series.len();
+        for (index, series) in all_series.into_iter().enumerate().filter(|_| count > 1) {
+            let lane = index as f64 - (count as f64 - 1.0) / 2.0;
+            lanes.insert(LinePoint { series, position }, lane);
         }
     }
-    shared
+    lanes
 }
 
 /// The dots on steps, each with the interval of its series; none if lines join dots.

@@ -20,7 +20,7 @@ impl Layout {
     /// Lays out title, note and legend.
     pub fn head(&mut self, figure: &Figure) {
         self.paragraph(&figure.title, TITLE, TITLE_LINES);
-        self.paragraph(&figure.note, NOTE, NOTE_LINES);
+        self.paragraph(&figure.whole_note(), NOTE, NOTE_LINES);
         self.legend(figure);
     }
 

@@ -1,6 +1,7 @@
 //! Draws marks. A value outside of the domain becomes an open arrow at the border; NaN is not
 //! drawn.
 
+use super::crowd::left_out;
 use super::element::{dash, line, path, rectangle};
 use super::frame::Frame;
 use super::ink::class;
@@ -36,17 +37,21 @@ pub fn draw(figure: &Figure, index: usize, frame: &Frame) -> String {
     let panel = &figure.panels[index];
     let mut order: Vec<usize> = (0..panel.marks.len()).collect();
     order.sort_by_key(|mark| layer(&panel.marks[*mark].shape));
+    let pen = |index: usize| Pen {
+        figure,
+        frame,
+        mark: &panel.marks[index],
+        index,
+    };
+    let left_out = left_out(panel, |index, position| {
+        Some(pen(index).spot(position)?.position)
+    });
+    order.retain(|index| !left_out.contains(index));
     let mut below_axes = String::new();
     let mut above_axes = String::new();
     for index_of_mark in order {
         let mark = &panel.marks[index_of_mark];
-        let pen = Pen {
-            figure,
-            frame,
-            mark,
-            index: index_of_mark,
-        };
-        let Some(shape) = pen.shape() else {
+        let Some(shape) = pen(index_of_mark).shape() else {
             continue;
         };
         let part = if layer(&mark.shape) == 0 {

@@ -1,5 +1,6 @@
 //! A chart, described in data units, and its SVG ([`svg`]).
 
+mod crowd;
 mod dodge;
 mod element;
 mod ends;

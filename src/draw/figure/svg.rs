@@ -33,7 +33,7 @@ pub fn svg(figure: &Figure, width: u32) -> String {
     let width = px(layout.width);
     let height = px(layout.height.ceil());
     let title = escape(&figure.title);
-    let note = escape(&figure.note);
+    let note = escape(&figure.whole_note());
     let style = style();
     format!(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"fig\" width=\"{width}\" \

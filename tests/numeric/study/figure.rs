@@ -1,5 +1,6 @@
 //! Figures: the SVG shows the data of the marks.
 
+mod crowded;
 mod figures;
 mod legible;
 
