@@ -171,6 +171,15 @@ impl Table {
         all
     }
 
+    /// The table with at most so many rows.
+    pub fn first(&self, most: usize) -> Self {
+        Self {
+            columns: self.columns.clone(),
+            labels: self.labels.clone(),
+            rows: self.rows.iter().take(most).cloned().collect(),
+        }
+    }
+
     /// Adds a row, as long as the columns.
     pub fn row(&mut self, cells: Vec<Cell>) {
         assert_eq!(

@@ -286,10 +286,10 @@ impl Drawing<'_, '_> {
                 continue;
             }
             let mut dots = Vec::new();
-            for value in errors.values(row_axis) {
+            for (value, part) in errors.parts(row_axis) {
                 let x = size(frame, &value).unwrap_or(f64::NAN);
                 let label = frame.names.value_label(row_axis, &value);
-                dots.extend(errors.with_value(row_axis, &value).marks(
+                dots.extend(part.marks(
                     series,
                     &format!("{}, {label}", variant.label()),
                     |error| [x, error],

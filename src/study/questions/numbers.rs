@@ -9,7 +9,7 @@ use crate::experiment::axis::{AXES, AxisId, ENVIRONMENT, Part, SAMPLES};
 use crate::experiment::value::Value;
 use crate::instrument::environment::BUILTIN_PREFIX;
 use crate::study::frame::estimate::{CLUSTERS_MIN, Estimate, Middle, estimate};
-use crate::study::frame::{Frame, Row, distinct_in_order, values};
+use crate::study::frame::{Frame, Row, distinct_in_order, grouped_ascending, values};
 use crate::study::table::Table;
 
 /// Name of the last row and column.
@@ -145,8 +145,24 @@ impl<'r, 'f> Numbers<'r, 'f> {
     /// The images with this value on an axis.
     pub fn with_value(&self, axis: AxisId, value: &Value) -> Self {
         let items = self.items.iter().copied();
+        self.part(items.filter(|(row, _)| row.point[axis] == *value).collect())
+    }
+
+    /// The images at each value of an axis, ascending.
+    pub fn parts(&self, axis: AxisId) -> Vec<(Value, Self)> {
+        let whole = self.part(Vec::new());
+        let by_value = grouped_ascending(self.items.iter().copied(), axis, |(row, _)| *row);
+        let parts = by_value.into_iter().map(|(value, items)| {
+            let part = Self { items, ..whole };
+            (value, part)
+        });
+        parts.collect()
+    }
+
+    /// Some of these images, as a part.
+    fn part(&self, items: Vec<(&'r Row<'f>, f64)>) -> Self {
         Self {
-            items: items.filter(|(row, _)| row.point[axis] == *value).collect(),
+            items,
             is_part: self.is_part || self.measured_count() >= CLUSTERS_MIN,
             ..*self
         }
@@ -195,14 +211,11 @@ impl<'r, 'f> Numbers<'r, 'f> {
 
     /// The average at each value of an axis, ascending.
     pub fn by_value(&self, axis: AxisId) -> Vec<AtValue> {
-        let values = self.values(axis).into_iter();
-        values
-            .map(|value| {
-                let all = self.with_value(axis, &value).estimate();
-                AtValue {
-                    value,
-                    number: all.map_or(f64::NAN, |all| all.value),
-                }
+        let parts = self.parts(axis).into_iter();
+        parts
+            .map(|(value, part)| AtValue {
+                value,
+                number: part.estimate().map_or(f64::NAN, |all| all.value),
             })
             .collect()
     }
@@ -295,16 +308,16 @@ impl<'r, 'f> Numbers<'r, 'f> {
             };
             return by_light(frame, &[], &[row], words);
         };
-        let values = self.values(axis);
         let heads = frame.names.heads(&[axis]);
-        let mut rows: Vec<DigestRow> = values
-            .iter()
-            .map(|value| DigestRow {
-                head: frame.names.head_of(axis, value),
-                numbers: self.with_value(axis, value),
+        let mut rows: Vec<DigestRow> = self
+            .parts(axis)
+            .into_iter()
+            .map(|(value, numbers)| DigestRow {
+                head: frame.names.head_of(axis, &value),
+                numbers,
             })
             .collect();
-        if values.len() > 1 {
+        if rows.len() > 1 {
             rows.push(DigestRow {
                 head: all_head(&heads),
                 numbers: self.clone(),
