@@ -35,9 +35,9 @@ function save(button) {
 /** Fills a table of all rows when it is first opened. */
 function fill(details) {
   if (!details.open || details.querySelector("table")) return;
-  const { columns, rows, name } = answerOf(details);
+  const { columns, rows, row_count: count, name } = answerOf(details);
   const note = details.querySelector(".note");
-  if (rows.length > ROWS_MAX) note.prepend(`The first ${ROWS_MAX} of ${rows.length} rows; all of them in `);
+  if (count > ROWS_MAX) note.prepend(`The first ${ROWS_MAX} of ${count} rows; all of them in `);
   details.append(dataTable(name, columns, rows.slice(0, ROWS_MAX)));
 }
 

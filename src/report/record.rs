@@ -3,7 +3,7 @@
 use crate::base::files::{RECORD_BYTES_MAX, read_text};
 use crate::base::pixels::PixelsError;
 use crate::run::store::ANSWERS_FOLDER;
-use crate::study::questions::Answer;
+use crate::study::questions::{Answer, Question};
 use crate::study::table::Table;
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -110,16 +110,49 @@ impl AnswerRecord {
     }
 }
 
-/// Most rows in place of a digest.
-const ROWS_SHOWN_MAX: usize = 40;
+/// Most rows of a digest that readers see, and most rows of a table in place of a digest.
+const DIGEST_ROWS_MAX: usize = 100;
+const TABLE_ROWS_MAX: usize = 40;
 
-/// The digest of an answer, else the first rows of its table.
-pub fn shortened(answer: &Answer) -> Table {
-    let finding = &answer.finding;
-    let mut table = finding
-        .digest
-        .clone()
-        .unwrap_or_else(|| finding.table.clone());
-    table.rows.truncate(ROWS_SHOWN_MAX);
-    table
+/// What readers see of the numbers of an answer: the first rows of its digest, else of its table.
+pub struct Shown {
+    pub table: Table,
+    /// If the digest has more rows.
+    pub cut: Option<DigestCut>,
+}
+
+/// A digest with more rows than readers see.
+#[derive(Clone, Debug, Serialize)]
+pub struct DigestCut {
+    pub shown_count: usize,
+    pub row_count: usize,
+    /// In the folder of answers.
+    pub file: String,
+}
+
+impl Shown {
+    pub fn new(answer: &Answer) -> Self {
+        let finding = &answer.finding;
+        let Some(digest) = &finding.digest else {
+            return Self {
+                table: finding.table.first(TABLE_ROWS_MAX),
+                cut: None,
+            };
+        };
+        let table = digest.first(DIGEST_ROWS_MAX);
+        let cut = DigestCut {
+            shown_count: table.rows.len(),
+            row_count: digest.rows.len(),
+            file: digest_file(answer.question),
+        };
+        Self {
+            table,
+            cut: (cut.shown_count < cut.row_count).then_some(cut),
+        }
+    }
+}
+
+/// The name of the file of a question's digest.
+pub fn digest_file(question: &Question) -> String {
+    format!("{}_digest.csv", question.name)
 }

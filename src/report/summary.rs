@@ -1,6 +1,6 @@
 //! `summary.md`: the question, the answers, the state of the run.
 
-use super::record::{AnswerRecord, shortened};
+use super::record::{AnswerRecord, DigestCut, Shown};
 use super::sheets::sheet_files;
 use crate::draw::markdown::{
     Align, MarkdownTable, inline, link, link_label, paragraph, significant,
@@ -66,13 +66,25 @@ fn section(answer: &Answer) -> String {
             link(name, &format!("{ANSWERS_FOLDER}/{name}.svg"))
         );
     }
-    let shown = shortened(answer);
+    let shown = Shown::new(answer);
+    let _ = writeln!(text, "{}", shown.table.markdown());
+    if let Some(DigestCut {
+        shown_count,
+        row_count,
+        file,
+    }) = shown.cut
+    {
+        let whole = link("all of them", &format!("{ANSWERS_FOLDER}/{file}"));
+        let _ = writeln!(
+            text,
+            "The first {shown_count} of {row_count} rows: {whole}\n"
+        );
+    }
     let rows = answer.finding.table.rows.len();
     let whole = link("all rows", &format!("{ANSWERS_FOLDER}/{name}.csv"));
     let _ = writeln!(
         text,
-        "{}\n{rows} {}: {whole}\n",
-        shown.markdown(),
+        "{rows} {}: {whole}\n",
         if rows == 1 { "row" } else { "rows" }
     );
     text

@@ -1,6 +1,6 @@
 //! Writes `answers/` and `summary.md` in the folder of a run.
 
-use super::record::{ANSWER_FILE, AnswerRecord, AnswerSentence, WriteError};
+use super::record::{ANSWER_FILE, AnswerRecord, AnswerSentence, WriteError, digest_file};
 use super::summary;
 use crate::base::files::holds;
 use crate::base::pixels::Staged;
@@ -38,7 +38,7 @@ fn answer_files(answers: &[Answer]) -> Vec<AnswerFile> {
         });
         if let Some(digest) = &finding.digest {
             files.push(AnswerFile {
-                name: format!("{}_digest.csv", question.name),
+                name: digest_file(question),
                 text: digest.csv(),
             });
         }

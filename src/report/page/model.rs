@@ -265,12 +265,15 @@ pub struct ScriptRun<'a> {
     pub sheets: &'a [[String; 2]],
 }
 
-/// The whole table of an answer, for the scripts.
+/// The table of an answer, for the scripts.
 #[derive(serde::Serialize)]
 pub struct ScriptTable<'a> {
     pub columns: &'a [String],
     /// Of the question.
     pub name: &'static str,
+    /// Of the whole table.
+    pub row_count: usize,
+    /// All rows, or the first.
     pub rows: ScriptRows<'a>,
     pub run: usize,
 }

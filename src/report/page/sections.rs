@@ -4,6 +4,7 @@ use super::model::{ScriptRows, ScriptTable};
 use super::page_run::{PageRun, link};
 use crate::draw::figure::svg::{WIDTHS, svg};
 use crate::draw::words::{Span, spans};
+use crate::report::record::{DigestCut, Shown};
 use crate::run::store::ANSWERS_FOLDER;
 use crate::study::questions::Answer;
 use crate::study::table::{ColumnKind, Table, labelled};
@@ -12,7 +13,11 @@ use serde::Serialize;
 use std::path::Path;
 
 /// Most rows of a table that is shown if an answer has no digest.
-const DIGEST_ROWS: usize = 24;
+const TABLE_ROWS_MAX: usize = 24;
+/// Most rows of a table that the page has whole, to save and to read without the folder of the run.
+const WHOLE_ROWS_MAX: usize = 5000;
+/// Rows that the page has of a larger table: as many as it shows.
+const FIRST_ROWS: usize = 200;
 /// Most columns of a digest that has room next to its figure.
 const COLUMNS_BESIDE_FIGURE: usize = 6;
 
@@ -32,6 +37,8 @@ pub struct Section {
     /// The other sentences.
     scope: Vec<Span>,
     row_count: usize,
+    /// Whether the page has all rows.
+    has_all_rows: bool,
     /// Link to the table.
     csv: String,
     /// Whether the answer depends on times of a CPU driver.
@@ -64,16 +71,17 @@ fn section(
     let figure = finding.figure.as_ref().map(|figure| {
         WIDTHS.map(|width| Markup::from_safe_string(svg(figure, width).trim_end().to_owned()))
     });
-    let small = Some(&finding.table).filter(|table| table.rows.len() <= DIGEST_ROWS);
-    let digest = finding.digest.as_ref().or(small).map(Digest::new);
+    let row_count = finding.table.rows.len();
+    let answers = page_run.finished.dir.join(ANSWERS_FOLDER);
+    let digest = (finding.digest.is_some() || row_count <= TABLE_ROWS_MAX).then(|| {
+        Digest::new(Shown::new(answer), |file| {
+            link(link_base, &answers.join(file))
+        })
+    });
     let is_narrow = digest
         .as_ref()
         .is_some_and(|digest| digest.columns.len() <= COLUMNS_BESIDE_FIGURE);
-    let csv = page_run
-        .finished
-        .dir
-        .join(ANSWERS_FOLDER)
-        .join(format!("{key}.csv"));
+    let csv = answers.join(format!("{key}.csv"));
     Section {
         // Numbered from the second run.
         id: if run == 0 {
@@ -87,7 +95,8 @@ fn section(
         sentence: spans(finding.sentences.all()),
         headline: spans([&finding.sentences.headline]),
         scope: spans(finding.sentences.after_headline()),
-        row_count: finding.table.rows.len(),
+        row_count,
+        has_all_rows: has_all_rows(row_count),
         csv: link(link_base, &csv),
         is_cpu: answer.question.rests_on_cpu_times(page_run.finished),
         is_split: figure.is_some() && is_narrow,
@@ -96,17 +105,28 @@ fn section(
     }
 }
 
-/// The whole tables of the answers of a run.
+fn has_all_rows(row_count: usize) -> bool {
+    row_count <= WHOLE_ROWS_MAX
+}
+
+/// The tables of the answers of a run, of large ones the first rows.
 pub fn tables<'a>(page_run: &PageRun<'a>, run: usize) -> Vec<ScriptTable<'a>> {
-    let answers = page_run.answers.iter();
-    answers
-        .map(|answer| ScriptTable {
-            columns: &answer.finding.table.columns,
+    let table = |answer: &'a Answer| {
+        let Table { columns, rows, .. } = &answer.finding.table;
+        let has_all_rows = has_all_rows(rows.len());
+        ScriptTable {
+            columns,
             name: answer.question.name,
-            rows: ScriptRows(&answer.finding.table.rows),
+            row_count: rows.len(),
+            rows: ScriptRows(if has_all_rows {
+                rows
+            } else {
+                &rows[..FIRST_ROWS]
+            }),
             run,
-        })
-        .collect()
+        }
+    };
+    page_run.answers.iter().map(table).collect()
 }
 
 /// A small table in words.
@@ -114,6 +134,10 @@ pub fn tables<'a>(page_run: &PageRun<'a>, run: usize) -> Vec<ScriptTable<'a>> {
 struct Digest {
     columns: Vec<DigestColumn>,
     rows: Vec<Vec<String>>,
+    /// If there are more rows.
+    cut: Option<DigestCut>,
+    /// Link to the file with all rows, if there are more.
+    whole: Option<String>,
 }
 
 #[derive(Serialize)]
@@ -124,7 +148,8 @@ struct DigestColumn {
 }
 
 impl Digest {
-    fn new(table: &Table) -> Self {
+    /// `link` makes the link to a file of the folder of answers.
+    fn new(Shown { table, cut }: Shown, link: impl Fn(&str) -> String) -> Self {
         let column = |index: usize| DigestColumn {
             text: table.label(index),
             // The first column names the rows.
@@ -134,6 +159,8 @@ impl Digest {
         Self {
             columns: (0..table.columns.len()).map(column).collect(),
             rows: rows.map(|row| row.iter().map(labelled).collect()).collect(),
+            whole: cut.as_ref().map(|cut| link(&cut.file)),
+            cut,
         }
     }
 }

@@ -1,5 +1,6 @@
 //! The report without a browser: embedded data, escaping, and the files it may replace.
 
+use super::paper::{self, Made};
 use crate::run::runs::{finished, plan};
 use base64::Engine;
 use base64::prelude::BASE64_STANDARD;
@@ -10,6 +11,7 @@ use splitsum::base::pixels::{GrayImage, HALF_MAX, RgbImage, packed};
 use splitsum::report::page::images::{BUDGET_BYTES, Choice, collect};
 use splitsum::report::page::render::in_script;
 use splitsum::report::page::{PageOptions, PageRun, write};
+use splitsum::report::write::Written;
 use splitsum::study::finished::Finished;
 use splitsum::study::questions::{Answer, answers};
 use std::io::Read;
@@ -186,6 +188,52 @@ fn a_page_is_the_same_each_time_and_holds_every_cell_and_answer_once() {
             );
         }
     }
+}
+
+/// An image and a row of the digest a width.
+const MANY: usize = 5100;
+
+#[test]
+fn of_thousands_of_rows_readers_see_the_first() {
+    let dir = tempfile::tempdir().unwrap();
+    let widths: Vec<f64> = (1..=MANY)
+        .map(|k| (k + MANY) as f64 / (2 * MANY) as f64)
+        .collect();
+    let axes = format!("alpha = {widths:?}\nmethod = [\"split-sum\"]\n");
+    let run = Finished {
+        dir: dir.path().to_owned(),
+        ..paper::finished(&axes, |point| {
+            Some(Made::error(point.get("alpha").size().unwrap()))
+        })
+    };
+    let all = answers(&run, None);
+    assert_eq!(all[0].finding.table.rows.len(), MANY);
+    let summary = Written::new(&run, &all).unwrap().summary;
+    // Another row is over all widths.
+    let row_count = MANY + 1;
+    let cut = format!("The first 100 of {row_count} rows: [all of them](answers/error_digest.csv)");
+    assert!(summary.contains(&cut), "{summary}");
+    let runs = [(run, all)];
+    let written = write(
+        &PageOptions::in_folder(dir.path()),
+        &PageRun::of_runs(&runs),
+    )
+    .unwrap();
+    let page = std::fs::read_to_string(written.path).unwrap();
+    // The template writes a slash as its code.
+    let page = page.replace("&#x2f;", "/");
+    let cut = format!(
+        "The first 100 of {row_count} rows; all of them in <a href=\"answers/error_digest.csv\">"
+    );
+    assert!(page.contains(&cut));
+    let model = model_of(&page);
+    assert_eq!(model["rows"].as_array().unwrap().len(), MANY);
+    let table = &model["answers"][0];
+    assert_eq!(table["row_count"], json!(MANY));
+    assert_eq!(table["rows"].as_array().unwrap().len(), 200);
+    // What the page lacks it cannot save.
+    assert!(!page.contains("data-save=\"csv\""));
+    assert!(page.contains("<a href=\"answers/error.csv\" download>CSV</a>"));
 }
 
 #[test]
