@@ -197,3 +197,40 @@ fn every_column_of_every_table_is_explained() {
         }
     }
 }
+
+/// Rows that a summary shows of a digest.
+const DIGEST_ROWS_MAX: usize = 100;
+
+#[test]
+fn published_summaries_show_whole_digests() {
+    let mut count = 0;
+    for dir in std::fs::read_dir(file("results"))
+        .unwrap()
+        .map(|entry| entry.unwrap().path())
+    {
+        let Ok(summary) = std::fs::read_to_string(dir.join("summary.md")) else {
+            continue;
+        };
+        for answer in std::fs::read_dir(dir.join("answers")).unwrap() {
+            let path = answer.unwrap().path();
+            let name = path.file_name().unwrap().to_str().unwrap();
+            let Some(question) = name.strip_suffix("_digest.csv") else {
+                continue;
+            };
+            let rows = Table::read(&path).unwrap().rows.len();
+            assert!(rows <= DIGEST_ROWS_MAX, "{}", path.display());
+            let before = summary
+                .split_once(&format!("(answers/{question}.csv)"))
+                .unwrap()
+                .0;
+            let table = before
+                .lines()
+                .rev()
+                .skip_while(|line| !line.starts_with('|'));
+            let lines = table.take_while(|line| line.starts_with('|')).count();
+            assert_eq!(lines, rows + 2, "{}", path.display());
+            count += 1;
+        }
+    }
+    assert!(count > 20, "{count} digests");
+}
