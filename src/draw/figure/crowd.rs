@@ -42,8 +42,25 @@ impl Square {
     }
 }
 
-/// Where an interval meets its dot: series, axis across the interval, bits of the coordinate.
-type Foot = (Option<usize>, usize, u64);
+/// Where an interval meets its dot.
+#[derive(PartialEq, Eq, Hash)]
+struct Foot {
+    series: Option<usize>,
+    /// The axis across the interval, 0 or 1.
+    across: usize,
+    /// Of the coordinate on that axis.
+    bits: u64,
+}
+
+impl Foot {
+    fn new(series: Option<usize>, across: usize, position: [f64; 2]) -> Self {
+        Self {
+            series,
+            across,
+            bits: position[across].to_bits(),
+        }
+    }
+}
 
 /// The indices of the marks of a crowded panel that are not drawn: dots without room, and their
 /// intervals. `pixels` places a dot.
@@ -71,7 +88,7 @@ pub fn left_out(
             left_out.insert(index);
         } else {
             drawn.insert(square, pixel);
-            feet.extend((0..2).map(|axis| (mark.series, axis, position[axis].to_bits())));
+            feet.extend((0..2).map(|across| Foot::new(mark.series, across, position)));
         }
     }
     for (index, mark) in panel.marks.iter().enumerate() {
@@ -79,7 +96,7 @@ pub fn left_out(
             continue;
         };
         let across = usize::from(start[0] != end[0]);
-        if !feet.contains(&(mark.series, across, start[across].to_bits())) {
+        if !feet.contains(&Foot::new(mark.series, across, start)) {
             left_out.insert(index);
         }
     }
